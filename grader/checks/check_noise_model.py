@@ -1,0 +1,265 @@
+"""Noise model: white Gaussian noise of the size that was asked for, a constant bias, independent on every axis."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from .. import statistics as st
+from ..answers import NoiseRun
+from ..compare import Array, vector
+from ..diagnosis import noise as diagnosis
+from ..diagnosis.noise import Facts
+from ..plugin import check
+from ..student import Student
+from ..traces import Traces
+from ..verdicts import Lost, Skipped, raised
+from .check_data_collection import torso_ids
+
+_INSTANCES = 24
+_SILENT_READS = 100
+_ROUGHLY = 0.3
+"""600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
+_UNITS = ("m/s²", "rad/s")
+_NAMES = ("accel", "gyro")
+
+
+@check("noise_model.noise_size", lab_step=5)
+def check_noise_size(student: Student, truth: Traces) -> None:
+    """The noise of each sensor has the standard deviation that was asked for"""
+    sensors = _given(student, truth)
+    if all(map(_size_is_right, sensors)):
+        return
+    again, silent = _given_again(student, truth), _silent(student, truth)
+    if _redrawn_bias_explains(sensors, silent):
+        return
+    wrong = next(i for i, facts in enumerate(sensors) if not _size_is_right(facts))
+    raise Lost(
+        f"{_NAMES[wrong]} noise with a standard deviation of {sensors[wrong].std:g} {_UNITS[wrong]}",
+        f"{sensors[wrong].pooled_spread:.3g} {_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
+        mistakes=diagnosis.size_mistakes(sensors, again, silent),
+        keeps=0.5 if any(map(_size_is_right, sensors)) else 0.0,
+    )
+
+
+def _size_is_right(facts: Facts) -> bool:
+    """The size, in the light of a fault that another check charges: a law that is not normal, noise that adds up."""
+    if diagnosis.accumulates(facts):
+        return diagnosis.size_is_right(facts, float(np.sqrt(np.mean(facts.increments**2))))
+    if diagnosis.one_signed(facts):
+        return diagnosis.size_is_right(facts, float(np.sqrt(np.mean((facts.residual - facts.bias) ** 2))))
+    return diagnosis.size_is_right(facts) or diagnosis.half_width_is_std(facts)
+
+
+def _redrawn_bias_explains(sensors: list[Facts], silent: list[Facts]) -> bool:
+    """Whether what is too much is a bias that is drawn anew on every read, which default_bias charges."""
+    if not diagnosis.bias_is_redrawn(sensors, silent):
+        return False
+    whole = [float(np.hypot(f.std, s.pooled_spread)) for f, s in zip(sensors, silent, strict=True)]
+    return all(abs(f.pooled_spread / w - 1) < _ROUGHLY for f, w in zip(sensors, whole, strict=True))
+
+
+@check("noise_model.given_bias", lab_step=5)
+def check_given_bias(student: Student, truth: Traces) -> None:
+    """A bias that is given is added to every reading, zero included"""
+    sensors, silent = _given(student, truth), _silent(student, truth)
+    wrong = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
+    redrawn = diagnosis.bias_is_redrawn(sensors, silent)
+    if wrong:
+        facts, unit = sensors[wrong[0]], _UNITS[wrong[0]]
+        raise Lost(
+            f"readings that are {vector(facts.bias)} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
+            f"{vector(facts.offset[-1])} {unit}",
+            off=f"an average that is off by up to {np.abs(facts.offset - facts.bias).max():.3g} {unit}",
+            mistakes=["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors),
+            keeps=0.5 if len(wrong) == 1 else 0.0,
+        )
+    if any(facts.still and np.abs(facts.offset).max() > diagnosis.TRUTH_ATOL for facts in silent):
+        got = next(f for f in silent if np.abs(f.offset).max() > diagnosis.TRUTH_ATOL)
+        raise Lost(
+            "no offset where the given bias is zero",
+            vector(got.offset[0]),
+            mistakes=["bias-argument-ignored"],
+            keeps=0.5,
+        )
+
+
+def _bias_is_right(facts: Facts) -> bool:
+    if diagnosis.accumulates(facts):  # where the walk starts is all that can be seen of the bias
+        start = np.abs(facts.residual[0, 0] - facts.bias)
+        return bool(start.max() <= 2 * st.Z * facts.std)
+    if diagnosis.one_signed(facts):
+        return True
+    return diagnosis.bias_is_right(facts)
+
+
+@check("noise_model.default_bias", lab_step=5)
+def check_default_bias(student: Student, truth: Traces) -> None:
+    """Without a given bias, each instance draws its own, keeps it, and has one for every axis"""
+    biases = _default_biases(student, truth)
+    sensors, silent = _given(student, truth), _silent(student, truth)
+    noisy = any(not facts.still for facts in silent) and not diagnosis.bias_is_redrawn(sensors, silent)
+    for bias, name in zip(biases, _NAMES, strict=True):
+        _bias_is_constant(bias, name, noisy=noisy)
+        mean = bias.mean(axis=1)
+        if np.abs(mean).max() <= diagnosis.TRUTH_ATOL:
+            mistake = "no-bias" if diagnosis.bias_mistakes(sensors) == ["no-bias"] else "bias-not-random"
+            keeps = 0.0 if mistake == "no-bias" else 0.5
+            raise Lost(f"a random {name} bias for each instance", "none", mistakes=[mistake], keeps=keeps)
+        if np.ptp(mean[1:], axis=0).max() <= diagnosis.EXACT and not noisy:
+            got = f"{vector(mean[1])} for each of {len(mean)} instances"
+            reseeded = all(f.still for f in sensors) and diagnosis.size_mistakes(
+                sensors, _given_again(student, truth), silent
+            )
+            mistakes = reseeded or ["bias-not-random"]
+            raise Lost(f"another {name} bias for each instance", got, mistakes=mistakes, keeps=0.5)
+        if np.ptp(mean, axis=1).max() <= diagnosis.TRUTH_ATOL:
+            got = f"{vector(mean[0])}: the same on each axis"
+            raise Lost(f"a {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
+    ratio = biases[1].mean(axis=1) / biases[0].mean(axis=1)
+    if np.ptp(ratio) <= 1e-3 * np.abs(ratio).max():
+        got = f"{ratio[0, 0]:.3g} times the accelerometer's for the gyroscope, on every axis"
+        raise Lost("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
+
+
+def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
+    moves = np.ptp(bias, axis=1)
+    if moves.max() > diagnosis.EXACT * max(1.0, np.abs(bias).max()) and not noisy:
+        row = int(np.argmax(moves.max(axis=1)))
+        got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
+        raise Lost(f"a {name} bias that stays the same from read to read", got, mistakes=["bias-redrawn"])
+
+
+@check("noise_model.white_and_gaussian", lab_step=5)
+def check_white_and_gaussian(student: Student, truth: Traces) -> None:
+    """The noise is Gaussian with zero mean, and no read depends on the one before"""
+    sensors = [(f, n) for f, n in zip(_given(student, truth), _NAMES, strict=True) if not f.still]
+    if not sensors:
+        raise Skipped("noise that differs from read to read")
+    for facts, name in sensors:
+        _is_white(facts, name)
+        if diagnosis.one_signed(facts):
+            raise Lost(f"{name} noise of both signs", "noise of one sign only", mistakes=["noise-not-zero-mean"])
+        low, high = st.geary_bounds(facts.residual.size)
+        ratio = st.geary(facts.standardised.ravel())
+        if not low <= ratio <= high:
+            got = f"{ratio:.3f} over {facts.residual.size} values"
+            wanted = f"{name} noise with a ratio of mean deviation to standard deviation of 0.798, as a normal law has"
+            raise Lost(wanted, got, mistakes=["not-gaussian"])
+
+
+def _is_white(facts: Facts, name: str) -> None:
+    if diagnosis.accumulates(facts):
+        raise Lost(
+            f"{name} noise drawn anew on every read",
+            "noise that adds up from read to read",
+            mistakes=["noise-accumulates"],
+        )
+    bound = st.correlation_bound(facts.residual.shape[1])
+    for lag in (1, 2, 3):
+        worst = max((abs(r) for state in facts.centred for r in st.autocorrelation(state, lag)), default=0.0)
+        if worst > bound:
+            raise Lost(
+                f"{name} reads that do not depend on each other",
+                f"a correlation of {worst:.2f} with the read {lag} before",
+            )
+
+
+@check("noise_model.axes_and_sensors_independent", lab_step=5)
+def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
+    """Each axis of each sensor has noise of its own"""
+    sensors = _given(student, truth)
+    if all(facts.still for facts in sensors):
+        raise Skipped("noise that differs from read to read")
+    columns = np.concatenate([_innovations(facts) for facts in sensors], axis=1)
+    matrix = st.correlations(columns)
+    bound = st.correlation_bound(len(columns))
+    channels = [f"{sensor} {axis}" for sensor in _NAMES for axis in "xyz"]
+    pairs = [(abs(matrix[i, j]), i, j) for i, j in itertools.combinations(range(6), 2)]
+    worst, i, j = max(pairs)
+    if worst > bound:
+        raise Lost(
+            f"independent noise on {channels[i]} and {channels[j]}",
+            f"a correlation of {worst:.2f} over {len(columns)} reads",
+            mistakes=["same-noise-on-axes"] if worst > 0.99 else [],
+        )
+
+
+def _innovations(facts: Facts) -> Array:
+    if diagnosis.accumulates(facts):
+        steps = np.concatenate([facts.increments[:, :1] * 0, facts.increments], axis=1)
+        return np.asarray(steps.reshape(-1, 3))
+    return facts.standardised
+
+
+@check("noise_model.leaves_simulation_alone", lab_step=5)
+def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
+    """A noisy read changes nothing in the simulator's own data"""
+    run = _run(student, truth, "given")
+    change = run.disturbance.max(axis=0, initial=0.0)
+    names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
+    changed = [f"{name} changed by {size:.3g}" for name, size in zip(names, change, strict=True) if not size <= 1e-12]
+    if changed:
+        only_sensors = change[:3].max() <= 1e-12
+        mistake = "mutates-sensordata" if only_sensors else "disturbs-simulation"
+        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake])
+
+
+# --- what the checks share -----------------------------------------------------------------------------------------------
+
+
+def _run(student: Student, truth: Traces, key: str) -> NoiseRun:
+    scenario = truth["noise"]
+    stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
+    biases = (scenario["accel_bias"], scenario["gyro_bias"])
+    settings = {
+        "given": (st.READS, stds, biases),
+        "again": (3, stds, biases),
+        "silent": (_SILENT_READS, (0.0, 0.0), (np.zeros(3), np.zeros(3))),
+    }
+    reads, stds, biases = settings[key]
+    run = student.noise(
+        key, qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), reads=reads, stds=stds, biases=biases
+    )
+    return _sound_form(run)
+
+
+def _sound_form(run: NoiseRun) -> NoiseRun:
+    raised(run.fault, "reading the noisy IMU")
+    if not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
+        finite = run.odd or "NaN or infinity"
+        mistake = "not-finite" if run.odd is None or "of shape (3,)" in finite else "wrong-return-type"
+        raise Lost("a tuple of two arrays of shape (3,) from read()", finite, mistakes=[mistake])
+    return run
+
+
+def _facts(run: NoiseRun, truth: Traces, *, biased: bool) -> list[Facts]:
+    scenario = truth["noise"]
+    clean = (scenario["acceleration"], scenario["angular_velocity"])
+    stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
+    biases = (scenario["accel_bias"], scenario["gyro_bias"]) if biased else (np.zeros(3), np.zeros(3))
+    reads = (run.accel, run.gyro)
+    return [Facts(r - c[:, None, :], c, s, b) for r, c, s, b in zip(reads, clean, stds, biases, strict=True)]
+
+
+def _given(student: Student, truth: Traces) -> list[Facts]:
+    return _facts(_run(student, truth, "given"), truth, biased=True)
+
+
+def _given_again(student: Student, truth: Traces) -> list[Facts]:
+    return _facts(_run(student, truth, "again"), truth, biased=True)
+
+
+def _silent(student: Student, truth: Traces) -> list[Facts]:
+    return _facts(_run(student, truth, "silent"), truth, biased=False)
+
+
+def _default_biases(student: Student, truth: Traces) -> list[Array]:
+    """(instances, reads, 3) offsets of each sensor, without noise."""
+    scenario = truth["noise"]
+    run = student.default_bias(
+        qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), instances=_INSTANCES, reads=3
+    )
+    run = _sound_form(run)
+    return [run.accel - scenario["acceleration"][0], run.gyro - scenario["angular_velocity"][0]]

@@ -1,0 +1,377 @@
+"""Visualization: clear, labelled plots of the sensor data, judged from the facts of the figure that the code draws."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ..answers import KEYS, Array, Drawing
+from ..diagnosis import plots
+from ..diagnosis.plots import Facts, Panel
+from ..errors import NoAnswer
+from ..plugin import check
+from ..student import Missing, Student
+from ..text import printable
+from ..traces import Traces
+from ..verdicts import Lost, Raised, Skipped, raised
+from .check_data_collection import torso_ids
+
+_PICTURE = "imu_data.png"
+_COMPARISON = "filtered_imu.png"
+_SMALLEST_PX = (400, 250)
+"""Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
+_SENSOR_WORDS = ("acceleration", "angular velocity")
+
+
+@dataclass(frozen=True)
+class _Plot:
+    """The figure under judgement, its panels, and what else was drawn."""
+
+    figure: Facts
+    panels: list[Panel]
+    drawing: Drawing
+
+    def of_sensor(self, sensor: int) -> list[Panel]:
+        return [panel for panel in self.panels if sensor in panel.sensors]
+
+
+def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, Traces], None]:
+    """What is missing from a plot that was broken off by an exception is the exception's fault, and told as that."""
+
+    @functools.wraps(judge)
+    def judged(student: Student, truth: Traces) -> None:
+        try:
+            judge(student, truth)
+        except (Lost, Skipped):
+            raised(_drawing(student, truth).fault, "plotting IMU data")
+            raise
+
+    return judged
+
+
+@check("visualization.saves_image", lab_step=4)
+@_to_the_end
+def check_saves_image(student: Student, truth: Traces) -> None:
+    """plot_imu_data saves a readable picture of the plot"""
+    drawing = _drawing(student, truth)
+    saved = [f for f in drawing.figures if f["event"] == "saved"]
+    full = _saved_curves(drawing)
+    if not full and drawing.figures:
+        looks = {_look(figure) for figure in drawing.figures if _curves(figure)}
+        found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
+        full = list(itertools.islice(found, 1))
+    if not full:
+        _not_saved(student, drawing, saved)
+    width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
+    if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
+        wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
+        raise Lost(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
+
+
+def _look(figure: Facts) -> tuple[tuple[str, str, int], ...]:
+    """What makes a figure the same plot with other data: titles, labels, number of curves."""
+    return tuple((axes["title"], axes["ylabel"], len(axes["curves"])) for axes in figure["axes"])
+
+
+def _saved_curves(drawing: Drawing) -> list[Facts]:
+    return [f for f in drawing.figures if f["event"] == "saved" and _curves(f)]
+
+
+def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
+    if saved:
+        raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
+    if _picture_shows_something(student, _PICTURE) and not drawing.figures:
+        return  # nothing draws it, and it is there to be seen
+    drawn = "a figure that is drawn and never saved" if any(map(_curves, drawing.figures)) else "no figure"
+    raise Lost(f"a saved picture, {_PICTURE}", drawn, mistakes=["plot-not-saved"])
+
+
+@check("visualization.two_labelled_panels", lab_step=4)
+@_to_the_end
+def check_two_labelled_panels(student: Student, truth: Traces) -> None:
+    """Acceleration and angular velocity have a panel each, which says what it shows"""
+    plot = _plot(student, truth)
+    both = [panel for panel in plot.panels if len(panel.sensors) > 1]
+    if both:
+        raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
+    unlabelled = []
+    for sensor in (0, 1):
+        for panel in plot.of_sensor(sensor):
+            said = plots.claims(panel.facts["ylabel"]) | plots.claims(panel.facts["title"])
+            if said == {1 - sensor} and _shown_elsewhere(plot, 1 - sensor, panel):
+                got = f"a panel labelled “{_shown(panel.words)}” that shows the {_SENSOR_WORDS[sensor]}"
+                raise Lost(f"{_SENSOR_WORDS[sensor]} under its own name", got, mistakes=["panels-swapped"])
+        if not _is_named(plot, sensor):
+            unlabelled.append(_SENSOR_WORDS[sensor])
+    missing = [_SENSOR_WORDS[s] for s in (0, 1) if not plot.of_sensor(s)]
+    if missing and len(plot.panels) < 2:
+        raise Lost("a panel for each sensor", f"no panel with the {missing[0]}", mistakes=["curves-missing"], keeps=0.0)
+    if unlabelled:
+        got = f"nothing on the panel that says {' or '.join(unlabelled)}"
+        raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
+
+
+def _shown_elsewhere(plot: _Plot, sensor: int, panel: Panel) -> bool:
+    """Whether another panel shows the sensor that this one claims; if none does, the wrong data is drawn, not the wrong panel."""
+    return any(other is not panel and sensor in other.sensors for other in plot.panels)
+
+
+def _is_named(plot: _Plot, sensor: int) -> bool:
+    """Whether a reader can tell which sensor it is; missing labels and titles are charged by their own checks."""
+    panels = plot.of_sensor(sensor)
+    if not panels or any(sensor in plots.claims(p.words) for p in panels):
+        return True
+    title_only = all(not p.facts["ylabel"].strip() for p in panels) or all(not p.facts["title"].strip() for p in panels)
+    names = [name or "" for p in panels for name in plots.names_of(p, plot.figure)]
+    whole = [
+        plot.figure["title"],
+        plot.figure["ylabel"],
+        *names,
+        *(t["text"] for p in panels for t in p.facts["texts"]),
+    ]
+    written = any(p.words.replace("|", "").strip() for p in panels)
+    return any(sensor in plots.claims(text) for text in whole) or (title_only and written)
+
+
+@check("visualization.curves_match_data", lab_step=4)
+@_to_the_end
+def check_curves_match_data(student: Student, truth: Traces) -> None:
+    """Six curves show the six channels of the data against time"""
+    plot = _plot(student, truth)
+    shown = {(s.sensor, s.axis) for panel in plot.panels for s in panel.shown}
+    strange = [curve for panel in plot.panels for curve in panel.strange]
+    if len(shown) < 6:
+        missing = ", ".join(f"{_SENSOR_WORDS[s]} {'xyz'[a]}" for s in (0, 1) for a in range(3) if (s, a) not in shown)
+        twice = sum(len(panel.shown) for panel in plot.panels) > len(shown)
+        wrong = bool(strange) or twice
+        got = f"no curve that shows {missing}" + (f"; {len(strange)} that show something else" if strange else "")
+        mistake = "wrong-data-plotted" if wrong else "curves-missing"
+        raise Lost(
+            "six curves, one for each channel of the data",
+            got,
+            mistakes=[mistake],
+            keeps=len(shown) / 6 if shown else 0.0,
+        )
+    _axis_is_time(plot)
+    _scale_is_labelled(plot)
+
+
+def _axis_is_time(plot: _Plot) -> None:
+    kinds = {s.x for panel in plot.panels for s in panel.shown}
+    if "index" in kinds:
+        raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
+    labelled = [plots.plain(text) for text in _x_labels(plot)]
+    if "ms" in kinds and any(labelled) and not any("ms" in text or "milli" in text for text in labelled):
+        raise Lost(
+            "curves against time in the unit of the label",
+            "curves against milliseconds",
+            mistakes=["x-not-time"],
+            keeps=0.5,
+        )
+
+
+def _scale_is_labelled(plot: _Plot) -> None:
+    for panel in plot.panels:
+        said = (
+            plots.unit_of(panel.facts["ylabel"])
+            or plots.unit_of(plot.figure["ylabel"])
+            or plots.unit_of(panel.facts["title"])
+        )
+        for shown in panel.shown:
+            expected_family = ("m/s²", "g") if shown.sensor == 0 else ("rad/s", "deg/s")
+            wrong = said is not None and said in expected_family and said != shown.unit
+            unsaid = said is None and shown.unit in ("g", "deg/s")
+            if wrong or unsaid:
+                got = f"numbers in {shown.unit} under the label “{_shown(panel.facts['ylabel'])}”"
+                raise Lost("numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5)
+
+
+@check("visualization.axis_labels_with_units", lab_step=4)
+@_to_the_end
+def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
+    """The axes are labelled, with units"""
+    plot = _plot(student, truth)
+    lost: list[tuple[str, str]] = []
+    for sensor in (0, 1):
+        panels = plot.of_sensor(sensor)
+        labels = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
+        beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"])
+        if panels:
+            lost += _label_problem(f"the y axis of the {_SENSOR_WORDS[sensor]}", labels, beside, sensor)
+    lost += _time_problem(_x_labels(plot))
+    if lost:
+        mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
+        keeps = round(1 - len(lost) / 3, 4) if len(lost) < 3 else 0.0
+        raise Lost(
+            "labels such as “Acceleration (m/s²)” and “Time (s)”",
+            "; ".join(text for _, text in lost),
+            mistakes=mistakes,
+            keeps=keeps,
+        )
+
+
+def _label_problem(axis: str, labels: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
+    written = [label for label in labels if label.strip()]
+    if not written:
+        beside = [text for text in beside if plots.unit_of(text) and sensor in plots.claims(text)]
+        return [] if beside and any(text.strip() for text in beside) else [("no-axis-labels", f"no label on {axis}")]
+    family = ("m/s²", "g") if sensor == 0 else ("rad/s", "deg/s")
+    units = [plots.unit_of(text) for text in written + beside]
+    if any(unit in family for unit in units):
+        return []
+    if any(unit is not None for unit in units[: len(written)]):
+        return []  # a unit of the other sensor: that is a panel under the other's name
+    return [("no-units", f"“{_shown(written[0])}” without a unit on {axis}")]
+
+
+def _time_problem(labels: list[str]) -> list[tuple[str, str]]:
+    written = [label for label in labels if label.strip()]
+    if not written:
+        return [("no-axis-labels", "no label on the time axis")]
+    if any(plots.has_time_unit(label) or plots.counts_samples(label) for label in written):
+        return []
+    return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
+
+
+def _x_labels(plot: _Plot) -> list[str]:
+    return [panel.facts["xlabel"] for panel in plot.panels] + [plot.figure["xlabel"], *plot.figure["texts"]]
+
+
+@check("visualization.legend_names_curves", lab_step=4)
+@_to_the_end
+def check_legend_names_curves(student: Student, truth: Traces) -> None:
+    """A legend, or text beside the curves, tells the curves of a panel apart"""
+    plot = _plot(student, truth)
+    crowded = [panel for panel in plot.panels if len(panel.shown) > 1]
+    nameless = []
+    for panel in crowded:
+        names = plots.names_of(panel, plot.figure)
+        told = [name for name in names if name]
+        if len(told) < len(names) or len(set(told)) < len(told):
+            nameless.append(panel)
+            continue
+        if len({(s.sensor, s.axis) for s in panel.shown}) < len(panel.shown):
+            continue  # one channel drawn twice: the curve is wrong, not its name
+        for shown, name in zip(panel.shown, told, strict=True):
+            said = plots.axis_of(name)
+            if said is not None and said != shown.axis:
+                got = f"“{_shown(name)}” beside the curve of {'xyz'[shown.axis]}"
+                raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
+    if nameless:
+        keeps = 0.5 if len(nameless) < len(crowded) else 0.0
+        got = "curves without a name" + ("" if len(nameless) == len(crowded) else " in one of the panels")
+        raise Lost("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
+
+
+@check("visualization.titles", lab_step=4)
+@_to_the_end
+def check_titles(student: Student, truth: Traces) -> None:
+    """The panels, or the figure, have a title"""
+    plot = _plot(student, truth)
+    places = {
+        tuple(axes["position"]) for axes in plot.figure["axes"] if axes["title"].strip()
+    }  # twin axes share a title
+    titled = [tuple(panel.facts["position"]) in places for panel in plot.panels]
+    if (
+        plot.figure["title"].strip()
+        or any(len(t.strip()) > 2 for t in plot.figure["texts"])
+        or (titled and all(titled))
+    ):
+        return
+    columns = {panel.facts["position"][0] for panel, has in zip(plot.panels, titled, strict=True) if has}
+    if len(plot.panels) > 2 and columns >= {panel.facts["position"][0] for panel in plot.panels}:
+        return  # one title over each column of panels
+    raise Lost(
+        "a title",
+        "none" if not any(titled) else "a panel without one",
+        mistakes=["no-title"],
+        keeps=0.5 if any(titled) else 0.0,
+    )
+
+
+@check("visualization.comparison_plot", lab_step=6)
+def check_comparison_plot(student: Student, truth: Traces) -> None:
+    """A saved plot shows raw and filtered data together"""
+    del truth
+    drawn = broken_off = False
+    for drawing in student.scripts():
+        broken_off = broken_off or drawing.fault is not None
+        events = {f["event"] for f in drawing.figures if plots.shows_comparison(f, drawing.arrays)}
+        if "saved" in events:
+            return
+        drawn = drawn or bool(events)
+    if drawn:
+        if _picture_shows_something(student, _COMPARISON):
+            return
+        raise Lost(
+            "a saved picture of raw and filtered data",
+            "a figure that is not saved",
+            mistakes=["comparison-missing"],
+            keeps=0.5,
+        )
+    if _picture_shows_something(student, _COMPARISON):
+        got = f"{_COMPARISON}, which no code of the submission draws"
+        raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
+    got = f"no code that draws it and no readable {_COMPARISON}"
+    mistakes = (
+        [] if broken_off else ["comparison-missing"]
+    )  # an exception came first: what the script would draw is not known
+    raise Lost("a picture with the raw and the filtered series in it", got, mistakes=mistakes)
+
+
+# --- what the checks share -----------------------------------------------------------------------------------------------
+
+
+def _series(truth: Traces) -> Mapping[str, Array]:
+    return {key: truth["tumbling"][key] for key in KEYS}
+
+
+def _drawing(student: Student, truth: Traces) -> Drawing:
+    drawing = student.plot(series=_series(truth), keys=_keys(student, truth))
+    if drawing.fault is not None and not drawing.figures:
+        raised(drawing.fault, "plotting IMU data")
+    return drawing
+
+
+def _keys(student: Student, truth: Traces) -> dict[str, str]:
+    """The names under which the submission itself records the three series."""
+    scalars = truth["push"].scalars
+    sheet = {key: key for key in KEYS}
+    try:
+        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth)).keys
+    except (NoAnswer, Missing, Raised):
+        return sheet
+    return sheet if any(name.isdigit() for name in own.values()) else {**sheet, **own}
+
+
+def _plot(student: Student, truth: Traces) -> _Plot:
+    drawing = _drawing(student, truth)
+    candidates = [_Plot(f, plots.panels(f, drawing.arrays, _series(truth)), drawing) for f in drawing.figures]
+    best = max(candidates, key=_showing, default=None)
+    if best is None or not best.panels:
+        raise Skipped("a figure with curves in it")
+    return best
+
+
+def _showing(plot: _Plot) -> tuple[int, bool]:
+    channels = {(s.sensor, s.axis) for panel in plot.panels for s in panel.shown}
+    return len(channels), plot.figure["event"] == "saved"
+
+
+def _curves(figure: Facts) -> bool:
+    return any(
+        curve["visible"] and curve["n"] > 3 for axes in figure["axes"] if axes["visible"] for curve in axes["curves"]
+    )
+
+
+def _picture_shows_something(student: Student, name: str) -> bool:
+    picture = student.picture(name)
+    return (
+        picture is not None and bool(picture["readable"]) and picture["ink"] > 0.005 and min(picture["size_px"]) >= 150
+    )
+
+
+def _shown(text: str) -> str:
+    return printable(text, 60)

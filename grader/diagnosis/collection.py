@@ -1,0 +1,178 @@
+"""From a wrong time series to the mistake that predicts it: other worlds, other rows, other columns.
+
+A recorded series is explained by what the simulation did (the *world*: pushed, not pushed, not reset, …) and by how its
+samples became rows (late by one, several steps a row, references to one array, rows left empty, channels exchanged).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..answers import Collection
+from ..compare import Array, same
+from ..traces import Scenario
+
+ATOL_ACCELERATION = 2e-3
+ATOL_RATE = 2e-4
+"""m/s², rad/s. The same steps on the same machine repeat to 1e-9; an extra mj_forward before the first step or the use of
+mj_step1/mj_step2 stays below 1e-6. A lag of one sample after the push moves the series by more than 0.01 m/s²."""
+_FEWEST_ROWS = 20
+TRUE_WORLD = "truth"
+
+
+CLAIMED_WORLD = "claimed"
+HELD_WORLD = "push_at_every_step"
+LAST_SENSOR = "the model's last sensor"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Where a run is said to have started: believed only if a simulation from there gives the same rows.
+
+    Attributes
+    ----------
+    qpos, qvel : the state before the first step; gravity : (3,); timestep : seconds
+    """
+
+    qpos: Array
+    qvel: Array
+    gravity: Array
+    timestep: float
+
+
+@dataclass(frozen=True)
+class Worlds:
+    """What the sensors show in each world: name -> (acceleration, angular velocity), each (rows, 3)."""
+
+    series: Mapping[str, tuple[Array, Array]]
+    timestep: float
+    duration_s: float
+    steps: int
+    claim: Claim | None = None
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Worlds:
+        series = {TRUE_WORLD: (scenario["acceleration"], scenario["angular_velocity"])}
+        for key in scenario.arrays:
+            if key.startswith("alt_") and key.endswith("_acceleration"):
+                name = key[len("alt_") : -len("_acceleration")]
+                series[name] = (scenario[key], scenario[f"alt_{name}_angular_velocity"])
+        scalars = scenario.scalars
+        return cls(series, float(scalars["timestep"]), float(scalars["duration_s"]), int(scalars["n_steps"]))
+
+
+def with_claim(
+    worlds: Worlds, claim: Claim, run: Array, held: Array, address: np.ndarray, ids: tuple[int, int]
+) -> Worlds:
+    """The same worlds and those that start as claimed.
+
+    Parameters
+    ----------
+    run, held : (rows, n) ndarray, all sensors of a simulation from the claimed start, and of one that is pushed at every step
+    address : first index of each sensor; ids : of the accelerometer and the gyroscope
+
+    Returns
+    -------
+    Worlds
+        With the claimed run's right sensors, its last one as ``id = -1`` reads it, and the run that is pushed at every step.
+    """
+
+    def at(first: int, sensordata: Array = run) -> Array:
+        out = np.full((len(sensordata), 3), np.nan)
+        part = sensordata[:, first : first + 3]
+        out[:, : part.shape[1]] = part
+        return out
+
+    first, second = (int(address[i]) for i in ids)
+    series = {CLAIMED_WORLD: (at(first), at(second)), HELD_WORLD: (at(first, held), at(second, held))}
+    if np.isfinite(last := at(int(address[-1]))).all():
+        series[LAST_SENSOR] = (last, last)
+    return replace(worlds, series={**worlds.series, **series}, claim=claim)
+
+
+@dataclass(frozen=True)
+class Story:
+    """How rows came about: world, rows late by `lag` samples, `skip` steps a row, channels exchanged, rows aliased.
+
+    With several steps a row, `first` tells after which of them a row is stored, from 0 on.
+    """
+
+    world: str = TRUE_WORLD
+    lag: int = 0
+    skip: int = 1
+    first: int = 0
+    exchanged: bool = False
+    aliased: bool = False
+
+    @property
+    def oddness(self) -> int:
+        return (self.world != TRUE_WORLD) + (self.lag != 0) + (self.skip != 1) + self.exchanged + self.aliased
+
+
+def filled_rows(series: Collection) -> int:
+    """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
+    assert series.acceleration is not None
+    assert series.angular_velocity is not None
+    n = min(len(series.acceleration), len(series.angular_velocity))
+    some = np.any(series.acceleration[:n] != 0, axis=1) | np.any(series.angular_velocity[:n] != 0, axis=1)
+    return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
+
+
+def explain(series: Collection, worlds: Worlds) -> Story | None:
+    """The simplest story that predicts the rows, or None where none does or two equally simple ones do."""
+    fitting = [story for story in _stories(worlds) if tells(story, series, worlds)]
+    if not fitting:
+        return None
+    least = min(story.oddness for story in fitting)
+    simplest = [story for story in fitting if story.oddness == least]
+    return simplest[0] if least == 0 or len({_kind(s) for s in simplest}) == 1 else None
+
+
+def _kind(story: Story) -> tuple[object, ...]:
+    return (story.world, story.lag != 0, story.skip != 1, story.exchanged, story.aliased)
+
+
+def _stories(worlds: Worlds) -> Iterator[Story]:
+    for world, exchanged in itertools.product(worlds.series, (False, True)):
+        for lag in (0, 1, -1):
+            yield Story(world, lag, exchanged=exchanged)
+        for skip in (2, 3, 4, 5, 10, 20, 50, 100):
+            for first in {0, skip - 1}:
+                yield Story(world, skip=skip, first=first, exchanged=exchanged)
+        yield Story(world, exchanged=exchanged, aliased=True)
+
+
+def tells(story: Story, series: Collection, worlds: Worlds) -> bool:
+    """Whether the story predicts every filled row that the truth reaches."""
+    if series.acceleration is None or series.angular_velocity is None:
+        return False
+    accel, gyro = series.acceleration, series.angular_velocity
+    if story.exchanged:
+        accel, gyro = gyro, accel
+    true_accel, true_gyro = worlds.series[story.world]
+    rows, wanted = _rows(story, filled_rows(series), len(true_accel))
+    if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * story.skip))):
+        return False
+    return same(accel[rows], true_accel[wanted], ATOL_ACCELERATION) and same(gyro[rows], true_gyro[wanted], ATOL_RATE)
+
+
+def _rows(story: Story, n: int, available: int) -> tuple[np.ndarray, np.ndarray]:
+    """Which rows of the student's to hold against which rows of the truth."""
+    rows = np.arange(n)
+    wanted = np.full(n, n - 1) if story.aliased else rows * story.skip + story.first - story.lag
+    known = (wanted >= 0) & (wanted < available)
+    return rows[known], wanted[known]
+
+
+def time_error(time: Array, timestep: float, skip: int = 1) -> Array:
+    """Distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
+
+    With `skip` steps a row, stamps that are as far apart and start within the first row's steps are as good.
+    """
+    stamps = timestep * skip * np.arange(len(time))
+    errors = [np.abs(time - stamps - timestep * first) for first in range(skip + 1)]
+    return min(errors, key=lambda error: float(np.max(error, initial=0.0)))

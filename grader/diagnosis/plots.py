@@ -1,0 +1,264 @@
+"""Reading a figure from its facts: which curve shows which channel, and what labels, legends and titles claim.
+
+Curves are tied to the data that the plot function was given, not to their labels; the labels are then held against the curves.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..answers import Array, Arrays
+
+SENSORS = ("acceleration", "angular_velocity")
+FEWEST_POINTS = 50
+"""A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
+_MATCH = 1e-3
+"""Of the channel's range. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more."""
+
+Facts = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A curve that shows a channel: sensor 0 or 1, axis 0 to 2, the scale of y and what x is."""
+
+    sensor: int
+    axis: int
+    unit: str
+    x: str
+    curve: Facts
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One set of axes with what it shows: known channels and curves that show none."""
+
+    facts: Facts
+    shown: tuple[Shown, ...]
+    strange: tuple[Facts, ...]
+
+    @property
+    def sensors(self) -> set[int]:
+        return {s.sensor for s in self.shown}
+
+    @property
+    def words(self) -> str:
+        """Everything that is written on the panel to say what it shows."""
+        return " | ".join([self.facts["title"], self.facts["ylabel"]])
+
+
+def panels(figure: Facts, arrays: Arrays, series: Mapping[str, Array]) -> list[Panel]:
+    """The visible axes that hold at least one curve of data."""
+    found = []
+    for axes in figure["axes"]:
+        if axes["visible"]:
+            panel = _panel(axes, arrays, series)
+            if panel.shown or panel.strange:
+                found.append(panel)
+    return found
+
+
+def _panel(axes: Facts, arrays: Arrays, series: Mapping[str, Array]) -> Panel:
+    shown, strange = [], []
+    for curve in axes["curves"]:
+        if not curve["visible"] or curve["kind"] == "nothing":
+            continue
+        x, y = arrays[curve["x"]], arrays[curve["y"]]
+        match = _channel(x, y, series)
+        if match is not None:
+            shown.append(Shown(*match, curve))
+        elif not is_reference(x, y):
+            strange.append(curve)
+    return Panel(axes, tuple(shown), tuple(strange))
+
+
+def is_reference(x: Array, y: Array) -> bool:
+    """Whether a curve is a line at a fixed value or moment: `axhline`, `axvline` and their like."""
+    return len(y) <= 3 or float(np.ptp(y)) == 0.0 or float(np.ptp(x)) == 0.0
+
+
+def _channel(x: Array, y: Array, series: Mapping[str, Array]) -> tuple[int, int, str, str] | None:
+    if len(y) < FEWEST_POINTS:
+        return None
+    time = series["time"]
+    for kind, stamps in _abscissae(x, time):
+        for sensor, key in enumerate(SENSORS):
+            for axis in range(3):
+                channel = series[key][:, axis]
+                wanted = np.interp(stamps, time, channel)
+                for unit, scale in _UNITS[sensor]:
+                    if np.all(np.abs(y - scale * wanted) <= _MATCH * scale * np.ptp(channel)):
+                        return sensor, axis, unit, kind
+    return None
+
+
+def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
+    """What x may be, with the time stamps that follow: only readings under which x spans the recorded time."""
+    rows = np.arange(len(time))
+    kinds = [("s", x), ("ms", x / 1000), ("s from start", x + time[0])]
+    kinds += [("index", np.interp(x, rows, time)), ("index", np.interp(x - 1, rows, time))]
+    if len(x) < len(time):
+        kinds.append(("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time)))
+    span = time[-1] - time[0]
+    return [(kind, t) for kind, t in kinds if np.isfinite(t).all() and abs(np.ptp(t) / span - 1) < 0.1]
+
+
+_UNITS = (
+    (("m/s²", 1.0), ("g", 1 / 9.81), ("g", 1 / 9.80665)),
+    (("rad/s", 1.0), ("deg/s", 180 / np.pi)),
+)
+
+
+# --- words ---------------------------------------------------------------------------------------------------------------
+
+
+def plain(text: str) -> str:
+    """A label as a reader takes it: no TeX, superscripts as digits, lower case, no spaces."""
+    text = unicodedata.normalize("NFKC", text).lower()
+    text = re.sub(r"\\(?:mathrm|mathit|text|textrm|rm)\{([^{}]*)\}", r"\1", text)
+    text = re.sub(r"\\[dt]?frac\{([^{}]*)\}\{([^{}]*(?:\{[^{}]*\})?)\}", r"\1/\2", text)
+    text = re.sub(r"\\(mathrm|mathit|text|rm|left|right|,|;|!|frac|dfrac|dot|ddot|cdot|unit|si)", " ", text)
+    text = text.replace("\\omega", "ω").replace("\\circ", "°").replace("\\degree", "°").replace("−", "-")
+    return re.sub(r"[\s${}^\\·*_⋅×~]", "", text)
+
+
+_ACCELERATION_UNIT = re.compile(
+    r"m/\(?s(ec|ek)?\)?2|m/s/s|ms-2|m/sec/sec|ms2\b|ms2[\])]|(met(er|re)s?|meter|metros?|m[eè]tres?|метр\w*)[a-z]*(per|/|pro|por|par|al)?"
+    r"s(ec|ek|eg)\w*(squared|2|²|quadrat|alcuadrado|carr[eé]e?|aoquadrado)|[\[(/,]g0?[\])]?$|[\[(]g|[\[(]mg|米/秒"
+)
+_RATE_UNIT = re.compile(
+    r"rads?(ians?|iant\w*|i[aá]n\w*)?(/|s-1|per|pro|por|par|·)|deg(rees?)?(/|per|s-1)|°/s|°s-1|dps|grad?(os?)?/s|grad(pro|/)|弧度|度/秒|1/s|s-1"
+)
+_TIME_UNIT = re.compile(
+    r"[\[(/,|]\(?(s|sec|secs|ms|us|min|sek|seg)\.?[\])]?$|[\[(](s|sec|ms|sek|seg|秒)[\])]|second|sekund|segund|секунд|秒|ins$|:s$|in(sec|ms)$|ms\b|millis"
+)
+_COUNTED = re.compile(r"sample|index|step|abtast|muestra|échantillon|echantillon|frame|#|n$")
+
+
+def unit_of(text: str) -> str | None:
+    """The unit that a label names: ``m/s²``, ``g``, ``rad/s``, ``deg/s``; None where it names none of them."""
+    words = plain(text)
+    if _RATE_UNIT.search(words):
+        return "deg/s" if re.search(r"deg|°|dps|grad(os|/|pro)|度/秒", words) and "弧度" not in words else "rad/s"
+    if _ACCELERATION_UNIT.search(words):
+        return "g" if not re.search(r"s2|s-2|/s/s|squared|2|²|quadr|cuadr|carr|米", words) else "m/s²"
+    return None
+
+
+def has_time_unit(text: str) -> bool:
+    return bool(_TIME_UNIT.search(plain(text)))
+
+
+def counts_samples(text: str) -> bool:
+    return bool(_COUNTED.search(plain(text)))
+
+
+_ACCELERATION_WORDS = re.compile(r"acc|acél|acel|accél|beschl|加速|specificforce|ускор|versnel|ivme|przysp|lineaire")
+_RATE_WORDS = re.compile(
+    r"gyr|giro|angul|rate|omega|ω|winkel|dreh|vitesseang|角速|陀螺|ジャイロ|가속|각속|угл|гиро|hoeksn|spin|rotat"
+)
+
+
+def claims(text: str) -> set[int]:
+    """Which sensor a text speaks of: 0 acceleration, 1 angular velocity; by its words, else by its unit."""
+    words = plain(text)
+    found = {0} if _ACCELERATION_WORDS.search(words) else set()
+    if _RATE_WORDS.search(words):
+        found.add(1)
+    unit = unit_of(text)
+    if unit is not None and not found:
+        found.add(0 if unit in ("m/s²", "g") else 1)
+    return found
+
+
+_AXIS_WORDS = (
+    r"roll|rollen|wank|ロール|横滚",
+    r"pitch|nick|tangage|cabeceo|ピッチ|俯仰",
+    r"yaw|gier|lacet|guiñada|ヨー|偏航",
+)
+_AXIS_LETTERS = ("x", "y", "z")
+
+
+def axis_of(text: str) -> int | None:
+    """The axis (0, 1, 2) that a curve's name speaks of; None where it is not certain."""
+    words = plain(text)
+    named = {axis for axis, pattern in enumerate(_AXIS_WORDS) if re.search(pattern, words)}
+    spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower().replace("_", " "))
+    for axis, letter in enumerate(_AXIS_LETTERS):
+        if re.search(rf"(^|\s)(a|g|w|f|acc|accel|gyro|gyr|omega|lin|ang|rate|achse)?\s?{letter}(\s|$)", spaced):
+            named.add(axis)
+    return named.pop() if len(named) == 1 else None
+
+
+# --- legends -------------------------------------------------------------------------------------------------------------
+
+
+def names_of(panel: Panel, figure: Facts) -> list[str | None]:
+    """What the reader is told about each shown curve: its legend entry, or a text of its colour beside it."""
+    entries = list(panel.facts["legend"] or ()) + [entry for legend in figure["legends"] for entry in legend]
+    for other in figure["axes"]:
+        if other is not panel.facts and other["legend"] and other["position"] == panel.facts["position"]:
+            entries += other["legend"]  # twin axes share one legend
+    return [_name(s.curve, entries, panel.facts["texts"]) for s in panel.shown]
+
+
+def _name(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
+    alike = [e for e in entries if e["colour"] == curve["colour"]]
+    exact = [e for e in alike if (e["style"], e["marker"]) == (curve["style"], curve["marker"])]
+    for entry in exact or alike:
+        if entry["text"].strip() and not entry["text"].startswith("_"):
+            return str(entry["text"])
+    beside = [t["text"] for t in texts if t["text"].strip() and t["colour"] == curve["colour"]]
+    return str(beside[0]) if beside else None
+
+
+# --- raw and filtered ----------------------------------------------------------------------------------------------------
+
+
+def shows_comparison(figure: Facts, arrays: Arrays) -> bool:
+    """Whether a figure shows a raw series and a smoother version of it, on the same axes or on axes in the same unit."""
+    series = [(axes, y) for axes in figure["axes"] if axes["visible"] for y in _long_series(axes, arrays)]
+    return any(
+        _is_smoothed(raw, smooth)
+        for above, raw in series
+        for below, smooth in series
+        if raw is not smooth and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
+    )
+
+
+def _long_series(axes: Facts, arrays: Arrays) -> list[Array]:
+    drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
+    long = [arrays[c["y"]] for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
+    return [y for y in long if len(y) >= FEWEST_POINTS and np.isfinite(y).all()]
+
+
+def _is_smoothed(raw: Array, smooth: Array) -> bool:
+    """Whether one series is smoother than the other and goes where its running mean goes, at some lag.
+
+    An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
+    standing robot stay below 0.5. The second half is looked at: a filter may start from zero.
+    """
+    if len(raw) != len(smooth) or np.std(np.diff(smooth)) > 0.8 * np.std(np.diff(raw)):
+        return False
+    return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
+
+
+def _follows(raw: Array, smooth: Array, window: int) -> bool:
+    mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
+    lags = range(0, min(2 * window, len(mean) // 4) + 1)
+    return any(_alike(mean, smooth[window // 2 + lag :]) for lag in lags)
+
+
+def _alike(wanted: Array, got: Array) -> bool:
+    n = min(len(wanted), len(got))
+    a, b = wanted[n // 2 : n] - wanted[n // 2 : n].mean(), got[n // 2 : n] - got[n // 2 : n].mean()
+    power = float(np.sqrt((a @ a) * (b @ b)))
+    near = abs(float(wanted[n // 2 : n].mean() - got[n // 2 : n].mean())) <= 3 * float(np.std(a)) + 1e-12
+    as_large = 0.25 < float(np.std(b)) / max(float(np.std(a)), 1e-300) < 4
+    return power > 0 and float(a @ b) / power > 0.75 and near and as_large

@@ -1,0 +1,265 @@
+"""From a wrong reading to the mistake that predicts it: every mistake is tried on the truth, and the one that fits is named.
+
+A reading can be wrong in two independent ways: it looks at the wrong *place* of ``sensordata``, or it alters the *values*.
+Each candidate predicts what a reader with that mistake returns; place and value mistakes combine.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..compare import Array, same_where_known
+from ..traces import Scenario
+
+ATOL = 1e-5
+"""m/s², rad/s. A reader copies numbers: single precision keeps 1e-6 of 10 m/s², rounding to four decimals breaks 5e-5."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the simulator holds while a reader is called with p pairs of sensors in k states.
+
+    Attributes
+    ----------
+    accel, gyro : (p, k, 3) ndarray, the truth in m/s² and rad/s, site frame
+    sensordata : (k, n) ndarray; address : (sensors,) first index of each sensor; pairs : (p, 2) sensor ids
+    world_from_site : (p, k, 3, 3) ndarray; qvel, qacc : (k, nv) ndarray
+    """
+
+    accel: Array
+    gyro: Array
+    sensordata: Array
+    address: np.ndarray
+    pairs: np.ndarray
+    world_from_site: Array
+    qvel: Array
+    qacc: Array
+
+    @classmethod
+    def of(cls, scenario: Scenario, pairs: slice = slice(None)) -> Scene:
+        address = np.asarray(scenario["sensor_adr"], int)
+        chosen = np.asarray(scenario["pairs"], int)[pairs]
+        data = np.asarray(scenario["sensordata"])
+        accel, gyro = (np.array([data[:, address[i] : address[i] + 3] for i in column]) for column in chosen.T)
+        turn = np.asarray(scenario["site_xmat"])[:, pairs].swapaxes(0, 1)
+        return cls(accel, gyro, data, address, chosen, turn, np.asarray(scenario["qvel"]), np.asarray(scenario["qacc"]))
+
+
+Two = tuple[Array, Array]
+Place = Callable[[Scene], Two]
+Value = Callable[[Scene, Array, Array], Two]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A prediction that fits: the mistakes in it, and how to predict other scenes from it."""
+
+    place_mistake: str | None
+    value_mistakes: tuple[str, ...]
+    place: Place
+    value: Value
+
+    def predict(self, scene: Scene) -> Two:
+        return self.value(scene, *self.place(scene))
+
+    @property
+    def mistakes(self) -> tuple[str, ...]:
+        return (*((self.place_mistake,) if self.place_mistake else ()), *self.value_mistakes)
+
+
+def explain(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
+    """The explanation of what a reader returned (p, k, 3), or None where nothing fits or several things do.
+
+    The simplest wins: nothing wrong, then one mistake, then one of each kind.
+    """
+    fitting = [e for e in _candidates() if _fits(accel, gyro, e, scene)]
+    if not fitting:
+        return None
+    fewest = min(len(e.mistakes) for e in fitting)
+    simplest = [e for e in fitting if len(e.mistakes) == fewest]
+    return simplest[0] if len({e.mistakes for e in simplest}) == 1 else None
+
+
+def _fits(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) -> bool:
+    expected_accel, expected_gyro = explanation.predict(scene)
+    return same_where_known(accel, expected_accel, ATOL) and same_where_known(gyro, expected_gyro, ATOL)
+
+
+def agrees(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) -> bool:
+    """Whether the same explanation predicts another scene, too."""
+    return _fits(accel, gyro, explanation, scene)
+
+
+def _candidates() -> Iterator[Explanation]:
+    values: list[tuple[tuple[str, ...], Value]] = [
+        ((), _as_is),
+        *(((name,), value) for name, value in _value_mistakes()),
+    ]
+    for (place_mistake, place), (names, value) in itertools.product(_PLACES, values):
+        yield Explanation(place_mistake, names, place, value)
+    for (names, value), decimals in itertools.product(values, range(4)):
+        if names and names != ("precision-lost",):
+            yield Explanation(None, (*names, "precision-lost"), _at(0, 0), _rounded(value, decimals))
+
+
+# --- places --------------------------------------------------------------------------------------------------------------
+
+
+def slices(scene: Scene, accel_at: np.ndarray, gyro_at: np.ndarray) -> Two:
+    """What ``sensordata[i:i+3]`` holds for each pair (p,); NaN where the slice runs out of the array."""
+
+    def cut(first: int) -> Array:
+        out = np.full((len(scene.sensordata), 3), np.nan)
+        part = scene.sensordata[:, first : first + 3] if first >= 0 else scene.sensordata[:, :0]
+        out[:, : part.shape[1]] = part
+        return out
+
+    return np.array([cut(int(i)) for i in accel_at]), np.array([cut(int(i)) for i in gyro_at])
+
+
+def _at(accel_shift: int, gyro_shift: int) -> Place:
+    def place(scene: Scene) -> Two:
+        first, second = scene.address[scene.pairs.T]
+        return slices(scene, first + accel_shift, second + gyro_shift)
+
+    return place
+
+
+def _ids_as_addresses(factor: int) -> Place:
+    return lambda scene: slices(scene, *(factor * scene.pairs.T))
+
+
+def _swapped(scene: Scene) -> Two:
+    first, second = scene.address[scene.pairs.T]
+    return slices(scene, second, first)
+
+
+def _gyro_behind_accel(scene: Scene) -> Two:
+    first = scene.address[scene.pairs[:, 0]]
+    return slices(scene, first, first + 3)
+
+
+_PLACES: list[tuple[str | None, Place]] = [
+    (None, _at(0, 0)),
+    ("sensor-id-as-address", _ids_as_addresses(1)),
+    ("sensor-id-as-address", _ids_as_addresses(3)),
+    ("swapped-sensors", _swapped),
+    ("hard-coded-address", _gyro_behind_accel),
+    *(("off-by-one-address", _at(a, g)) for a in (-1, 0, 1) for g in (-1, 0, 1) if (a, g) != (0, 0)),
+]
+
+
+def always_reads(accel_at: int, gyro_at: int) -> Explanation:
+    """The explanation of a reader that looks at two fixed places, whatever ids it is given."""
+
+    def place(scene: Scene) -> Two:
+        return slices(scene, np.full(len(scene.pairs), accel_at), np.full(len(scene.pairs), gyro_at))
+
+    return Explanation("hard-coded-address", (), place, _as_is)
+
+
+# --- values --------------------------------------------------------------------------------------------------------------
+
+_G = 9.81
+
+
+def _as_is(scene: Scene, accel: Array, gyro: Array) -> Two:
+    del scene
+    return accel, gyro
+
+
+def _each(change: Callable[[Array], Array]) -> list[Value]:
+    """A change applied to the accelerometer, to the gyroscope, or to both."""
+    return [
+        lambda _, a, g: (change(a), g),
+        lambda _, a, g: (a, change(g)),
+        lambda _, a, g: (change(a), change(g)),
+    ]
+
+
+def _value_mistakes() -> Iterator[tuple[str, Value]]:
+    for signs in itertools.product((1.0, -1.0), repeat=3):
+        if min(signs) < 0:
+            yield from (("sign-flipped", v) for v in _each(lambda x, s=signs: x * np.array(s)))  # type: ignore[misc]
+    for axis, sign in itertools.product(range(3), (1.0, -1.0)):
+        shift = sign * _G * np.eye(3)[axis]
+        yield "gravity-removed", lambda _, a, g, s=shift: (a + s, g)  # type: ignore[misc]
+    yield "gravity-removed", _gravity_rotated_away(1.0)
+    yield "gravity-removed", _gravity_rotated_away(-1.0)
+    yield from _unit_mistakes()
+    for order in itertools.permutations(range(3)):
+        if order != (0, 1, 2):
+            yield from (("axes-permuted", v) for v in _each(lambda x, o=order: x[..., list(o)]))  # type: ignore[misc]
+    yield from (("world-frame", v) for v in (_world(True, True), _world(True, False), _world(False, True)))
+    for decimals in range(5):
+        yield from (("precision-lost", v) for v in _each(lambda x, d=decimals: np.asarray(np.round(x, d))))  # type: ignore[misc]
+    yield from (("precision-lost", v) for v in _each(lambda x: np.asarray(np.trunc(x))))
+    yield from (("cached-reading", v) for v in _each(_first_only))
+    yield from _other_states()
+
+
+def _rounded(value: Value, decimals: int) -> Value:
+    """A value mistake, rounded on top of it."""
+
+    def rounded(scene: Scene, accel: Array, gyro: Array) -> Two:
+        a, g = value(scene, accel, gyro)
+        return np.asarray(np.round(a, decimals)), np.asarray(np.round(g, decimals))
+
+    return rounded
+
+
+def _unit_mistakes() -> Iterator[tuple[str, Value]]:
+    for gravity in (_G, 9.80665, 9.8):
+        yield "wrong-units", lambda _, a, g, k=gravity: (a / k, g)  # type: ignore[misc]
+        yield "wrong-units", lambda _, a, g, k=gravity: (a / k, np.degrees(g))  # type: ignore[misc]
+        yield "wrong-units", lambda _, a, g, k=gravity: (a * k, g)  # type: ignore[misc]
+    yield "wrong-units", lambda _, a, g: (a, np.degrees(g))
+    yield "wrong-units", lambda _, a, g: (a, np.radians(g))
+    yield "wrong-units", lambda _, a, g: (1000.0 * a, g)
+    yield "wrong-units", lambda _, a, g: (np.degrees(a), g)  # with the sensors swapped
+    yield "wrong-units", lambda _, a, g: (a, g / _G)
+
+
+def _first_only(x: Array) -> Array:
+    """The first reading, given again in every state."""
+    return np.broadcast_to(x[:, :1], x.shape)
+
+
+def _world(accel_too: bool, gyro_too: bool) -> Value:
+    def value(scene: Scene, accel: Array, gyro: Array) -> Two:
+        def turn(x: Array) -> Array:
+            return np.asarray(np.einsum("pkij,pkj->pki", scene.world_from_site, x))
+
+        return (turn(accel) if accel_too else accel), (turn(gyro) if gyro_too else gyro)
+
+    return value
+
+
+def _gravity_rotated_away(sign: float) -> Value:
+    """Gravity taken off in the sensor's own frame: what remains is the coordinate acceleration."""
+
+    def value(scene: Scene, accel: Array, gyro: Array) -> Two:
+        up = np.array([0.0, 0.0, sign * _G])
+        return accel + np.einsum("pkji,j->pki", scene.world_from_site, up), gyro
+
+    return value
+
+
+def _other_states() -> Iterator[tuple[str, Value]]:
+    def spread(scene: Scene, part: Array) -> Array:
+        return np.broadcast_to(part, (len(scene.pairs), *part.shape))
+
+    for first in (0, 3):
+        yield "not-the-sensor", lambda s, a, _, i=first: (a, spread(s, s.qvel[:, i : i + 3]))  # type: ignore[misc]
+        yield "not-the-sensor", lambda s, _, g, i=first: (spread(s, s.qvel[:, i : i + 3]), g)  # type: ignore[misc]
+        yield "not-the-sensor", lambda s, _, g, i=first: (spread(s, s.qacc[:, i : i + 3]), g)  # type: ignore[misc]
+    yield "not-the-sensor", lambda s, _, __: (spread(s, s.qacc[:, :3]), spread(s, s.qvel[:, 3:6]))
+    yield "not-the-sensor", lambda s, _, __: (spread(s, s.qvel[:, :3]), spread(s, s.qvel[:, 3:6]))
+    for gravity in (_G, -_G):
+        shift = np.array([0.0, 0.0, gravity])
+        yield "not-the-sensor", lambda s, _, g, d=shift: (spread(s, s.qacc[:, :3] + d), g)  # type: ignore[misc]
+        yield "not-the-sensor", lambda s, _, __, d=shift: (spread(s, s.qacc[:, :3] + d), spread(s, s.qvel[:, 3:6]))  # type: ignore[misc]

@@ -1,0 +1,36 @@
+"""The ways in which a run can go wrong, and whose fault each of them is.
+
+A request that cannot be met is the caller's (exit code 2), a broken grader is ours (exit code 3). What a student's code
+does is never an error of the run: `NoAnswer` and its kinds end in a lost check.
+"""
+
+from __future__ import annotations
+
+
+class RequestError(Exception):
+    """The request was wrong: a bad path, a bad rubric. One line that names it; exit code 2."""
+
+
+class GraderError(Exception):
+    """The grader itself failed: never a student's fault, never a zero; exit code 3."""
+
+
+class NoAnswer(Exception):  # noqa: N818 - it is an outcome, not an error of ours
+    """The student's process gave no usable answer to a question."""
+
+
+class TimedOut(NoAnswer):
+    """It did not answer within its time."""
+
+    def __init__(self, message: str, *, cpu_s: float, wall_s: float) -> None:
+        super().__init__(message)
+        self.cpu_s = cpu_s
+        self.wall_s = wall_s
+
+
+class Crashed(NoAnswer):
+    """It ended, by a signal or an exit, without an answer."""
+
+
+class Malformed(NoAnswer):
+    """What came back is not an answer: a protocol violation."""

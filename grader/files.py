@@ -1,0 +1,43 @@
+"""Files that are whole or absent: whoever reads one never sees half of it."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+from grader.errors import RequestError
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write `text` as UTF-8 beside `path`, then move it into place in one step.
+
+    Raises
+    ------
+    RequestError
+        If the folder cannot be made or written; names the path and the system's reason.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _replace(path, text.encode("utf-8", "replace"))
+    except OSError as problem:
+        raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
+
+
+def _replace(path: Path, content: bytes) -> None:
+    handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        os.chmod(scratch, 0o666 & ~_umask())  # mkstemp makes private files; these are meant to be served
+        os.replace(scratch, path)
+    except BaseException:
+        Path(scratch).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    """The process's umask; there is no way to read it other than setting it."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,101 @@
+"""The pages of the handbook: their names, and how each is made from the code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import typer
+
+from grader.feedback import catalogue
+from grader.formats.platforms import PLATFORMS
+from grader.handbook import commands, entries, flow, modules, rubric_keys
+from grader.rubric import load
+
+FOLDER = Path(__file__).parent
+_MADE = "<!-- Made by `python -m grader.handbook`; edit the code that it is made from. -->\n\n"
+
+_INDEX = """# Handbook
+
+| Page | Tells |
+| --- | --- |
+| [Commands](commands.md) | every command with its options and exit codes |
+| [Checks](checks.md) | what is checked, for how many points |
+| [Mistakes](mistakes.md) | every mistake that a report may name, with the lines that mend it |
+| [Rubric](rubric.md) | every key of `rubric.yaml` |
+| [Platforms](platforms.md) | GitHub, Gradescope, Classroom 50, GitLab, PrairieLearn |
+| [Architecture](architecture.md) | the way of a submission, and what each module is for |
+
+`imugrade explain ID` prints one entry of *Checks* or *Mistakes*.
+"""
+
+
+def pages(app: typer.Typer) -> Mapping[str, str]:
+    """All pages by file name.
+
+    Parameters
+    ----------
+    app
+        The command line: it stands above the handbook, so it is handed in.
+    """
+    made = {
+        "README.md": _INDEX,
+        "commands.md": commands.page(app),
+        "checks.md": _checks(),
+        "mistakes.md": _mistakes(),
+        "rubric.md": rubric_keys.page(),
+        "platforms.md": _platforms(),
+        "architecture.md": modules.page(),
+    }
+    return {**{name: _MADE + text for name, text in made.items()}, "flow.svg": flow.picture()}
+
+
+def write(app: typer.Typer) -> list[Path]:
+    """Write the pages that changed, and return them."""
+    changed = [(FOLDER / name, text) for name, text in pages(app).items() if _now(FOLDER / name) != text]
+    for path, text in changed:
+        path.write_text(text, encoding="utf-8", newline="\n")
+    return [path for path, _ in changed]
+
+
+def _now(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.is_file() else ""
+
+
+def _checks() -> str:
+    return "\n".join(["# Checks\n", *_check_entries()])
+
+
+def _check_entries() -> Iterator[str]:
+    yield (
+        "Points are those of the shipped rubric. The same checks run on the public scenarios (`imugrade check`) and on the\n"
+        "hidden ones (`imugrade grade` with a seed).\n"
+    )
+    for part in load().parts:
+        yield entries.part(part, level=2)
+
+
+def _mistakes() -> str:
+    lines = [
+        "<!-- fmt: off -->\n",  # ruff formats code in Markdown too; these lines stand as the catalogue has them
+        "# Mistakes\n",
+        "A mistake is named only where the numbers show it: its prediction fits what came, and no other's does.\n",
+    ]
+    for group, title in entries.GROUPS.items():
+        found = [mistake for mistake in catalogue().values() if mistake.group == group]
+        lines += [f"## {title}\n", *(entries.mistake(mistake, level=3) for mistake in found)]
+    return "\n".join(lines)
+
+
+def _platforms() -> str:
+    rows = ["| `--format` | Platform | Submission | Answer | Hidden scenarios |", "| --- | --- | --- | --- | --- |"]
+    for each in PLATFORMS.values():
+        submission = f"`/{each.submission}`" if each.submission else "working folder"
+        answer = f"`{'/' * ('/' in each.answer)}{each.answer}`" if each.answer else "standard output"
+        rows.append(f"| `{each.name}` | {each.title} | {submission} | {answer} | {_secrets(each.keeps_secrets)} |")
+    text = (FOLDER / "platforms.txt").read_text(encoding="utf-8")
+    return text.replace("{table}", "\n".join(rows))
+
+
+def _secrets(kept: bool) -> str:
+    return "with `--traces`" if kept else "refused: students can read what the job reads"

@@ -1,0 +1,304 @@
+"""Facts taken off a live matplotlib figure at the moment when it is saved or shown.
+
+Extract the facts, then judge the facts (elsewhere): axes with their labels, titles, legends and texts, every curve with its
+data and colour, and what the call to `savefig` asked for. Pixels are not looked at here.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import seeing
+from .values import Packer
+
+_MAX_FIGURES = 12
+_MAX_AXES = 16
+_MAX_CURVES = 48
+_MAX_CURVES_IN_ALL = 200
+_MAX_POINTS = 6000
+_MAX_TEXTS = 40
+_PICTURES = (".png", ".jpg", ".jpeg", ".svg", ".pdf", ".webp", ".tif", ".tiff", ".gif")
+
+
+class Recorder:
+    """What was saved and shown since the last `take`."""
+
+    def __init__(self) -> None:
+        self._seen: list[dict[str, Any]] = []
+        self._live: list[Any] = []
+        self._packer = Packer()
+        self._deaf = False
+
+    def take(self, *, with_open: bool = True) -> tuple[list[dict[str, Any]], dict[str, np.ndarray]]:
+        """The facts so far, those of figures that are still open and were never saved among them; then start anew."""
+        import matplotlib.pyplot as plt
+
+        if with_open:
+            for number in plt.get_fignums():
+                self.note(plt.figure(number), event="open")
+        self._deaf = True
+        plt.close("all")
+        self._deaf = False
+        seen, arrays = self._seen, self._packer.arrays
+        self._seen, self._live, self._packer = [], [], Packer()
+        return seen, arrays
+
+    def note(self, figure: Any, *, event: str, path: str | None = None, dpi: Any = None, kind: str = "") -> None:
+        if self._deaf or len(self._seen) >= _MAX_FIGURES or (event != "saved" and figure in self._live):
+            return
+        self._live.append(figure)
+        width, height = (float(x) for x in figure.get_size_inches())
+        dots = float(figure.dpi if dpi is None or dpi == "figure" else dpi)
+        facts = {"event": event, "path": path, "format": kind, "size_px": [round(width * dots), round(height * dots)]}
+        try:
+            with seeing.as_it_was():
+                facts |= _figure(figure, self._packer)
+        except Exception as error:  # artists of the student's own making
+            facts |= {"unreadable": type(error).__name__, "axes": []}
+        self._seen.append(facts)
+
+
+RECORDER = Recorder()
+
+
+def watch() -> None:
+    """Record every figure that is saved or shown from now on."""
+    import matplotlib.pyplot as plt
+    from matplotlib import rcParams
+    from matplotlib.backend_bases import FigureCanvasBase
+    from matplotlib.figure import Figure
+
+    really_print = FigureCanvasBase.print_figure
+
+    def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> Any:
+        asked = rcParams["savefig.dpi"] if dpi is None else dpi
+        answer = really_print(self, filename, _quick(asked, self.figure.dpi), *args, **kwargs)
+        RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=_kind(filename, kwargs))
+        self.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
+        return answer
+
+    really_close, really_clear = plt.close, Figure.clear
+
+    def close(fig: Any = None) -> None:
+        current = [plt.gcf()] if fig is None and plt.get_fignums() else [fig] if isinstance(fig, Figure) else []
+        for figure in map(plt.figure, plt.get_fignums()) if fig == "all" else current:
+            RECORDER.note(figure, event="closed")
+        really_close(fig)
+
+    def clear(self: Any, *args: Any, **kwargs: Any) -> Any:
+        if self.get_axes():
+            RECORDER.note(self, event="cleared")
+        return really_clear(self, *args, **kwargs)
+
+    def show(*args: Any, block: bool | None = None, **kwargs: Any) -> None:
+        for number in plt.get_fignums():
+            RECORDER.note(plt.figure(number), event="shown")
+        if block is not False and not plt.isinteractive():
+            plt.close("all")
+
+    vars(plt).update(show=show, close=close)
+    setattr(Figure, "clear", clear)  # noqa: B010
+    setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
+    setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
+    seeing.remember_classes()
+
+
+def _draw_nothing(*args: Any, **kwargs: Any) -> None:
+    """Stands in for `draw_idle` of a figure that has been saved."""
+
+
+def _quick(asked: Any, own: float) -> float:
+    """A dpi that is cheap to draw: nobody looks at these pixels, and the size asked for is kept as a fact."""
+    dots = own if asked is None or asked == "figure" else float(asked)
+    if not np.isfinite(dots) or dots <= 0:
+        raise ValueError("dpi must be positive")
+    return min(dots, seeing.PREVIEW_DPI)
+
+
+def _name(target: Any) -> str | None:
+    if isinstance(target, str | os.PathLike):
+        return str(os.fspath(target))[:300]
+    return None
+
+
+def _kind(target: Any, kwargs: dict[str, Any]) -> str:
+    if kwargs.get("format"):
+        return str(kwargs["format"])[:10].lower()
+    name = _name(target)
+    return (Path(name).suffix[1:].lower() or "png")[:10] if name else "png"
+
+
+def written_pictures(folder: str) -> list[str]:
+    """Names of the picture files below the scratch folder, relative to it."""
+    found = []
+    for path in sorted(Path(folder).rglob("*")):
+        if path.suffix.lower() in _PICTURES and path.is_file() and not path.is_symlink() and path.stat().st_size:
+            found.append(path.relative_to(folder).as_posix()[:300])
+    return found[:200]
+
+
+def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
+    seeing.must_be_honest(figure, *figure.texts, *figure.legends)
+    axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
+    texts = [words for text in figure.texts if (words := seeing.words(text, behind))]
+    facts = [_axes(one, axes, packer) for one in axes]
+    _take_out_what_is_covered(figure, axes, facts)
+    return {
+        "title": seeing.words(getattr(figure, "_suptitle", None), behind),
+        "xlabel": seeing.words(getattr(figure, "_supxlabel", None), behind),
+        "ylabel": seeing.words(getattr(figure, "_supylabel", None), behind),
+        "texts": texts[:_MAX_TEXTS],
+        "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
+        "axes": facts,
+    }
+
+
+def _take_out_what_is_covered(figure: Any, axes: list[Any], facts: list[dict[str, Any]]) -> None:
+    """Where none of a panel's curves leaves a pixel in its colour, something lies over them or they are not drawn."""
+    picture = None
+    for one, panel in zip(axes, facts, strict=True):
+        seen = [curve for curve in panel["curves"] if curve["visible"] and curve["n"] > 3]
+        if not panel["visible"] or not seen:
+            continue
+        picture = seeing.pixels(figure.canvas) if picture is None else picture
+        if picture is None:
+            return
+        colours = [curve["colour"] for curve in seen if curve["colour"] != "?"]
+        if colours and not seeing.any_colour_shows(one, colours, picture):
+            for curve in seen:
+                curve["visible"] = False
+
+
+def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
+    legend, behind = axes.get_legend(), axes.get_figure().get_facecolor()
+    titles = (axes.title, axes._left_title, axes._right_title)
+    labels = (axes.xaxis.label, axes.yaxis.label)
+    seeing.must_be_honest(axes, axes.xaxis, axes.yaxis, *titles, *labels, *axes.texts, *([legend] if legend else []))
+    box, part = seeing.place(axes), _part_of_a_figure(axes, behind)
+    xlabel, ylabel = (
+        seeing.words(axis.label, behind) if axes.axison and axis.get_visible() else ""
+        for axis in (axes.xaxis, axes.yaxis)
+    )
+    shared = axes.get_shared_x_axes()
+    return {
+        "visible": seeing.panel_is_visible(axes),
+        "position": [round(float(v), 4) for v in (box.x0, box.y0, box.x1, box.y1)],
+        "xlabel": xlabel or part["xlabel"],
+        "ylabel": ylabel or part["ylabel"],
+        "title": next((words for title in titles if (words := seeing.words(title, behind)).strip()), part["title"]),
+        "legend": _legend(legend, axes.get_facecolor()) if legend is not None and legend.get_visible() else None,
+        "texts": [_placed(text) for text in axes.texts[:_MAX_TEXTS] if seeing.words(text, axes.get_facecolor())],
+        "curves": _curves(axes, packer),
+        "images": len(axes.images),
+        "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
+        "y_limits": [float(v) for v in axes.get_ylim()],
+    }
+
+
+def _part_of_a_figure(axes: Any, behind: Any) -> dict[str, str]:
+    """What a subfigure says of all its panels; the figure as a whole speaks for itself."""
+    part = axes.get_figure()
+    whole = part is part.canvas.figure
+    artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
+    seeing.must_be_honest(part, *(artist for artist in artists.values() if artist is not None))
+    return {name: seeing.words(artist, behind) for name, artist in artists.items()}
+
+
+def _curves(axes: Any, packer: Packer) -> list[dict[str, Any]]:
+    room = min(_MAX_CURVES, _MAX_CURVES_IN_ALL - len(packer.arrays) // 2)
+    curves = [_line(line, axes, packer) for line in axes.get_lines()[: max(room, 0)]]
+    for collection in axes.collections[: max(room - len(curves), 0)]:
+        seeing.must_be_honest(collection)
+        offsets = _plain_floats(collection.get_offsets())
+        if offsets.ndim == 2 and len(offsets) > 2:
+            curves.append(_points(collection, axes, offsets[:, 0], offsets[:, 1], packer))
+    return curves
+
+
+def _plain_floats(values: Any) -> np.ndarray:
+    """Numbers of an artist, masked ones as NaN."""
+    filled: np.ndarray = np.ma.asarray(values, dtype=float).filled(np.nan)
+    return filled
+
+
+_NOTHING = ("None", "none", "", " ", None)
+
+
+def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
+    seeing.must_be_honest(line)
+    x, y = _plain_floats(line.get_xdata()), _plain_floats(line.get_ydata())
+    stroke = line.get_linestyle() not in _NOTHING or line.get_marker() not in _NOTHING
+    facts = _curve(line, x, y, line.get_color(), packer) | {"kind": "line" if stroke else "nothing"}
+    facts["visible"] = seeing.line_is_visible(line, axes, x, y)
+    return facts | {"style": str(line.get_linestyle())[:8], "marker": str(line.get_marker())[:8]}
+
+
+def _points(collection: Any, axes: Any, x: Any, y: Any, packer: Packer) -> dict[str, Any]:
+    colour = _face(collection)
+    return _curve(collection, x, y, colour, packer) | {
+        "visible": seeing.artist_is_visible(collection, axes, colour, x, y)
+    }
+
+
+def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:
+    n = min(len(x), len(y))
+    step = max(1, -(-n // _MAX_POINTS))
+    return {
+        "label": _short(str(artist.get_label())),
+        "colour": _colour(colour),
+        "kind": "points",
+        "n": int(n),
+        "x": packer.keep(x[:n:step]),
+        "y": packer.keep(y[:n:step]),
+        "style": "",
+        "marker": "",
+    }
+
+
+def _face(collection: Any) -> Any:
+    colours = collection.get_facecolor()
+    return colours[0] if len(colours) else (collection.get_edgecolor()[0] if len(collection.get_edgecolor()) else "k")
+
+
+def _colour(colour: Any) -> str:
+    from matplotlib.colors import to_hex
+
+    try:
+        return str(to_hex(colour))
+    except (ValueError, TypeError):
+        return "?"
+
+
+def _legend(legend: Any, behind: Any) -> list[dict[str, Any]]:
+    """Entries as a reader sees them: the words, and the colour and stroke of the sample beside them."""
+    handles = getattr(legend, "legend_handles", None) or getattr(legend, "legendHandles", [])
+    pairs = list(zip(legend.get_texts()[:_MAX_CURVES], handles, strict=False))
+    seeing.must_be_honest(*(artist for pair in pairs for artist in pair))
+    return [_entry(text, handle, behind) for text, handle in pairs]
+
+
+def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
+    line = hasattr(handle, "get_linestyle") and hasattr(handle, "get_color")
+    colour = (
+        handle.get_color() if line else (_face(handle) if hasattr(handle, "get_offsets") else handle.get_facecolor())
+    )
+    return {
+        "text": seeing.words(text, behind),
+        "colour": _colour(colour),
+        "style": str(handle.get_linestyle())[:8] if line else "",
+        "marker": str(handle.get_marker())[:8] if line and hasattr(handle, "get_marker") else "",
+    }
+
+
+def _placed(text: Any) -> dict[str, Any]:
+    x, y = (float(v) if isinstance(v, int | float | np.number) else float("nan") for v in text.get_position())
+    place = [v if np.isfinite(v) else 0.0 for v in (x, y)]
+    return {"text": _short(text.get_text()), "place": place, "colour": _colour(text.get_color())}
+
+
+def _short(text: object) -> str:
+    return str(text)[:200]

@@ -1,0 +1,65 @@
+"""A harness that a student's code finds hard to reach: it keeps numpy and the built-in functions to itself, and notices changes.
+
+Student code runs in the same process, so none of this is a wall. It sees to it that a patch of numpy or of a built-in function,
+whether meant as a trick or as a convenience, changes nothing in what is measured, and that whoever rewrites the harness by its
+frames or in memory gets no answer accepted. What decides is measured outside of this process wherever that is possible.
+"""
+
+from __future__ import annotations
+
+import sys
+import types
+from typing import Any
+
+
+class ChangedError(RuntimeError):
+    """The harness is not what it was when it was loaded."""
+
+
+class Guard:
+    """The harness's functions and classes as they were before any of the student's code ran."""
+
+    def __init__(self, package: str) -> None:
+        self._modules = [
+            module for name, module in sys.modules.items() if name == package or name.startswith(f"{package}.")
+        ]
+        self._keep_numpy()
+        self._known = [_members(module) for module in self._modules]
+
+    def _keep_numpy(self) -> None:
+        """Give each module a numpy whose names nobody else can set."""
+        import numpy
+
+        own = types.ModuleType("numpy")
+        vars(own).update(vars(numpy))
+        for module in self._modules:
+            if vars(module).get("np") is numpy:
+                vars(module)["np"] = own
+
+    def hide(self) -> None:
+        """Take the harness off the list of modules: it goes on without it."""
+        for module in self._modules:
+            sys.modules.pop(module.__name__, None)
+
+    def check(self) -> None:
+        """Raise ChangedError where a function or a method was exchanged."""
+        for module, known in zip(self._modules, self._known, strict=True):
+            for owner, name, value, code in known:
+                now = vars(module if owner is None else owner).get(name)
+                if now is not value or getattr(now, "__code__", None) is not code:
+                    raise ChangedError(f"the harness was changed: {name}")
+
+
+Member = tuple[type | None, str, Any, types.CodeType | None]
+
+
+def _members(module: types.ModuleType) -> list[Member]:
+    """Functions and classes of a module, and the methods of its own classes."""
+    found: list[Member] = []
+    for name, value in vars(module).items():
+        if isinstance(value, types.FunctionType | type | types.ModuleType):
+            found.append((None, name, value, getattr(value, "__code__", None)))
+        if isinstance(value, type) and value.__module__ == module.__name__:
+            methods = [(n, v) for n, v in vars(value).items() if isinstance(v, types.FunctionType)]
+            found += [(value, method, function, function.__code__) for method, function in methods]
+    return found

@@ -1,0 +1,393 @@
+"""The experiments: each runs one student function on given states and reports what came back, value by value.
+
+An experiment answers with facts and arrays; an exception of the student's ends it and is reported beside what came before.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from . import faults, figures, loading, world
+from .values import Packer
+
+Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
+_ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
+_GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
+_AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
+
+
+@contextmanager
+def examined(answer: dict[str, Any]) -> Iterator[None]:
+    """Catch whatever student code raises and note it in the answer."""
+    try:
+        with world.at_home(loading.STATE.folder):
+            yield
+    except BaseException as raised:  # whatever student code raises, SystemExit included
+        answer["error"] = faults.describe(raised)
+
+
+# --- the reader ----------------------------------------------------------------------------------------------------------
+
+
+def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call the reader with every pair of sensors in every state; report each reading at once and after the next step.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model`` (XML text)
+    arrays : ``qpos`` (k, nq), ``qvel`` (k, nv), ``pairs`` (p, 2) sensor ids
+
+    Returns
+    -------
+    ``calls`` : per pair and state a node; ``later`` : the first state's readings again, after the simulation stepped on;
+    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata while reading.
+    """
+    reader = loading.find("get_imu_readings", fields["path"])
+    packer = Packer()
+    answer: dict[str, Any] = {"calls": [], "later": []}
+    disturbance = []
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        for accel_id, gyro_id in arrays["pairs"]:
+            for index in range(len(arrays["qpos"])):
+                put_in_state(model, data, arrays["qpos"][index], arrays["qvel"][index])
+                before = _state(data)
+                reading = reader(model, data, int(accel_id), int(gyro_id))
+                answer["calls"].append(packer.node(reading))
+                disturbance.append(_changes(before, _state(data)))
+                if index == 0:
+                    move_on(model, data)
+                    answer["later"].append(packer.node(reading))
+    return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
+
+
+_MODELS: dict[str, Any] = {}
+
+
+def simulation_of(xml: str) -> tuple[Any, Any]:
+    import mujoco
+
+    if xml not in _MODELS:
+        _MODELS[xml] = mujoco.MjModel.from_xml_string(xml)
+    return _MODELS[xml], mujoco.MjData(_MODELS[xml])
+
+
+def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
+    """A state as if nothing had been before it, with the sensors read."""
+    import mujoco
+
+    mujoco.mj_resetData(model, data)
+    data.qpos[:], data.qvel[:] = qpos, qvel
+    mujoco.mj_forward(model, data)
+
+
+def _state(data: Any) -> tuple[np.ndarray, ...]:
+    return tuple(np.array(v, dtype=np.float64).ravel() for v in (data.time, data.qpos, data.qvel, data.sensordata))
+
+
+def _changes(before: tuple[np.ndarray, ...], after: tuple[np.ndarray, ...]) -> list[float]:
+    return [float(np.max(np.abs(b - a), initial=0.0)) for a, b in zip(before, after, strict=True)]
+
+
+def move_on(model: Any, data: Any) -> None:
+    import mujoco
+
+    mujoco.mj_step(model, data)
+    data.sensordata[:] += 1.0  # so that a view shows itself even where the motion would not
+
+
+# --- data collection -----------------------------------------------------------------------------------------------------
+
+
+def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call `simulate_and_collect` on the lab model, from a dirty state if one is given.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep`` (or None), ``accel_id``, ``gyro_id``, ``time_s``
+    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,)
+    """
+    import mujoco
+
+    function = loading.find("simulate_and_collect", fields["path"])
+    model = mujoco.MjModel.from_xml_string(fields["model"])
+    if fields["timestep"]:
+        model.opt.timestep = fields["timestep"]
+    data = mujoco.MjData(model)
+    if "qpos" in arrays:
+        data.qpos[:], data.qvel[:], data.time = arrays["qpos"], arrays["qvel"], fields["time_s"]
+        mujoco.mj_forward(model, data)
+    ids = {"accel": fields["accel_id"], "gyro": fields["gyro_id"]}
+    provide_ids(ids)
+    packer = Packer()
+    answer: dict[str, Any] = {"value": None}
+    before = _options(model)
+    world.watch_next_run()
+    with examined(answer):
+        answer["value"] = packer.node(call_collector(function, model, data, fields["duration_s"], ids))
+    answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
+    return answer, packer.arrays | {f"first_{name}": value for name, value in world.FIRST_STEP.items()}
+
+
+def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Step the lab model from a given state; asked of a worker that no submission has been in.
+
+    Parameters
+    ----------
+    fields : ``model`` (XML text), ``steps``, ``held`` (set ``qvel[0]`` to its first value before every step)
+    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,)
+
+    Returns
+    -------
+    array ``sensordata`` (steps, n), as it is after each step.
+    """
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(fields["model"])
+    model.opt.timestep, model.opt.gravity[:] = float(arrays["timestep"][0]), arrays["gravity"]
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = arrays["qpos"], arrays["qvel"]
+    rows = np.empty((fields["steps"], model.nsensordata))
+    for row in rows:
+        if fields["held"]:
+            data.qvel[0] = arrays["qvel"][0]
+        mujoco.mj_step(model, data)
+        row[:] = data.sensordata
+    return {}, {"sensordata": rows}
+
+
+def _options(model: Any) -> dict[str, np.ndarray]:
+    values = {
+        "opt.timestep": model.opt.timestep,
+        "opt.gravity": model.opt.gravity,
+        "opt.integrator": model.opt.integrator,
+        "opt.disableflags": model.opt.disableflags,
+        "body_mass": model.body_mass,
+        "dof_damping": model.dof_damping,
+        "jnt_stiffness": model.jnt_stiffness,
+        "geom_friction": model.geom_friction,
+    }
+    return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
+
+
+def call_collector(function: Callable[..., Any], model: Any, data: Any, duration_s: float, ids: dict[str, int]) -> Any:
+    """Bind ids by their names, the rest by position; the duration by its own name where it has one."""
+    parameters = inspect.signature(function).parameters
+    by_name: dict[str, Any] = {}
+    plain = []
+    for name, parameter in parameters.items():
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
+        if _ACCELEROMETER.match(name):
+            by_name[name] = ids["accel"]
+        elif _GYROSCOPE.match(name):
+            by_name[name] = ids["gyro"]
+        else:
+            plain.append(name)
+    if not by_name:
+        return (
+            function(model, data, duration_seconds=duration_s)
+            if "duration_seconds" in parameters
+            else function(model, data, duration_s)
+        )
+    values = dict(zip(plain, (model, data, duration_s), strict=False))
+    if "duration_seconds" in plain:
+        values["duration_seconds"] = duration_s
+    positional = [p for p in parameters.values() if p.kind is p.POSITIONAL_ONLY]
+    every = by_name | values
+    return function(*(every.pop(p.name) for p in positional if p.name in every), **every)
+
+
+def provide_ids(ids: dict[str, int]) -> None:
+    """Set the sensor ids that student code reads from module globals which nothing has set."""
+    for module in list(loading.STATE.modules.values()):
+        for name in _unset_globals(module):
+            if _AN_ID.search(name) and _ACCELEROMETER.match(name):
+                setattr(module, name, ids["accel"])
+            elif _AN_ID.search(name) and _GYROSCOPE.match(name):
+                setattr(module, name, ids["gyro"])
+
+
+def _unset_globals(module: ModuleType) -> set[str]:
+    members = [m for m in list(vars(module).values()) if getattr(m, "__module__", None) == module.__name__]
+    functions = [m for m in members if isinstance(m, FunctionType)]
+    for owner in (m for m in members if isinstance(m, type)):
+        functions += [f for f in vars(owner).values() if isinstance(f, FunctionType)]
+    names = {name for function in functions for name in _names(function.__code__)}
+    return {name for name in names if name not in vars(module)}
+
+
+def _names(code: CodeType) -> set[str]:
+    inner = {name for const in code.co_consts if isinstance(const, CodeType) for name in _names(const)}
+    return set(code.co_names) | inner
+
+
+# --- noise ---------------------------------------------------------------------------------------------------------------
+
+
+def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Build one `NoisyIMU` and read it many times, in one state after the other.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads`` (per state), ``accel_noise_std``, ``gyro_noise_std``
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``accel_bias`` (3,), ``gyro_bias`` (3,) where biases are given
+
+    Returns
+    -------
+    arrays ``accel``, ``gyro`` (s, reads, 3), NaN where a read did not come back as two vectors of three (``odd``: the first
+    such value); ``disturbance`` (s, 4), as for `read`.
+    """
+    packer = Packer()
+    answer: dict[str, Any] = {"odd": None, "done": 0}
+    count = fields["reads"]
+    readings = np.full((len(arrays["qpos"]), count, 6), np.nan)
+    disturbance: list[list[float]] = []
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
+        sensor = _noisy(fields, arrays, model, data)
+        for state in range(len(readings)):
+            put_in_state(model, data, arrays["qpos"][state], arrays["qvel"][state])
+            before, clean = _state(data), np.array(data.sensordata)
+            for index in range(count):
+                _store(sensor.read(), readings[state, index], answer, packer)
+                if index == 0:
+                    disturbance.append(_changes(before, _state(data)))
+                data.sensordata[:] = clean  # a read that wrote into it spoils the next ones no further
+                answer["done"] += 1
+    return answer, packer.arrays | {
+        "accel": readings[:, :, :3],
+        "gyro": readings[:, :, 3:],
+        "disturbance": np.array(disturbance).reshape(-1, 4),
+    }
+
+
+def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any) -> Any:
+    kind = loading.find("NoisyIMU", fields["path"])
+    provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
+    given = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
+    stds = {name: fields[name] for name in ("accel_noise_std", "gyro_noise_std")}
+    return kind(model, data, fields["accel_id"], fields["gyro_id"], **stds, **given)
+
+
+def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
+    try:
+        accel, gyro = reading.values() if isinstance(reading, dict) else reading
+        row[:3], row[3:] = np.reshape(accel, 3), np.reshape(gyro, 3)
+    except (TypeError, ValueError):
+        row[:] = np.nan
+    if answer["odd"] is None and (isinstance(reading, dict) or not np.all(np.isfinite(row))):
+        answer["odd"] = packer.node(reading)
+
+
+def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Build many `NoisyIMU` without biases and with no noise, and read each a few times in one state.
+
+    Returns
+    -------
+    arrays ``accel``, ``gyro`` (instances, reads, 3).
+    """
+    packer = Packer()
+    answer: dict[str, Any] = {"odd": None, "done": 0}
+    readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
+        clean = np.array(data.sensordata)
+        for instance in readings:
+            sensor = _noisy(fields, {}, model, data)
+            for row in instance:
+                _store(sensor.read(), row, answer, packer)
+                data.sensordata[:] = clean
+            answer["done"] += 1
+    return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
+
+
+# --- the filter ----------------------------------------------------------------------------------------------------------
+
+
+def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Run filters over given measurements, each case by itself.
+
+    Parameters
+    ----------
+    fields : ``path`` and ``cases``, each with ``input`` (array name), ``alpha`` (or None: the default), ``initial`` (array name
+        or None), ``handling``: ``plain``; ``spoil_input``, ``spoil_output`` (the caller overwrites the array afterwards);
+        ``beside`` (a second instance is fed other data in between).
+
+    Returns
+    -------
+    ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``.
+    """
+    kind = loading.find("LowPassFilter", fields["path"])
+    packer = Packer()
+    cases = [_filter_case(kind, case, arrays, packer) for case in fields["cases"]]
+    return {"cases": cases}, packer.arrays
+
+
+def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: Packer) -> dict[str, Any]:
+    signal = np.array(arrays[case["input"]])
+    answer: dict[str, Any] = {"output": None, "odd": None, "error": None, "input_changed": False}
+    rows: list[np.ndarray] = []
+    with examined(answer):
+        options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
+        if case["initial"] is not None:
+            options["initial_value"] = np.array(arrays[case["initial"]])
+        instance = kind(**options)
+        other = kind(**options) if case["handling"] == "beside" else None
+        for measurement in signal:
+            rows.append(_filtered(instance, measurement.copy(), case["handling"], answer, packer))
+            if other is not None:
+                other.update(100.0 - 3.0 * measurement)
+    if rows:
+        answer["output"] = packer.keep(np.array(rows))
+    return answer
+
+
+def _filtered(
+    instance: Any, measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
+) -> np.ndarray:
+    given = measurement.copy()
+    value = instance.update(given)
+    try:
+        row = np.array(value, dtype=np.float64).reshape(measurement.shape)
+    except (TypeError, ValueError):
+        row = np.full(measurement.shape, np.nan)
+        answer["odd"] = answer["odd"] or packer.node(value)
+    answer["input_changed"] = answer["input_changed"] or not np.array_equal(given, measurement)
+    if handling == "spoil_input":
+        given[:] = 1e3
+    if handling == "spoil_output" and isinstance(value, np.ndarray) and value.flags.writeable:
+        value[...] = 1e3
+    return row
+
+
+# --- the plot ------------------------------------------------------------------------------------------------------------
+
+
+def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call `plot_imu_data` with the given data and tell what it drew and saved.
+
+    Parameters
+    ----------
+    fields : ``path``, ``keys``: the submission's name for each of ``time``, ``acceleration``, ``angular_velocity``
+    arrays : ``time`` (n,), ``acceleration`` (n, 3), ``angular_velocity`` (n, 3)
+    """
+    function = loading.find("plot_imu_data", fields["path"])
+    figures.RECORDER.take()
+    for name in figures.written_pictures(loading.STATE.folder):
+        Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
+    answer: dict[str, Any] = {}
+    with examined(answer):
+        function({fields["keys"][name]: arrays[name].copy() for name in ("time", "acceleration", "angular_velocity")})
+    seen, facts = figures.RECORDER.take()
+    return answer | {"figures": seen, "pictures": figures.written_pictures(loading.STATE.folder)}, facts

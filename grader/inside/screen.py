@@ -1,0 +1,233 @@
+"""A screen that nobody sees: matplotlib as a program with a window finds it, without a pixel drawn.
+
+While it stands, every way of showing a picture (draw, draw_idle, flush_events, blit, pause, show, a saved frame, an
+animation) is an event that is noted, and timers and animations run as a window's event loop would run them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import time
+import weakref
+from collections.abc import Callable, Iterator
+from typing import Any
+
+_MAX_FIRINGS = 2000
+_LAST_FRAMES = 3
+
+Seen = Callable[[Any], None]
+Done = Callable[[], bool]
+
+
+class Screen:
+    """What stands between a student's program and matplotlib while it is watched.
+
+    Parameters
+    ----------
+    seen : called with the figure whenever something is shown
+    done : whether there is nothing more to wait for; a shown animation is then stopped after a few more frames
+    """
+
+    def __init__(self, seen: Seen, done: Done) -> None:
+        self._seen, self._done = seen, done
+        self._timers: list[Any] = []
+        self._animations: list[weakref.ref[Any]] = []
+        self._depth = 0
+
+    # --- showing -------------------------------------------------------------------------------------------------------
+
+    def show_figure(self, canvas: Any) -> None:
+        """What drawing does, but for the pixels: the figure is up to date, and who waits for a drawing is told."""
+        from matplotlib.backend_bases import DrawEvent
+
+        if self._depth > 4:
+            return
+        self._depth += 1
+        try:
+            canvas.renderer = canvas.get_renderer()
+            canvas.figure.stale = False
+            self._seen(canvas.figure)
+            canvas.callbacks.process("draw_event", DrawEvent("draw_event", canvas, canvas.renderer))
+        finally:
+            self._depth -= 1
+
+    def show_all(self, *, block: bool) -> None:
+        """`show()`: draws every figure; where it blocks, it runs the event loop until nothing more comes, then closes them."""
+        import matplotlib.pyplot as plt
+
+        for figure in open_figures():
+            figure.canvas.draw_idle()
+        if block:
+            self.run()
+            plt.close("all")
+
+    def show_animations_left(self) -> None:
+        """Show the animations that were made and never shown: whoever gets one back shows it."""
+        for reference in self._animations:
+            animation = reference()
+            if animation is not None and not getattr(animation, "_draw_was_started", True):
+                self.show_figure(animation._fig.canvas)
+        self.run()
+
+    # --- the event loop ------------------------------------------------------------------------------------------------
+
+    def start_timer(self, timer: Any) -> None:
+        if timer not in self._timers:
+            self._timers.append(timer)
+
+    def stop_timer(self, timer: Any) -> None:
+        if timer in self._timers:
+            self._timers.remove(timer)
+
+    def run(self, seconds: float | None = None) -> None:
+        """Fire the running timers in the order in which they are due, for a time or until there is nothing to wait for."""
+        due = {id(timer): timer.interval / 1000.0 for timer in self._timers}
+        now, extra = 0.0, 0
+        for _ in range(_MAX_FIRINGS):
+            timers = [timer for timer in self._timers if timer.callbacks]
+            if not timers or extra > _LAST_FRAMES:
+                break
+            timer = min(timers, key=lambda one: due.setdefault(id(one), now + one.interval / 1000.0))
+            if seconds is not None and due[id(timer)] > seconds:
+                break
+            time.sleep(max(0.0, due[id(timer)] - now))
+            now = due[id(timer)]
+            due[id(timer)] = now + timer.interval / 1000.0
+            timer._on_timer()
+            extra += self._done()
+
+    # --- animations ----------------------------------------------------------------------------------------------------
+
+    def note_animation(self, animation: Any) -> None:
+        self._animations.append(weakref.ref(animation))
+
+    def play(self, animation: Any) -> None:
+        """Every frame of an animation that is saved."""
+        animation._init_draw()
+        for number, frame in enumerate(animation.new_saved_frame_seq()):
+            animation._draw_next_frame(frame, blit=False)
+            self._seen(animation._fig)
+            if number >= _MAX_FIRINGS:
+                break
+
+    # --- standing ------------------------------------------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def standing(self) -> Iterator[None]:
+        """Put the screen between matplotlib and the program, and take it away afterwards."""
+        import matplotlib.pyplot as plt
+        from matplotlib import animation
+        from matplotlib.backend_bases import FigureCanvasBase, TimerBase
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        with contextlib.ExitStack() as stack:
+            for owner, members in (
+                (FigureCanvasAgg, {"draw": _method(self.show_figure)}),
+                (FigureCanvasBase, self._canvas()),
+                (TimerBase, {"_timer_start": _method(self.start_timer), "_timer_stop": _method(self.stop_timer)}),
+                (Figure, {"show": lambda figure, *_, **__: figure.canvas.draw_idle(), "tight_layout": _nothing}),
+                (animation.Animation, self._animation(animation.Animation.__init__)),
+                (animation.PillowWriter, {"grab_frame": lambda writer, **_: self._seen(writer.fig), "finish": _finish}),
+            ):
+                stack.enter_context(replaced(owner, members))
+            stack.enter_context(replaced(plt, {"show": self._show, "tight_layout": _nothing}))
+            yield
+
+    def _canvas(self) -> dict[str, Any]:
+        def start_event_loop(canvas: Any, timeout: float = 0) -> None:
+            self._seen(canvas.figure)
+            self.run(timeout if timeout > 0 else None)
+            time.sleep(max(0.0, timeout))
+
+        def print_figure(canvas: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
+            self._seen(canvas.figure)
+            dots = canvas.figure.dpi if dpi in (None, "figure") else float(dpi)
+            width, height = (int(size * dots) for size in canvas.figure.get_size_inches())
+            kind = str(kwargs.get("format") or "png")
+            _write(filename, bytes(4 * width * height) if kind in ("raw", "rgba") else _one_pixel())
+
+        return {
+            "flush_events": lambda canvas: self._seen(canvas.figure),
+            "blit": lambda canvas, *_, **__: self._seen(canvas.figure),
+            "start_event_loop": start_event_loop,
+            "print_figure": print_figure,
+        }
+
+    def _animation(self, really_init: Callable[..., None]) -> dict[str, Any]:
+        def init(animation: Any, *args: Any, **kwargs: Any) -> None:
+            really_init(animation, *args, **kwargs)
+            self.note_animation(animation)
+
+        def save(animation: Any, filename: Any, *args: Any, **kwargs: Any) -> None:
+            self.play(animation)
+            _write(filename, b"GIF89a")
+
+        def to_text(animation: Any, *args: Any, **kwargs: Any) -> str:
+            self.play(animation)
+            return ""
+
+        return {"__init__": init, "save": save, "to_jshtml": to_text, "to_html5_video": to_text}
+
+    def _show(self, *args: Any, block: bool | None = None, **kwargs: Any) -> None:
+        import matplotlib.pyplot as plt
+
+        self.show_all(block=not plt.isinteractive() if block is None else bool(block))
+
+
+def _method(call: Callable[[Any], None]) -> Callable[..., None]:
+    """A function that a class makes a method of: `call` is given the instance alone."""
+
+    def method(instance: Any, *args: Any, **kwargs: Any) -> None:
+        call(instance)
+
+    return method
+
+
+def _nothing(*args: Any, **kwargs: Any) -> None:
+    """Laying out what nobody sees is what takes the time."""
+
+
+def open_figures() -> list[Any]:
+    """The figures that pyplot knows; asking by number would make each of them the current one."""
+    from matplotlib import _pylab_helpers
+
+    return [manager.canvas.figure for manager in _pylab_helpers.Gcf.get_all_fig_managers()]
+
+
+def _one_pixel() -> bytes:
+    """A picture, for programs that read back what they saved."""
+    from PIL import Image
+
+    stream = io.BytesIO()
+    Image.new("RGB", (1, 1)).save(stream, "png")
+    return stream.getvalue()
+
+
+def _finish(writer: Any) -> None:
+    _write(writer.outfile, b"GIF89a")
+
+
+def _write(target: Any, content: bytes) -> None:
+    if hasattr(target, "write"):
+        target.write(content)
+        return
+    with open(target, "wb") as stream:
+        stream.write(content)
+
+
+@contextlib.contextmanager
+def replaced(owner: Any, members: dict[str, Any]) -> Iterator[None]:
+    """Put other members in the place of those of a class or a module, for a while."""
+    own = {name: vars(owner)[name] for name in members if name in vars(owner)}
+    for name, member in members.items():
+        setattr(owner, name, member)
+    try:
+        yield
+    finally:
+        for name in members:
+            if name in own:
+                setattr(owner, name, own[name])
+            else:
+                delattr(owner, name)

@@ -1,0 +1,86 @@
+"""Turning whatever a student's function returned into plain nodes and float arrays that the wire can carry.
+
+A node is a dictionary with a ``kind``: ``array``, ``number``, ``tuple``, ``list``, ``dict``, ``object``, ``text``, ``none``,
+``other`` or ``too_large``. Numbers travel as float64 arrays, named by ``key``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+MAX_ELEMENTS = 600_000
+_MAX_ITEMS = 64
+_MAX_DEPTH = 4
+_SHORT = 16
+
+
+class Packer:
+    """Collects the arrays of one answer and hands out their names."""
+
+    def __init__(self) -> None:
+        self.arrays: dict[str, np.ndarray] = {}
+
+    def keep(self, array: Any) -> str:
+        key = f"a{len(self.arrays)}"
+        self.arrays[key] = np.array(array, dtype=np.float64, order="C", copy=True)
+        return key
+
+    def node(self, value: Any, depth: int = 0) -> dict[str, Any]:
+        """Describe one value. Student code may run here (``__len__``, ``__array__``): the caller catches what it raises."""
+        if value is None:
+            return {"kind": "none"}
+        if isinstance(value, str):
+            return {"kind": "text", "text": str(value)[:200]}
+        if isinstance(value, bool | int | float | np.number | np.bool_):
+            return {"kind": "number", "key": self.keep(float(value))}
+        if isinstance(value, np.ndarray):
+            return self._array(value, "array")
+        if depth < _MAX_DEPTH:
+            if isinstance(value, tuple | list):
+                return self._sequence(value, depth)
+            if hasattr(value, "keys") and hasattr(value, "__getitem__"):
+                return self._mapping({key: value[key] for key in list(value.keys())[:_MAX_ITEMS]}, "dict", value, depth)
+            if dataclasses.is_dataclass(value) or hasattr(value, "__dict__"):
+                members = {k: v for k, v in vars(value).items() if not k.startswith("_")}
+                if members:
+                    return self._mapping(members, "object", value, depth)
+        return self._other(value)
+
+    def _array(self, value: np.ndarray, kind: str) -> dict[str, Any]:
+        if value.size > MAX_ELEMENTS:
+            return {"kind": "too_large", "shape": [int(n) for n in value.shape]}
+        if value.dtype.names:
+            return self._mapping({name: value[name] for name in value.dtype.names[:_MAX_ITEMS]}, "dict", value, 1)
+        if value.dtype.kind == "c" and not np.any(np.imag(value)):
+            value = np.real(value)
+        try:
+            numbers = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            return {"kind": "other", "type": f"array of {value.dtype}"[:60]}
+        return {"kind": kind, "key": self.keep(numbers), "dtype": str(value.dtype)[:20]}
+
+    def _sequence(self, value: Any, depth: int) -> dict[str, Any]:
+        kind = "tuple" if isinstance(value, tuple) else "list"
+        if len(value) <= _SHORT:
+            return {"kind": kind, "type": type(value).__name__[:60], "items": [self.node(v, depth + 1) for v in value]}
+        if len(value) > MAX_ELEMENTS:
+            return {"kind": "too_large", "shape": [len(value)]}
+        try:
+            return self._array(np.asarray(value, dtype=np.float64), "list")
+        except (TypeError, ValueError):
+            return {"kind": "other", "type": f"{kind} of unequal rows"}
+
+    def _mapping(self, members: dict[Any, Any], kind: str, value: Any, depth: int) -> dict[str, Any]:
+        items = [[str(name)[:100], self.node(member, depth + 1)] for name, member in list(members.items())[:_MAX_ITEMS]]
+        return {"kind": kind, "type": type(value).__name__[:60], "items": items}
+
+    def _other(self, value: Any) -> dict[str, Any]:
+        name = type(value).__name__[:60]
+        try:
+            array = np.asarray(value)
+        except Exception:  # __array__ is the student's code
+            return {"kind": "other", "type": name}
+        return {"kind": "other", "type": name} if array.dtype == object else self._array(array, "array")

@@ -1,0 +1,267 @@
+"""The world that student code finds: the lab model at the sheet's path, no screen, nobody at the keyboard, a fixed seed."""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import gc
+import os
+import random
+import signal
+import sys
+import time
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+LAB_MODEL_NAME = "humanoid-sensors.xml"
+_SHEET_PATH = f"textbook/assets/robot-models/mujoco/{LAB_MODEL_NAME}"
+_MAX_INPUTS = 100
+_GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
+
+
+def warm_up() -> None:
+    """Import the scientific stack and use each part once, so that a forked worker pays for none of it."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.animation
+    import matplotlib.pyplot as plt
+    import mujoco
+    import PIL.Image
+    import scipy.integrate
+    import scipy.signal
+    import scipy.spatial.transform
+    import scipy.stats  # noqa: F401
+
+    with contextlib.suppress(Exception):  # needs glfw; without it a student's import fails as it would anywhere
+        import mujoco.viewer
+    figure, axes = plt.subplots(2, 1, sharex=True)
+    axes[0].plot([0, 1], [0, 1], label=r"m/s² $m/s^2$")
+    axes[0].set_title("warm up")
+    axes[0].legend()
+    figure.tight_layout()
+    figure.canvas.draw()
+    plt.close("all")
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
+    )
+    mujoco.mj_step(model, mujoco.MjData(model))
+    PIL.Image.init()
+    gc.collect()
+
+
+def furnish(lab_model: str) -> None:
+    """Make the worker's process look like the machine that the lab sheet assumes."""
+    path = Path(_SHEET_PATH)
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(lab_model, encoding="utf-8")
+    _redirect_lab_model(lab_model)
+    _answer_input()
+    _take_the_screen_away()
+    _offer_notebook_names()
+    _make_pauses_short()
+    _make_signals_deadly()
+    _watch_first_step()
+
+
+def _redirect_lab_model(lab_model: str) -> None:
+    """A path that ends in the lab model's name and does not exist here means the lab model."""
+    import mujoco
+
+    def redirecting(load: Callable[..., Any]) -> Callable[..., Any]:
+        def from_path(filename: Any = None, *args: Any, **kwargs: Any) -> Any:
+            name = os.fspath(filename) if filename is not None else os.fspath(kwargs.pop("filename"))
+            if isinstance(name, bytes):
+                name = os.fsdecode(name)
+            if name.replace("\\", "/").endswith(LAB_MODEL_NAME) and not os.path.exists(name):
+                name = str(Path(_HOME, _SHEET_PATH))
+            return load(name, *args, **kwargs)
+
+        return from_path
+
+    mujoco.MjModel.from_xml_path = staticmethod(redirecting(mujoco.MjModel.from_xml_path))
+    if hasattr(mujoco, "MjSpec"):
+        mujoco.MjSpec.from_file = staticmethod(redirecting(mujoco.MjSpec.from_file))
+
+
+_HOME = "."
+
+
+def settle(folder: str) -> None:
+    """Remember the scratch folder: student code may change the working directory."""
+    global _HOME  # noqa: PLW0603 - one process, one submission
+    _HOME = folder
+
+
+def _answer_input() -> None:
+    asked = 0
+
+    def answer(prompt: object = "") -> str:
+        nonlocal asked
+        asked += 1
+        if asked > _MAX_INPUTS:
+            raise EOFError("input() was called more than a hundred times")
+        print(prompt)
+        return ""
+
+    builtins.input = answer
+
+
+def _take_the_screen_away() -> None:
+    """GUI back ends quietly become Agg; `show()` closes what it showed, as a window that the user closes does."""
+    import matplotlib
+    import matplotlib.pyplot as plt
+
+    def unless_gui(choose: Callable[..., Any]) -> Callable[..., Any]:
+        def chosen(backend: Any, *args: Any, **kwargs: Any) -> Any:
+            gui = isinstance(backend, str) and any(name in backend.lower() for name in _GUI_BACKENDS)
+            return choose("Agg" if gui else backend, *args, **kwargs)
+
+        return chosen
+
+    matplotlib.use = unless_gui(matplotlib.use)
+    plt.switch_backend = unless_gui(plt.switch_backend)
+
+    viewer: Any = sys.modules.get("mujoco.viewer")
+    if viewer is not None:
+        viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
+        viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
+
+
+class _NoViewer:
+    """A viewer whose window was closed at once."""
+
+    def __init__(self) -> None:
+        self.cam = self.opt = self.user_scn = types.SimpleNamespace()
+
+    def is_running(self) -> bool:
+        return False
+
+    def sync(self, *args: object, **kwargs: object) -> None:
+        """Nothing is shown."""
+
+    close = sync
+
+    def lock(self) -> Any:
+        return contextlib.nullcontext()
+
+    def __enter__(self) -> _NoViewer:
+        return self
+
+    def __exit__(self, *args: object) -> None:
+        """Nothing to close."""
+
+
+def _offer_notebook_names() -> None:
+    """`display`, `get_ipython` and `IPython.display`, which notebook code uses without asking."""
+
+    def display(*values: object, **_: object) -> None:
+        for value in values:
+            print(type(value).__name__)
+
+    def nothing(*_: object, **__: object) -> None:
+        """Accepts anything, shows nothing."""
+
+    class _Display(types.ModuleType):
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("__"):
+                raise AttributeError(name)
+            return nothing
+
+    package, module = types.ModuleType("IPython"), _Display("IPython.display")
+    module.display = display  # type: ignore[attr-defined]
+    shell = types.SimpleNamespace(run_line_magic=nothing, magic=nothing, system=nothing, run_cell_magic=nothing)
+    package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
+    for name, stub in (("IPython", package), ("IPython.display", module)):
+        sys.modules.setdefault(name, stub)
+    builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
+
+
+def _make_pauses_short() -> None:
+    """Nobody watches: a pause moves the clocks on instead of waiting, so that real-time loops end as they should."""
+    skipped = 0.0
+    real = {name: getattr(time, name) for name in ("time", "monotonic", "perf_counter")}
+
+    def sleep(seconds: float) -> None:
+        nonlocal skipped
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
+        skipped += float(seconds)
+
+    def moved_on(clock: Callable[[], float]) -> Callable[[], float]:
+        return lambda: clock() + skipped
+
+    vars(time)["sleep"] = sleep
+    for name, clock in real.items():
+        setattr(time, name, moved_on(clock))
+
+
+def _make_signals_deadly() -> None:
+    """A process that kills itself ends: as the first process of its namespace it would survive its own signals."""
+
+    def kill(pid: int, number: int) -> None:
+        default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
+        if pid == os.getpid() and default and number not in (signal.SIGCHLD, signal.SIGCONT, signal.SIGURG):
+            os._exit(128 + number)
+        really_kill(pid, number)
+
+    really_kill = os.kill
+    vars(os)["kill"] = kill
+    vars(signal)["raise_signal"] = lambda number: kill(os.getpid(), number)
+
+
+FIRST_STEP: dict[str, np.ndarray] = {}
+"""The state in which the simulation was when it was first stepped, if `watch_next_run` asked for it."""
+_watching = False
+
+
+def watch_next_run() -> None:
+    """Note the state before the next step: a hint for the grader, which runs it again elsewhere before it believes it."""
+    global _watching  # noqa: PLW0603 - one process, one submission
+    FIRST_STEP.clear()
+    _watching = True
+
+
+def _watch_first_step() -> None:
+    import mujoco
+
+    def watched(step: Callable[..., Any]) -> Callable[..., Any]:
+        def stepping(model: Any, data: Any, *args: Any, **kwargs: Any) -> Any:
+            global _watching  # noqa: PLW0603
+            if _watching:
+                _watching = False
+                FIRST_STEP.update(
+                    qpos=np.array(data.qpos), qvel=np.array(data.qvel), gravity=np.array(model.opt.gravity),
+                    timestep=np.array([model.opt.timestep], dtype=np.float64),
+                )  # fmt: skip
+            return step(model, data, *args, **kwargs)
+
+        return stepping
+
+    for name in ("mj_step", "mj_step1"):
+        setattr(mujoco, name, watched(getattr(mujoco, name)))
+
+
+def seed(number: int) -> None:
+    """Seed every generator that can be seeded, so that a regrade draws the same numbers. No verdict rests on it."""
+    random.seed(number)
+    np.random.seed(number)
+    stream = random.Random(number + 1)
+    bit_generator: Any = sys.modules.get("numpy.random.bit_generator")
+    if bit_generator is not None and hasattr(bit_generator, "randbits"):
+        bit_generator.randbits = stream.getrandbits  # default_rng() without a seed takes its entropy from here
+
+
+@contextlib.contextmanager
+def at_home(folder: str) -> Iterator[None]:
+    """Run with the scratch folder as the working directory, whatever an earlier call changed it to."""
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(folder)

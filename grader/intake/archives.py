@@ -1,0 +1,226 @@
+"""Zip and tar archives, read as streams into memory. Nothing is unpacked to disk, and no declared size is believed.
+
+`pile` bounds what is kept; the bounds here are on the work that goes into the rest: decompression, tables of contents.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import stat
+import tarfile
+import zipfile
+from collections.abc import Callable
+from contextlib import suppress
+from typing import BinaryIO, Protocol
+
+from grader.intake.names import archive_parts, is_code, is_litter
+from grader.intake.pile import DAMAGED, GAPS, LINK, LOCKED, MAX_FILE, MB, METHOD, SPECIAL, UNSAFE, Pile, Unreadable
+
+MAX_ARCHIVE = 256 * MB  # on disk: a virtual environment handed in by mistake must not hide the lab's three files
+MAX_UNPACKED = 512 * MB  # decompressed, wanted or not: two seconds of work
+MAX_DIRECTORY = 8 * MB  # of a zip's table of contents: some 100,000 entries
+MAX_ENTRIES = 50_000
+MAX_HEADER = 16_384  # of a tar's long name or pax record, which tarfile reads whole
+# Before Python 3.10.15, 3.11.10 and 3.12.6 tarfile takes quadratic time on hostile ones (CVE-2024-6232): sum of squared
+# sizes, four seconds at the worst; 2,000 files with an honest kilobyte each stay below.
+MAX_HEADER_WORK = 2_100_000_000
+
+_FAT = 0  # "made by" of Windows tools, some of which write backslashes
+_UTF8 = 0x800  # flag: the name is UTF-8
+_HEADERS = (
+    tarfile.GNUTYPE_LONGNAME,
+    tarfile.GNUTYPE_LONGLINK,
+    tarfile.XHDTYPE,
+    tarfile.XGLTYPE,
+    tarfile.SOLARIS_XHDTYPE,
+)
+
+
+class _Exhausted(Exception):  # noqa: N818 - an end of reading, not an error of ours
+    """A bound of this module was reached; what was read before it counts."""
+
+
+def gather_archive(stream: BinaryIO, name: str) -> Pile:
+    """Read the files of an archive; its first bytes tell its kind, as its name may be wrong.
+
+    Parameters
+    ----------
+    stream
+        The archive, seekable.
+    name
+        How notes call it, printable.
+
+    Raises
+    ------
+    Unreadable
+        If nothing of it can be read.
+    """
+    if stream.seek(0, io.SEEK_END) > MAX_ARCHIVE:
+        raise Unreadable(f"{name} is larger than {MAX_ARCHIVE // MB} MB; hand in the lab's files alone.")
+    stream.seek(0)
+    magic = stream.read(4)
+    stream.seek(0)
+    pile = Pile()
+    read = _read_zip if magic[:2] == b"PK" else _read_gzip if magic[:2] == b"\x1f\x8b" else _read_tar
+    try:
+        read(stream, pile)
+    except _Exhausted as end:
+        pile.remarks.append(f"{name} was read in part: {end}.")
+        pile.broken = True
+    except Exception as error:  # the standard library's readers raise whatever their parsing trips over
+        if not pile.files:
+            raise Unreadable(f"{name} is not a readable zip or tar archive; make it again.") from error
+        pile.remarks.append(f"{name} is damaged; the files before the damage were read.")
+        pile.broken = True
+    return pile
+
+
+class _Readable(Protocol):
+    def read(self, size: int, /) -> bytes: ...
+
+
+class _Counted(io.RawIOBase):
+    """A tar's bytes, counted as they are decompressed."""
+
+    def __init__(self, stream: _Readable) -> None:
+        self._stream = stream
+        self._left = MAX_UNPACKED
+
+    def read(self, size: int = -1) -> bytes:
+        data = self._stream.read(size)
+        self._left -= len(data)
+        if self._left < 0:
+            raise _Exhausted(f"it unpacks to more than {MAX_UNPACKED // MB} MB")
+        return data
+
+
+class _Narrow(io.RawIOBase):
+    """A zip that is read in small pieces only: `zipfile` reads the table of contents, of any declared size, in one."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self._size = stream.seek(0, io.SEEK_END)
+
+    def read(self, size: int | None = -1) -> bytes:
+        rest = self._size - self._stream.tell()
+        if (rest if size is None or size < 0 else min(size, rest)) > MAX_DIRECTORY:
+            raise zipfile.BadZipFile("the table of contents is too large")
+        return self._stream.read(-1 if size is None else size)
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        return self._stream.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._stream.tell()
+
+    def seekable(self) -> bool:
+        return True
+
+
+def _read_zip(stream: BinaryIO, pile: Pile) -> None:
+    unpacked = 0
+
+    def bytes_of(entry: zipfile.ZipInfo) -> bytes:
+        nonlocal unpacked
+        unpacked += min(entry.file_size, MAX_FILE)
+        if unpacked > MAX_UNPACKED:
+            raise _Exhausted(f"it unpacks to more than {MAX_UNPACKED // MB} MB")
+        with archive.open(entry) as member:
+            return member.read(MAX_FILE + 1)
+
+    with zipfile.ZipFile(_Narrow(stream)) as archive:
+        # Code first, so that no other file takes its share of the work; the sort keeps the order of equal names.
+        for entry in sorted(archive.infolist(), key=lambda e: not is_code(e.filename)):
+            _take_from_zip(entry, pile, bytes_of)
+
+
+def _take_from_zip(entry: zipfile.ZipInfo, pile: Pile, bytes_of: Callable[[zipfile.ZipInfo], bytes]) -> None:
+    name = _zip_name(entry)
+    parts = archive_parts(name)
+    if parts is None:
+        pile.leave(name, UNSAFE)
+    elif name.endswith("/") or stat.S_ISDIR(entry.external_attr >> 16) or is_litter(parts):
+        return
+    elif why := _zip_objection(entry):
+        pile.leave("/".join(parts), why)
+    else:
+        try:
+            pile.take(parts, entry.file_size, lambda: bytes_of(entry))
+        except _Exhausted:
+            raise
+        except Exception:  # a bad checksum, a bad stream, a header that contradicts the table of contents
+            pile.leave("/".join(parts), DAMAGED)
+
+
+def _zip_name(entry: zipfile.ZipInfo) -> str:
+    """The path. `orig_filename` still has the NUL at which `filename` ends."""
+    name = entry.orig_filename
+    if not entry.flag_bits & _UTF8:  # Finder writes UTF-8 and does not say so; zipfile takes it for code page 437
+        with suppress(UnicodeError):
+            name = name.encode("cp437").decode()
+    return name.replace("\\", "/") if entry.create_system == _FAT else name
+
+
+def _zip_objection(entry: zipfile.ZipInfo) -> str:
+    """Why this entry is not read, or ""."""
+    kind = stat.S_IFMT(entry.external_attr >> 16)
+    if kind not in (0, stat.S_IFREG):
+        return LINK if kind == stat.S_IFLNK else SPECIAL
+    if entry.flag_bits & 0x1:
+        return LOCKED
+    # LZMA and bzip2 decoders take as much memory as the archive says.
+    return "" if entry.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) else METHOD
+
+
+def _read_gzip(stream: BinaryIO, pile: Pile) -> None:
+    with gzip.GzipFile(fileobj=stream, mode="rb") as unpacked:
+        _read_tar(unpacked, pile)
+
+
+def _bounded_headers() -> type[tarfile.TarInfo]:
+    """A TarInfo that refuses records which tarfile would read whole, in one piece or all together."""
+    work = 0
+
+    class Bounded(tarfile.TarInfo):
+        @classmethod
+        def frombuf(cls, buf: bytes | bytearray, encoding: str, errors: str) -> Bounded:
+            nonlocal work
+            info = super().frombuf(buf, encoding, errors)
+            if info.type in _HEADERS:
+                work += info.size**2
+                if not 0 <= info.size <= MAX_HEADER or work > MAX_HEADER_WORK:
+                    raise _Exhausted("its names and attributes are too long")
+            return info
+
+    return Bounded
+
+
+def _read_tar(stream: _Readable, pile: Pile) -> None:
+    counted = _Counted(stream)
+    with tarfile.open(fileobj=counted, mode="r|", tarinfo=_bounded_headers()) as archive:
+        for number, entry in enumerate(archive):
+            if number >= MAX_ENTRIES:
+                raise _Exhausted(f"it holds more than {MAX_ENTRIES:,} files and folders")
+            _take_from_tar(archive, entry, pile)
+    while counted.read(65_536):  # to the end, where gzip's checksum stands
+        pass
+
+
+def _take_from_tar(archive: tarfile.TarFile, entry: tarfile.TarInfo, pile: Pile) -> None:
+    parts = archive_parts(entry.name)
+    if parts is None:
+        pile.leave(entry.name, UNSAFE)
+    elif entry.isdir() or is_litter(parts):
+        return
+    elif entry.issparse():
+        pile.leave("/".join(parts), GAPS)
+    elif not entry.isreg():
+        pile.leave("/".join(parts), LINK if entry.issym() or entry.islnk() else SPECIAL)
+    else:
+        pile.take(parts, entry.size, lambda: _tar_bytes(archive, entry))
+
+
+def _tar_bytes(archive: tarfile.TarFile, entry: tarfile.TarInfo) -> bytes:
+    member = archive.extractfile(entry)
+    return b"" if member is None else member.read(MAX_FILE + 1)

@@ -1,0 +1,97 @@
+"""Files of a folder, without following or opening anything that is not a plain file."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+from grader.intake.names import MAX_PARTS, is_litter
+from grader.intake.pile import LINK, LONG, MAX_FILE, SPECIAL, Pile
+
+MAX_ENTRIES = 50_000
+# A pipe would block the open, a link could have come after the listing; on Windows these flags do not exist.
+_FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+
+
+def gather_folder(root: Path) -> Pile:
+    """Read the files of a folder in the order of their names."""
+    pile = Pile()
+    for parts, path, size in sorted(_listed(root, pile)):
+        _take(pile, parts, path, size)
+    return pile
+
+
+def gather_file(path: Path) -> Pile:
+    """A single program or notebook, as if it lay in a folder of its own."""
+    pile = Pile()
+    _take(pile, (path.name,), os.path.realpath(path), 0)  # the caller's own path may be a link
+    return pile
+
+
+def _take(pile: Pile, parts: tuple[str, ...], path: str, size: int) -> None:
+    try:
+        pile.take(parts, size, lambda: _read(path))
+    except OSError as error:
+        pile.leave("/".join(parts), f"the system refused it ({error.strerror})")
+        pile.broken = True
+
+
+def _read(path: str) -> bytes:
+    with open(path, "rb", opener=lambda name, _: os.open(name, _FLAGS)) as stream:
+        return stream.read(MAX_FILE + 1)
+
+
+def _listed(root: Path, pile: Pile) -> Iterator[tuple[tuple[str, ...], str, int]]:
+    """Path parts, path and size of each plain file; litter is not descended into."""
+    waiting: list[tuple[tuple[str, ...], str]] = [((), str(root))]
+    seen = 0
+    while waiting:
+        above, folder = waiting.pop()
+        for entry in _entries(folder, above, pile):
+            seen += 1
+            if seen > MAX_ENTRIES:
+                pile.remarks.append(f"The folder holds more than {MAX_ENTRIES:,} names; the rest was not read.")
+                return
+            parts = (*above, entry.name)
+            if is_litter(parts[-1:]):
+                continue
+            status = status_of(entry)
+            if status is None:
+                pile.leave("/".join(parts), "the system refused it")
+            elif is_link(status):
+                pile.leave("/".join(parts), LINK)
+            elif stat.S_ISREG(status.st_mode):
+                yield parts, entry.path, status.st_size
+            elif not stat.S_ISDIR(status.st_mode):
+                pile.leave("/".join(parts), SPECIAL)
+            elif len(parts) >= MAX_PARTS:
+                pile.leave("/".join(parts), LONG)
+            else:
+                waiting.append((parts, entry.path))
+
+
+def _entries(folder: str, above: tuple[str, ...], pile: Pile) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as entries:
+            return sorted(islice(entries, MAX_ENTRIES + 1), key=lambda entry: entry.name)
+    except OSError as error:
+        pile.leave("/".join(above) or ".", f"the system refused it ({error.strerror})")
+        pile.broken = True
+        return []
+
+
+def status_of(entry: os.DirEntry[str]) -> os.stat_result | None:
+    """Its lstat; None where the system refuses it (a folder that may be listed and not entered)."""
+    try:
+        return entry.stat(follow_symlinks=False)
+    except OSError:
+        return None
+
+
+def is_link(status: os.stat_result) -> bool:
+    """Whether an lstat result is that of a symbolic link or of a Windows junction."""
+    junction = getattr(stat, "IO_REPARSE_TAG_MOUNT_POINT", -1)
+    return stat.S_ISLNK(status.st_mode) or getattr(status, "st_reparse_tag", 0) == junction

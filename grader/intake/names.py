@@ -1,0 +1,111 @@
+"""Names from strangers: which paths may be used, and folder names that are safe on every system."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable
+
+REQUIRED = ("imu_reader.py", "noisy_imu.py", "filters.py")
+CODE = (".py", ".ipynb")
+ARCHIVES = (".zip", ".tar.gz", ".tgz", ".tar")
+FOREIGN_ARCHIVES = (".rar", ".7z", ".xz", ".bz2", ".gz", ".zst", ".txz", ".tbz2")
+
+MAX_PARTS = 16
+MAX_PART = 255  # what Linux, macOS and Windows take
+MAX_PATH = 1000
+MAX_ID = 80
+
+# What tools leave behind: never part of a submission, and often thousands of files.
+_LITTER_FOLDERS = frozenset(
+    {
+        *("__MACOSX", ".Trash", ".Spotlight-V100"),
+        *(".git", ".svn", ".hg"),
+        *(".venv", "venv", "site-packages", "node_modules"),
+        *("__pycache__", ".ipynb_checkpoints", ".tox", ".nox", ".mypy_cache", ".pytest_cache", ".ruff_cache"),
+    }
+)
+_LITTER_FILES = frozenset({".ds_store", "thumbs.db", "desktop.ini"})
+
+_DRIVE = re.compile(r"[A-Za-z]:")
+_DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³])\s*(\.|$)", re.IGNORECASE)
+_NOT_ON_WINDOWS = re.compile(r'[\x00-\x1f\x7f<>:"|?*\\]|[. ]$')
+
+
+def has_suffix(name: str, suffixes: tuple[str, ...]) -> bool:
+    return name.casefold().endswith(suffixes)
+
+
+def is_code(path: str) -> bool:
+    return has_suffix(path, CODE)
+
+
+def is_litter(parts: Iterable[str]) -> bool:
+    """Whether a path lies in a folder that tools made, or is a file that an operating system left."""
+    return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)
+
+
+def archive_parts(name: str) -> tuple[str, ...] | None:
+    """The parts of a path in an archive; None if it leads out of the archive or means another place elsewhere."""
+    if "\0" in name or "\\" in name or name.startswith("/") or _DRIVE.match(name):
+        return None
+    parts = tuple(part for part in name.split("/") if part not in ("", "."))
+    return None if ".." in parts else parts
+
+
+def joined(parts: tuple[str, ...]) -> str | None:
+    """The path as its key: composed letters (macOS decomposes them), no lone surrogates; None if too long or deep."""
+    path = "/".join(unicodedata.normalize("NFC", _encodable(part)) for part in parts)
+    fits = 0 < len(parts) <= MAX_PARTS and len(path) <= MAX_PATH
+    return path if fits and all(len(part.encode()) <= MAX_PART for part in path.split("/")) else None
+
+
+def _encodable(text: str) -> str:
+    """Names need not be UTF-8 on disk or in a tar; what is not reaches us as lone surrogates."""
+    return re.sub("[\ud800-\udfff]", "_", text)
+
+
+def original(name: str) -> str:
+    """A submission's own name, as JSON can hold it."""
+    return re.sub("[\ud800-\udfff]", "\ufffd", name)
+
+
+def portable(path: str) -> bool:
+    """Whether each part can be a file's name on Windows too, where a box may have to write it."""
+    return not any(_NOT_ON_WINDOWS.search(part) or _DEVICE.match(part) for part in path.split("/"))
+
+
+def folded(path: str) -> str:
+    """Equal for two names that a case-insensitive file system takes for one."""
+    return unicodedata.normalize("NFC", path.casefold())
+
+
+def safe_id(name: str) -> str:
+    """A folder name for any name: letters, digits, ``-``, ``_`` and ``.``, no leading dot, at most 80 long."""
+    kept = (char if char.isalnum() or char in "-_." else "_" for char in unicodedata.normalize("NFC", name[:1000]))
+    safe = _shortened("".join(kept).strip("."), MAX_ID)
+    return f"_{safe}"[:MAX_ID] if _DEVICE.match(safe) else safe or "submission"
+
+
+def _shortened(name: str, limit: int) -> str:
+    """At most `limit` characters and 200 bytes: a folder name may have 255 bytes, and CJK letters take three each."""
+    return name[:limit].encode()[:200].decode(errors="ignore").rstrip(".")
+
+
+def distinct_ids(names: Iterable[str]) -> list[str]:
+    """A safe id for each name, in order; two that case alone tells apart are numbered (``-2``, …)."""
+    names = list(names)
+    ids: list[str] = []
+    # A name that is safe as it stands keeps its id, even if the number of another would fall on it.
+    taken = {folded(name) for name in names if safe_id(name) == name}
+    owned: set[str] = set()
+    for name in names:
+        wanted = chosen = safe_id(name)
+        number = 1
+        while folded(chosen) in owned or (folded(chosen) in taken and chosen != name):
+            number += 1
+            suffix = f"-{number}"
+            chosen = _shortened(wanted, MAX_ID - len(suffix)) + suffix
+        owned.add(folded(chosen))
+        ids.append(chosen)
+    return ids

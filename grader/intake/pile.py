@@ -1,0 +1,117 @@
+"""The files of one submission as they come in: bounded in number and bytes, with a word about all that stays out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, has_suffix, is_code, is_litter, joined
+from grader.text import printable
+
+MB = 1_000_000
+MAX_FILE = 16 * MB
+# 2,000 files and 64 MB, half of each for code: a data set never crowds out the programs that come after it.
+MAX_FILES = 1_000
+MAX_BYTES = 32 * MB
+MAX_NAMED = 3  # names in one note
+MAX_OPENINGS = 2
+
+LINK = "links are never followed"
+SPECIAL = "devices, pipes and sockets are never opened"
+UNSAFE = "the path leads out of the archive or names a drive"
+LONG = "the path is too long or too deep"
+TOO_LARGE = f"the file is larger than {MAX_FILE // MB} MB"
+TOO_MUCH = f"the submission holds more than {2 * MAX_FILES:,} files or {2 * MAX_BYTES // MB} MB"
+TWICE = "the name stands twice in the archive, and the last one counts"
+UNPORTABLE = "not every system can have a file of that name"
+CASE = "another name differs from it in upper and lower case only"
+DAMAGED = "the file is damaged in the archive"
+LOCKED = "the file is encrypted"
+GAPS = "the file is stored with gaps"
+METHOD = "the file is packed with a method that is not read"
+
+
+class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an error of ours
+    """The archive cannot be read; the message is a sentence for the report."""
+
+
+@dataclass
+class Room:
+    """What one kind of file, code or not, may still take."""
+
+    files: int = MAX_FILES
+    bytes: int = MAX_BYTES
+
+
+@dataclass
+class Pile:
+    """What has been read (`files`), what has not (`left`: reason to names), and whether reading broke off somewhere."""
+
+    files: dict[str, bytes] = field(default_factory=dict)
+    left: dict[str, list[str]] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+    broken: bool = False
+    _room: dict[bool, Room] = field(default_factory=lambda: {True: Room(), False: Room()})
+
+    def leave(self, name: str, why: str) -> None:
+        self.left.setdefault(why, []).append(name)
+        self.broken |= why in (DAMAGED, LOCKED, METHOD)
+
+    def take(self, parts: tuple[str, ...], size: int, read: Callable[[], bytes]) -> None:
+        """Read one file, if it is wanted and there is room.
+
+        Parameters
+        ----------
+        parts
+            Its path.
+        size
+            Its declared size in bytes. `read` returns no more than `MAX_FILE` + 1 bytes, whatever was declared.
+        read
+            Called at most once. What it raises passes through.
+        """
+        if is_litter(parts):
+            return
+        path = joined(parts)
+        why = LONG if path is None else self._no_room(path, size)
+        if path is None or why:
+            self.leave("/".join(parts), why)
+            return
+        data = read()
+        why = self._no_room(path, len(data))
+        if why:
+            self.leave(path, why)
+            return
+        if path in self.files:
+            self.leave(path, TWICE)
+        self._room[is_code(path)].files -= 1
+        self._room[is_code(path)].bytes -= len(data)
+        self.files[path] = data
+
+    def _no_room(self, path: str, size: int) -> str:
+        """Why a file of this size cannot be taken, or ""."""
+        if size > MAX_FILE:
+            return TOO_LARGE
+        room = self._room[is_code(path)]
+        return "" if room.files > 0 and size <= room.bytes else TOO_MUCH
+
+    def lone_archive(self) -> str | None:
+        """The only archive, if there is no code beside it; pictures and notes beside it are no reason to leave it shut."""
+        archives = [name for name in self.files if has_suffix(name, ARCHIVES)]
+        return archives[0] if len(archives) == 1 and not any(map(is_code, self.files)) else None
+
+    def unopened(self) -> list[str]:
+        """Archives that lie among other files, and those that are not read at all."""
+        return sorted(name for name in self.files if has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)))
+
+    def notes(self) -> Iterator[str]:
+        """Sentences for the report: the remarks in order, then one for each reason to leave something out."""
+        yield from self.remarks
+        for why, names in self.left.items():
+            yield f"Not read, because {why}: {listing(names)}."
+
+
+def listing(names: list[str]) -> str:
+    """The first few names, printable, and how many more there are."""
+    shown = ", ".join(printable(name, 120) for name in names[:MAX_NAMED])
+    more = len(names) - MAX_NAMED
+    return f"{shown} and {more:,} more" if more > 0 else shown

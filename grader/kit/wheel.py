@@ -1,0 +1,107 @@
+"""The students' wheel, made from the package that is running: from a checkout and from an installed wheel alike.
+
+It is this package without the reference. Where it has been installed from it needs no build tool: a wheel is a zip archive
+with three files of its own (packaging.python.org, *Binary distribution format*).
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import importlib.metadata
+import io
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePosixPath
+
+from grader import __version__
+from grader.errors import RequestError
+from grader.rubric import shipped as shipped_rubric
+from grader.traces import lab_model
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+_KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".md", ".svg")
+_BUNDLES = (".npz", ".json")
+_PUBLIC = (
+    "public.npz",
+    "public.json",
+    "result.schema.json",
+)  # any other bundle in the folder would be an instructor's own
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever it is made
+
+
+def name() -> str:
+    """``imugrade-0.1.0-py3-none-any.whl``"""
+    return f"imugrade-{__version__}-py3-none-any.whl"
+
+
+def build(rubric: Path | None = None) -> bytes:
+    """The wheel's bytes, with another rubric if one is named.
+
+    Raises
+    ------
+    RequestError
+        If this package is not installed, so that its requirements are not known.
+    """
+    info = f"imugrade-{__version__}.dist-info"
+    files = dict(_package(rubric))
+    files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}
+    record = "".join(f"{path},{_digest(content)},{len(content)}\n" for path, content in files.items())
+    files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
+    return pack(files)
+
+
+def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
+    """A zip archive of these files; `programs` are executable."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path, content in files.items():
+            entry = zipfile.ZipInfo(path, _EPOCH)
+            entry.external_attr = (0o100755 if path in programs else 0o100644) << 16
+            entry.create_system = 3  # Unix, or the modes above mean nothing
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, content)
+    return stream.getvalue()
+
+
+def _package(rubric: Path | None) -> Iterator[tuple[str, bytes]]:
+    """The files of the package; the two that a checkout keeps elsewhere go where an installed one has them."""
+    for path in sorted(_PACKAGE.rglob("*")):
+        inside = path.relative_to(_PACKAGE)
+        if path.is_file() and _belongs(inside):
+            yield f"grader/{inside.as_posix()}", path.read_bytes()
+    yield "grader/data/rubric.yaml", (rubric or shipped_rubric()).read_bytes()
+    yield "grader/data/humanoid-sensors.xml", lab_model().read_bytes()
+
+
+def _belongs(inside: Path) -> bool:
+    if any(part.startswith((".", "__pycache__")) for part in inside.parts) or inside.suffix not in _KINDS:
+        return False
+    if inside.name in ("rubric.yaml", "humanoid-sensors.xml"):
+        return False
+    return inside.suffix not in _BUNDLES or inside.name in _PUBLIC
+
+
+def _information() -> dict[str, str]:
+    try:
+        installed = importlib.metadata.distribution("imugrade")
+    except importlib.metadata.PackageNotFoundError:
+        raise RequestError(
+            "imugrade is not installed here, so its requirements are not known; pip install it"
+        ) from None
+    about = installed.metadata
+    lines = ["Metadata-Version: 2.1", "Name: imugrade", f"Version: {__version__}", f"Summary: {about['Summary']}"]
+    lines += [f"Requires-Python: {about['Requires-Python']}"]
+    lines += [f"Requires-Dist: {need}" for need in installed.requires or () if "extra ==" not in need]
+    files = {
+        "METADATA": "\n".join([*lines, ""]),
+        "WHEEL": "Wheel-Version: 1.0\nGenerator: imugrade kit\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+        "entry_points.txt": "[console_scripts]\nimugrade = grader.cli:main\n",
+    }
+    licence = next((f for f in installed.files or () if PurePosixPath(f).name == "LICENSE"), None)
+    return files | ({"licenses/LICENSE": licence.read_text()} if licence else {})
+
+
+def _digest(content: bytes) -> str:
+    """As RECORD has it: urlsafe base64 without padding."""
+    return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

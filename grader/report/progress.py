@@ -1,0 +1,75 @@
+"""How a run over a class goes on: a bar on a terminal, one plain line a submission in a pipe."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+from grader import words
+from grader.results import Result
+from grader.text import printable
+
+
+def told(id_: str, result: Result) -> str:
+    """``alice 87.5``: whom and what, in a line's end."""
+    score = "not judged" if result.status == "incomplete" else words.number(result.score)
+    status = f" ({result.status})" if result.status in ("empty", "unreadable") else ""
+    return f"{printable(id_, words.NAME_LIMIT)} {score}{status}"
+
+
+class Lines:
+    """``12/300 alice 87.5``; lines come out at once, also through a pipe."""
+
+    def __init__(self) -> None:
+        self._total = 0
+        self._count = 0
+
+    def __enter__(self) -> Lines:
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        return
+
+    def begins(self, total: int) -> None:
+        self._total = total
+
+    def done(self, id_: str, result: Result, *, resumed: bool) -> None:
+        self._count += 1
+        print(f"{self._count}/{self._total} {told(id_, result)}{' (on record)' if resumed else ''}", flush=True)
+
+
+class Bar:
+    """A bar with count, rate and time left."""
+
+    def __init__(self, console: Console) -> None:
+        self._progress = Progress(
+            BarColumn(bar_width=None),
+            MofNCompleteColumn(),
+            _Rate(),
+            TimeRemainingColumn(compact=True),
+            TextColumn("{task.description}", markup=False),
+            console=console,
+            expand=True,
+        )
+        self._task = self._progress.add_task("", total=None)
+
+    def __enter__(self) -> Bar:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        self._progress.stop()
+
+    def begins(self, total: int) -> None:
+        self._progress.update(self._task, total=total)
+
+    def done(self, id_: str, result: Result, *, resumed: bool) -> None:
+        self._progress.update(self._task, description=told(id_, result)[:40])
+        self._progress.advance(self._task)
+
+
+class _Rate(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text("" if speed is None else f"{60 * speed:.0f}/min", "bright_black")

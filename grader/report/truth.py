@@ -1,0 +1,92 @@
+"""The ground truth made visible: what a bundle of traces holds, as text, as pictures and as files."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from grader.errors import RequestError
+from grader.files import write_whole
+from grader.text import printable
+from grader.traces import Scenario, Traces
+
+_PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Angular velocity (rad/s)"))
+
+
+def listing(traces: Traces) -> str:
+    """Name, versions and hash of a bundle, then its scenarios with their arrays' shapes."""
+    versions = ", ".join(f"{name} {number}" for name, number in traces.versions.items())
+    head = [f"{traces.name} traces, {traces.sha256[:16]}, recorded with {versions}"]
+    return "\n".join([*head, *(line for scenario in traces.scenarios.values() for line in _described(scenario))])
+
+
+def _described(scenario: Scenario) -> list[str]:
+    shapes = (f"{name} {'×'.join(map(str, array.shape)) or 'scalar'}" for name, array in scenario.items())
+    return ["", f"{scenario.name}: {printable(scenario.description, 300)}", *(f"  {shape}" for shape in shapes)]
+
+
+def plot(traces: Traces, out: Path) -> list[Path]:
+    """Draw each scenario that is a motion over time; return the pictures' paths.
+
+    Raises
+    ------
+    RequestError
+        If a picture cannot be written.
+    """
+    moving = [scenario for scenario in traces.scenarios.values() if _is_motion(scenario)]
+    return [_draw(scenario, out / f"{traces.name}_{scenario.name}.png") for scenario in moving]
+
+
+def save(traces: Traces, out: Path) -> Path:
+    """Write a bundle, readable by its owner alone (it may be secret), as `<name>.npz` and `<name>.json`.
+
+    Raises
+    ------
+    RequestError
+        If it cannot be written.
+    """
+    path = out / f"{traces.name}.npz"
+    arrays: dict[str, Any] = dict(traces.arrays)
+    write_whole(path.with_suffix(".json"), json.dumps(dict(traces.manifest), indent=2, ensure_ascii=False) + "\n")
+    try:
+        with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as stream:
+            np.savez_compressed(stream, **arrays)
+        path.with_suffix(".json").chmod(0o600)
+    except OSError as problem:
+        raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
+    return path
+
+
+def _is_motion(scenario: Scenario) -> bool:
+    samples = scenario.arrays.get("time", np.empty(0)).shape
+    return len(samples) == 1 and all(
+        getattr(scenario.arrays.get(key), "shape", ()) == (*samples, 3) for key, _ in _PANELS
+    )
+
+
+def _draw(scenario: Scenario, path: Path) -> Path:
+    figure = Figure(figsize=(10, 6), layout="constrained")
+    panels: Any = figure.subplots(2, 1, sharex=True)
+    for axes, (key, label) in zip(panels, _PANELS, strict=True):
+        for column, name in enumerate("XYZ"):
+            axes.plot(scenario["time"], scenario[key][:, column], label=name, linewidth=1)
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.3)
+        axes.legend(loc="upper right", ncols=3)
+    panels[0].set_title(scenario.description)
+    panels[1].set_xlabel("Time (s)")
+    return _saved(figure, path)
+
+
+def _saved(figure: Figure, path: Path) -> Path:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, dpi=120)
+    except OSError as problem:
+        raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
+    return path

@@ -1,0 +1,316 @@
+"""The rubric: criteria, checks and their points, extensions and limits, read from `rubric.yaml` and proved whole.
+
+Every problem of a file is told at once, each with its line. The file is read as YAML nodes, not as values: nodes know
+their lines, keep duplicate keys apart and build no objects.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os.path
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import yaml
+
+from grader.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
+from grader.text import printable
+
+__all__ = [
+    "CRITERIA",
+    "EXTENSIONS",
+    "CheckWeight",
+    "Criterion",
+    "Extension",
+    "Limits",
+    "Model",
+    "Rubric",
+    "RubricError",
+    "load",
+    "match_checks",
+    "parse",
+    "shipped",
+]
+
+CRITERIA = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
+EXTENSIONS = ("complementary_filter", "allan_variance", "multiple_imus", "realtime_visualization")
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
+_FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
+
+
+@dataclass(frozen=True)
+class CheckWeight:
+    """One check of a criterion or an extension. `id` is whole (``filtering.passes_constant``), `line` its line."""
+
+    id: str
+    weight: float
+    max_points: float
+    line: int
+
+
+@dataclass(frozen=True)
+class Criterion:
+    id: str
+    title: str
+    points: float
+    checks: tuple[CheckWeight, ...]
+    line: int
+
+
+@dataclass(frozen=True)
+class Extension:
+    """One of the sheet's extensions: `points` 0 means that it is reported and earns nothing."""
+
+    id: str
+    title: str
+    file: str
+    points: float
+    checks: tuple[CheckWeight, ...]
+    line: int
+
+
+@dataclass(frozen=True)
+class Limits:
+    """CPU time in seconds for one call of the student's code, and for all calls of one submission."""
+
+    call_cpu_s: float
+    submission_cpu_s: float
+
+
+@dataclass(frozen=True)
+class Model:
+    """The model that is simulated (`path` None: the lab model) and the names of its IMU's two sensors."""
+
+    path: Path | None = None
+    accelerometer: str = "torso_accelerometer"
+    gyroscope: str = "torso_gyroscope"
+
+
+@dataclass(frozen=True)
+class Rubric:
+    """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
+
+    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing.
+    """
+
+    criteria: tuple[Criterion, ...]
+    extensions: tuple[Extension, ...]
+    limits: Limits
+    model: Model
+    sha256: str
+    source: str
+    extra_credit_cap: float | None = None
+
+    @property
+    def parts(self) -> tuple[Criterion | Extension, ...]:
+        """All that holds checks: the criteria, then the extensions."""
+        return (*self.criteria, *self.extensions)
+
+    @property
+    def checks(self) -> tuple[CheckWeight, ...]:
+        """The checks of all criteria, then of all extensions."""
+        return tuple(check for part in self.parts for check in part.checks)
+
+    @property
+    def max_score(self) -> float:
+        return round(sum(criterion.points for criterion in self.criteria), 2)
+
+    def check(self, check_id: str) -> CheckWeight:
+        """The check with this id; KeyError if there is none."""
+        return {check.id: check for check in self.checks}[check_id]
+
+
+def shipped() -> Path:
+    """Where the rubric of this installation is: package data in a wheel, the root of a checkout otherwise."""
+    package = Path(__file__).parent
+    in_wheel = package / "data" / "rubric.yaml"
+    return in_wheel if in_wheel.is_file() else package.parent / "rubric.yaml"
+
+
+def load(path: Path | None = None) -> Rubric:
+    """Read and validate a rubric.
+
+    Parameters
+    ----------
+    path
+        The file; None takes the shipped one.
+
+    Raises
+    ------
+    RubricError
+        If it cannot be read or has problems; the message names all of them.
+    """
+    source = "rubric.yaml" if path is None else printable(str(path), 500)
+    file = shipped() if path is None else path
+    if not os.path.isfile(file):  # answers False for every odd name, where opening a pipe would wait
+        raise RubricError(f"{source}: there is no such file; give the path of a rubric.yaml")
+    try:
+        with open(file, "rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise RubricError(f"{source}: cannot be read ({error.strerror}); check its permissions") from error
+    return parse(data, source=source, folder=file.parent)
+
+
+def parse(data: bytes, *, source: str = "rubric.yaml", folder: Path | None = None) -> Rubric:
+    """Validate the bytes of a rubric.
+
+    Parameters
+    ----------
+    data
+        The file's bytes, UTF-8.
+    source
+        How the messages call the file.
+    folder
+        What a relative model path starts from; None is the working folder.
+
+    Raises
+    ------
+    RubricError
+        If there are problems, whatever the bytes are; the message names all of them.
+    """
+    reader = Reader(source)
+    root = reader.compose(data)
+    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), ("model", "extra_credit"))
+    criteria = _criteria(reader, keys.get("criteria"))
+    each, cap = _extra_credit(reader, keys.get("extra_credit"))
+    extensions = _extensions(reader, keys.get("extensions"), each)
+    worth = round(sum(extension.points for extension in extensions), 2)
+    limits = _limits(reader, keys.get("limits"))
+    model = _model(reader, keys.get("model"), folder or Path())
+    reader.stop_on_problems()
+    granted = (worth if cap is None else cap) if worth else None
+    return Rubric(criteria, extensions, limits, model, hashlib.sha256(data).hexdigest(), source, granted)
+
+
+def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
+    """Prove that the checks of the rubric are those that exist.
+
+    Parameters
+    ----------
+    rubric
+        A loaded rubric.
+    known
+        Every pytest check: its id, and where it stands or what it is called.
+
+    Raises
+    ------
+    RubricError
+        One line for each check that stands on one side only.
+    """
+    problems = [
+        (check.line, f"there is no check {check.id}{guess_at(check.id, known)}; correct the name or remove the line")
+        for check in rubric.checks
+        if check.id not in known
+    ]
+    listed = {check.id for check in rubric.checks}
+    lines = {part.id: part.line for part in rubric.parts}
+    for check_id in sorted(set(known) - listed):
+        part, _, name = check_id.partition(".")
+        what = f"the check {check_id} ({printable(known[check_id], 100)}) has no weight under {part}"
+        problems.append((lines.get(part, 1), f"{what}; add the line `{name}: WEIGHT` to its checks"))
+    if problems:
+        refuse(rubric.source, problems)
+
+
+def _criteria(reader: Reader, node: yaml.Node | None) -> tuple[Criterion, ...]:
+    criteria = []
+    for name, (item, keys) in reader.records(
+        node, "criterion", CRITERIA, ("id", "title", "points", "checks"), ()
+    ).items():
+        title = reader.text(keys.get("title"), f"the title of {name}")
+        points = reader.points(keys.get("points"), f"the points of {name}")
+        checks = _checks(reader, keys.get("checks"), name, points)
+        criteria.append(Criterion(name, title, points or 0.0, checks, item.start_mark.line + 1))
+    if node is not None and criteria and not reader.problems and not any(c.points for c in criteria):
+        reader.say(node, "the criteria are worth 0 points together; give at least one of them points")
+    return tuple(criteria)
+
+
+def _extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float | None]:
+    """What each extension is worth where it names no points of its own, and the cap of all together, if there is one."""
+    if node is None:
+        return 0.0, None
+    keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
+    each = reader.points(keys.get("each"), "each")
+    return each or 0.0, reader.points(keys["cap"], "the cap of extra_credit") if "cap" in keys else None
+
+
+def _extensions(reader: Reader, node: yaml.Node | None, each: float) -> tuple[Extension, ...]:
+    extensions = []
+    for name, (item, keys) in reader.records(
+        node, "extension", EXTENSIONS, ("id", "title", "file"), ("points", "checks")
+    ).items():
+        title = reader.text(keys.get("title"), f"the title of {name}")
+        file = reader.text(keys.get("file"), f"the file of {name}", _FILE, "the name of a .py file")
+        own = reader.points(keys["points"], f"the points of {name}") if "points" in keys else each
+        points = own or 0.0
+        checks = _extension_checks(reader, keys.get("checks"), name, points)
+        if points and not checks:
+            reader.say(item, f"{name} has points but no checks to earn them; set its points to 0")
+        extensions.append(Extension(name, title, file, points, checks, item.start_mark.line + 1))
+    return tuple(extensions)
+
+
+def _extension_checks(reader: Reader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
+    """An extension may have no checks: `checks: []`, `{}`, nothing, or no such key."""
+    nothing = node is None or not node.value or node.tag == "tag:yaml.org,2002:null"
+    return () if nothing else _checks(reader, node, part, points)
+
+
+def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
+    if node is None:
+        return ()
+    if not isinstance(node, yaml.MappingNode) or not node.value:
+        reader.say(node, f"the checks of {part} must be `name: weight` lines; list at least one")
+        return ()
+    ids, weights, lines = [], [], []
+    before = len(reader.problems)
+    for name, (key, value) in reader.pairs(node, f"the checks of {part}").items():
+        if not _NAME.fullmatch(name):
+            reader.say(key, f"{quote(key)} is no name of a check; write the part after `{part}.` alone")
+        ids.append(f"{part}.{name}")
+        weights.append(reader.number(value, f"the weight of {printable(name, 60)}") or 0.0)
+        lines.append(key.start_mark.line + 1)
+    if len(reader.problems) == before and not any(weights):
+        reader.say(node, f"the weights of {part} sum to 0; give at least one check a weight")
+    shares = _shares(points or 0.0, weights)
+    return tuple(CheckWeight(*row) for row in zip(ids, weights, shares, lines, strict=True))
+
+
+def _shares(points: float, weights: Sequence[float]) -> list[float]:
+    """Points in proportion to the weights, in whole hundredths that sum to them (largest remainder; ties: first)."""
+    total = sum(map(Fraction, weights))
+    if not total:
+        return [0.0] * len(weights)
+    hundredths = round(points * 100)
+    exact = [hundredths * Fraction(weight) / total for weight in weights]
+    parts = [math.floor(share) for share in exact]
+    by_remainder = sorted(range(len(parts)), key=lambda i: parts[i] - exact[i])
+    for i in by_remainder[: hundredths - sum(parts)]:
+        parts[i] += 1
+    return [part / 100 for part in parts]
+
+
+def _limits(reader: Reader, node: yaml.Node | None) -> Limits:
+    keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
+    call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
+    submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
+    if call is not None and submission is not None and submission < call:
+        reader.say(keys["submission_cpu_s"], "submission_cpu_s is less than call_cpu_s; no call could use its time up")
+    return Limits(call or 0.0, submission or 0.0)
+
+
+def _model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
+    keys = reader.fields(node, "model", (), ("path", "sensors"))
+    sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
+    names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
+    path = reader.text(keys.get("path"), "the model's path")
+    if path and not os.path.isfile(folder / path):
+        reader.say(keys["path"], f"there is no model {quote(keys['path'])}; the path is relative to this file")
+    return Model(folder / path if path else None, **names)

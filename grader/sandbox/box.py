@@ -1,0 +1,274 @@
+"""A box: the place where untrusted code runs, as the grader sees it.
+
+    with Box(harness) as box, box.worker() as worker:
+        frame = worker.ask("read", {"seed": 1}, {"state": state}, cpu_s=10.0)
+
+Whatever the code in the box does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
+`GraderError`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import secrets
+import signal
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grader.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
+
+from . import ladder, wire
+from .exchange import Deadline, DeadlineError, LineClosedError, exchange
+from .plain import PlainProcess
+from .plan import RUNGS
+from .printed import Printed
+from .process import Process, WallsRefusedError, ZygoteGoneError
+
+if TYPE_CHECKING:
+    from .launch import Zygote
+
+_LAST_MOMENT_S = 1.0  # for a process that hung up to end by itself, so that we learn how
+
+
+class Box:
+    """One zygote with its walls; workers are forked from it in milliseconds.
+
+    Parameters
+    ----------
+    harness
+        A package folder with `warm_up()` and `answer(op, fields, arrays) -> (fields, arrays)`.
+    rung
+        One of ``"full"``, ``"bubblewrap"``, ``"landlock"``, ``"none"``; None for the best that this machine allows.
+    readable
+        Further paths that the box shows read-only.
+
+    Attributes
+    ----------
+    rung
+        The rung in use.
+    why
+        Why it is not a better one; empty on the highest.
+
+    Raises
+    ------
+    GraderError
+        If the rung that was asked for cannot be had here.
+    """
+
+    def __init__(self, harness: Path, *, rung: str | None = None, readable: Sequence[Path] = ()) -> None:
+        self._harness = Path(harness).resolve()
+        self._readable = tuple(readable)
+        self._workers: list[Worker] = []
+        self._zygote: Zygote | None = None
+        self._closed = False
+        _hide_this_process()
+        if rung is None:
+            self._zygote, self.why = ladder.climb(self._harness, self._readable)
+            self.rung = self._zygote.rung if self._zygote else "none"
+        else:
+            self.rung, self.why = rung, f"{rung} was asked for"
+            self._zygote = self._start()
+
+    def __enter__(self) -> Box:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def worker(self) -> Worker:
+        """A fresh worker, which knows nothing of the ones before it. At most four at a time live on the middle rungs.
+
+        Raises
+        ------
+        GraderError
+            If none can be had, even from a new zygote.
+        """
+        if self._closed:
+            raise GraderError("the box is closed")
+        printed = Printed()
+        try:
+            worker = Worker(self._spawn(printed), printed)
+        except BaseException:
+            printed.close()
+            raise
+        self._workers = [*(known for known in self._workers if not known.closed), worker]
+        return worker
+
+    def close(self) -> None:
+        """End every worker and the zygote."""
+        self._closed = True
+        for worker in self._workers:
+            worker.close()
+        if self._zygote is not None:
+            self._zygote.close()
+            self._zygote = None
+
+    def _start(self) -> Zygote | None:
+        if self.rung not in RUNGS:
+            raise GraderError(f"there is no rung {self.rung!r}, only {', '.join(RUNGS)}")
+        if self.rung == "none":
+            return None
+        try:
+            return ladder.raise_walls(self.rung, self._harness, self._readable)
+        except WallsRefusedError as error:
+            raise GraderError(f"this machine does not allow the rung {self.rung!r}: {error}") from None
+
+    def _spawn(self, printed: Printed) -> Process:
+        if self.rung == "none":
+            return PlainProcess(self._harness, printed)
+        try:
+            return self._spawn_once(printed)
+        except ZygoteGoneError:
+            self._restart()
+        try:
+            return self._spawn_once(printed)
+        except ZygoteGoneError as error:
+            raise GraderError(f"the box died twice: {error}") from None
+
+    def _spawn_once(self, printed: Printed) -> Process:
+        if self._zygote is None:
+            self._zygote = self._start()
+        if self._zygote is None:
+            raise GraderError("the box has no zygote")
+        self._zygote.await_ready()
+        return self._zygote.spawn(printed)
+
+    def _restart(self) -> None:
+        if self._zygote is not None:
+            self._zygote.close()
+        self._zygote = None
+
+
+class Worker:
+    """One process of untrusted code. It is asked until it fails once, or is closed."""
+
+    def __init__(self, process: Process, printed: Printed) -> None:
+        self._process = process
+        self._printed = printed
+        self._text: str | None = None
+        self.alive = True
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def cpu_s(self) -> float:
+        """CPU seconds used since the worker was ready."""
+        return self._process.cpu_s()
+
+    def ask(
+        self,
+        op: str,
+        fields: Mapping[str, Any] | None = None,
+        arrays: Mapping[str, np.ndarray] | None = None,
+        *,
+        cpu_s: float = 10.0,
+        wall_s: float | None = None,
+    ) -> wire.Frame:
+        """Ask one question and wait for its answer.
+
+        Parameters
+        ----------
+        op, fields, arrays
+            What the harness's `answer` gets.
+        cpu_s
+            CPU seconds that the answer may take, all threads together.
+        wall_s
+            Seconds on the clock while next to no CPU time is used; by default max(3 * cpu_s, cpu_s + 20).
+
+        Raises
+        ------
+        TimedOut, Crashed, Malformed
+            What the code in the box may do instead of answering; the worker is dead afterwards.
+        GraderError
+            If the question itself cannot be sent, or the box failed us.
+        """
+        if not self.alive:
+            raise Crashed("the process had already ended")
+        nonce = secrets.token_bytes(wire.NONCE_BYTES)
+        question = _packed(nonce, op, fields or {}, arrays or {})
+        limit = max(3 * cpu_s, cpu_s + 20) if wall_s is None else wall_s
+        try:
+            frame = exchange(self._process.line, nonce, question, Deadline(self._process.cpu_s, cpu_s, limit))
+            return _answered(frame)
+        except DeadlineError as error:
+            failure: NoAnswer = self._timed_out(error, cpu_s, limit)
+        except LineClosedError:
+            self.alive = False
+            failure = Crashed(_last_act(self._process.end(_LAST_MOMENT_S)))
+        except (wire.WireError, Malformed) as error:
+            failure = Malformed(f"what came back is no answer: {error}")
+        self._end()
+        raise failure
+
+    def printed(self) -> str:
+        """What the worker wrote to stdout and stderr so far, at most 256 KB."""
+        return self._printed.read() if self._text is None else self._text
+
+    def close(self) -> None:
+        """Kill everything that the worker started."""
+        self._end()
+        if self._text is None:
+            self._text = self._printed.read()
+            self._printed.close()
+
+    @property
+    def closed(self) -> bool:
+        return self._text is not None
+
+    def _end(self) -> None:
+        self.alive = False
+        with contextlib.suppress(GraderError):  # the zygote is gone, and the worker with it
+            self._process.end()
+
+    def _timed_out(self, error: DeadlineError, cpu_limit: float, wall_limit: float) -> TimedOut:
+        used_up = error.cpu_s >= cpu_limit
+        limit = f"{cpu_limit:g} s of CPU time" if used_up else f"{wall_limit:g} s"
+        return TimedOut(f"no answer within {limit}", cpu_s=error.cpu_s, wall_s=error.wall_s)
+
+
+def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
+    try:
+        return wire.pack(nonce, {"op": op, "fields": dict(fields)}, arrays)
+    except wire.WireError as error:
+        raise GraderError(f"the question {op!r} cannot be sent: {error}") from None
+
+
+def _answered(frame: wire.Frame) -> wire.Frame:
+    """Take the harness's fields out of the worker's envelope."""
+    if set(frame.fields) == {"harness_error"}:
+        raise Malformed(str(frame.fields["harness_error"]))
+    fields = frame.fields.get("fields")
+    if set(frame.fields) != {"fields"} or not isinstance(fields, dict):
+        raise Malformed("it has no fields")
+    return wire.Frame(fields, frame.arrays)
+
+
+def _last_act(code: int) -> str:
+    if code >= 0:
+        return f"the process ended with exit code {code} before it answered"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return f"the process was ended by {name} before it answered"
+
+
+def _hide_this_process() -> None:
+    """Keep others of the same user out of the grader's memory: no ptrace, no /proc/PID/mem."""
+    if sys.platform == "linux":
+        from . import linux  # noqa: PLC0415 - of Linux only
+
+        linux.prctl(linux.PR_SET_DUMPABLE, 0)

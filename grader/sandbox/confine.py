@@ -1,0 +1,126 @@
+"""The walls of one worker, raised in the only order that works: each step forbids the ones before it.
+
+Mounts come before Landlock, which forbids them; everything comes before seccomp, which forbids everything.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+from . import landlock, limits, linux, namespaces, rootfs, seccomp
+from .syscalls import Machine
+
+FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grader
+
+
+@dataclass(frozen=True)
+class Walls:
+    """What a zygote knows when it raises a worker's walls.
+
+    Attributes
+    ----------
+    rung
+        One of `plan.RUNGS`.
+    machine
+        For seccomp's system call numbers.
+    landlock_abi
+        0 where the kernel has none.
+    readable
+        Paths for Landlock; everything in the box on the rungs that have a root of their own.
+    proc
+        Descriptor of the host's /proc, or -1; closed in a worker before it is done.
+    zygote
+        The zygote's pid, as a worker without a pid namespace sees it; 0 for others.
+    """
+
+    rung: str
+    machine: Machine
+    landlock_abi: int
+    readable: tuple[str, ...]
+    proc: int
+    zygote: int
+
+
+def confine(walls: Walls, scratch: str) -> None:
+    """Shut this process in for ever, with `scratch` as its only writable folder and its working directory.
+
+    Raises
+    ------
+    OSError
+        If the kernel refuses a wall; the process must then end.
+    """
+    os.umask(0o077)
+    os.setsid()
+    _die_first(walls.proc)
+    if walls.rung == "full":
+        namespaces.enter_as_worker(walls.proc)
+        rootfs.mount_scratch()
+    linux.close_from(FIRST_SPARE_FD)
+    os.chdir(scratch)
+    limits.enforce(leave_out=() if walls.rung == "full" else ("RLIMIT_NPROC",))  # it would count the user's others too
+    linux.prctl(linux.PR_SET_DUMPABLE, 0)
+    _end_with_zygote(walls.zygote)
+    linux.drop_capabilities()
+    linux.prctl(linux.PR_SET_NO_NEW_PRIVS, 1)
+    if walls.landlock_abi:
+        _forbid_files(walls, scratch)
+    seccomp.enforce(filter_program(walls, os.getpid()))
+
+
+@lru_cache(maxsize=2)
+def filter_program(walls: Walls, pid: int) -> bytes:
+    """The seccomp filter of the worker `pid`."""
+    return seccomp.program(walls.machine, pid, own_files_only=walls.rung == "full")
+
+
+def _die_first(proc: int) -> None:
+    """When memory runs out, let the kernel choose this process."""
+    if proc < 0:
+        return
+    with contextlib.suppress(OSError):
+        fd = os.open("self/oom_score_adj", os.O_WRONLY | os.O_CLOEXEC, dir_fd=proc)
+        os.write(fd, b"1000")
+        os.close(fd)
+
+
+def _end_with_zygote(zygote: int) -> None:
+    namespaces.die_with_parent()
+    if zygote and os.getppid() != zygote:
+        os._exit(1)  # it died before it could take us along
+
+
+def _forbid_files(walls: Walls, scratch: str) -> None:
+    rules = landlock.ruleset(walls.landlock_abi, walls.readable, [scratch], rootfs.DEVICES)
+    landlock.enforce(rules)
+    os.close(rules)
+
+
+def prove(decoy: str) -> None:
+    """Try the walls from inside; OSError if one of them does not hold."""
+    attempts: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("a socket could be opened", _open_socket),
+        ("a process could be started", _start_process),
+        ("the grader's files could be read", lambda: os.close(os.open(decoy, os.O_RDONLY))),
+        ("the working directory's parent could be written to", lambda: os.mkdir("../leak")),
+    )
+    for what, attempt in attempts:
+        try:
+            attempt()
+        except OSError:
+            continue
+        raise OSError(what)
+
+
+def _open_socket() -> None:
+    socket.socket().close()
+
+
+def _start_process() -> None:
+    if os.fork() == 0:
+        os._exit(0)
+    os.wait()

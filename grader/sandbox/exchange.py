@@ -1,0 +1,111 @@
+"""One question and its answer over a line to untrusted code, within a time that is measured from outside."""
+
+from __future__ import annotations
+
+import os
+import selectors
+import socket
+import time
+from collections.abc import Callable
+
+from . import wire
+
+_SHORTEST_NAP_S = 0.005
+_LONGEST_NAP_S = 1.0
+_IDLE_SHARE = 0.02  # of one processor; what is starved by fifty others still gets as much
+_CHUNK_BYTES = 1 << 18
+
+
+class LineClosedError(Exception):
+    """The other end is gone."""
+
+
+class DeadlineError(Exception):
+    """Time is up."""
+
+    def __init__(self, cpu_s: float, wall_s: float) -> None:
+        super().__init__()
+        self.cpu_s = cpu_s
+        self.wall_s = wall_s
+
+
+class Deadline:
+    """CPU time first. The clock on the wall is the backstop for code that sleeps: it runs while next to no CPU time is used.
+
+    Code that computes on a busy machine may take many times its CPU time; it is never cut off for that, or a mark would depend
+    on what else the machine does. Only at ten times the limit an end is made of it whatever it does.
+    """
+
+    def __init__(self, cpu_clock: Callable[[], float], cpu_s: float, wall_s: float) -> None:
+        self._clock = cpu_clock
+        self._cpu_limit, self._wall_limit = cpu_s, wall_s
+        self._cpu_start, self._wall_start = cpu_clock(), time.monotonic()
+        self._seen, self._idle_s = (0.0, 0.0), 0.0
+
+    def nap(self) -> float:
+        """For how long nothing can go over the limit; raises DeadlineError when something has."""
+        cpu_s = self._clock() - self._cpu_start
+        wall_s = time.monotonic() - self._wall_start
+        last_cpu_s, last_wall_s = self._seen
+        if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):
+            self._idle_s += wall_s - last_wall_s
+        self._seen = (cpu_s, wall_s)
+        if cpu_s >= self._cpu_limit or self._idle_s >= self._wall_limit or wall_s >= 10 * self._wall_limit:
+            raise DeadlineError(cpu_s, wall_s)
+        soonest = (self._cpu_limit - cpu_s) / (os.cpu_count() or 1)  # all of its threads may run at once
+        return min(max(soonest, _SHORTEST_NAP_S), max(self._wall_limit - self._idle_s, _SHORTEST_NAP_S), _LONGEST_NAP_S)
+
+
+def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadline) -> wire.Frame:
+    """Send the question and wait for the answer.
+
+    Raises
+    ------
+    LineClosedError, DeadlineError
+        See there.
+    WireError
+        If anything came before the question was asked in full, or what came is no answer to it.
+    """
+    with selectors.DefaultSelector() as selector:
+        selector.register(line, selectors.EVENT_READ | selectors.EVENT_WRITE)
+        _send(line, selector, question, deadline)
+        selector.modify(line, selectors.EVENT_READ)
+        incoming = wire.Incoming()
+        while incoming.wanted:
+            if selector.select(deadline.nap()):
+                incoming.feed(_some(line, incoming.wanted))
+    echoed, frame = incoming.finish()
+    if echoed != nonce:
+        raise wire.WireError("the answer belongs to another question")
+    return frame
+
+
+def _send(line: socket.socket, selector: selectors.BaseSelector, question: bytes, deadline: Deadline) -> None:
+    rest = memoryview(question)
+    while rest:
+        for _, events in selector.select(deadline.nap()):
+            if events & selectors.EVENT_READ:
+                _some(line, 1)
+                raise wire.WireError("an answer came before its question")
+            rest = rest[_push(line, rest) :]
+
+
+def _push(line: socket.socket, data: memoryview) -> int:
+    try:
+        return line.send(data[:_CHUNK_BYTES])
+    except BlockingIOError:
+        return 0
+    except OSError:
+        raise LineClosedError from None
+
+
+def _some(line: socket.socket, wanted: int) -> bytes:
+    try:
+        chunk = line.recv(min(wanted, _CHUNK_BYTES))
+    except BlockingIOError:
+        return b""  # a wake-up for nothing
+    except OSError:
+        raise LineClosedError from None
+    if not chunk:
+        raise LineClosedError
+    return chunk

@@ -1,0 +1,342 @@
+"""Starting a zygote and asking it for workers: the grader's end of the control socket."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import shutil
+import signal
+import socket
+import stat
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from grader.errors import GraderError
+
+from . import bubblewrap, namespaces, rootfs, surroundings, wire
+from .paths import empty
+from .plan import Plan
+from .printed import Printed
+from .process import WallsRefusedError, ZygoteGoneError, is_main_thread
+
+_WALLS_WITHIN_S = 60.0
+_READY_WITHIN_S = 300.0
+_WORKER_WITHIN_S = 60.0
+_END_WITHIN_S = 30.0
+_MAX_MESSAGE = 1 << 20
+_SCRATCH_FOLDERS = 4
+_UCRED = struct.Struct("3i")
+
+
+class Zygote:
+    """A running zygote with its walls up; imports may still be going on.
+
+    Raises
+    ------
+    WallsRefusedError
+        If the walls could not be raised, or did not hold when tried from inside.
+    """
+
+    def __init__(self, rung: str, harness: Path, readable: Sequence[Path] = ()) -> None:
+        self.rung = rung
+        self.without_landlock = False
+        self.start_cpu_s = 0.0
+        self._lock = threading.RLock()
+        self._ready = False
+        self._count = 0
+        self._spawned: dict[int, int] = {}
+        self._ended: dict[int, tuple[int, float]] = {}
+        self._refused: dict[int, str] = {}
+        self._folder: str | None = None
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the zygote
+        self._control, self._process = self._start(harness.resolve(), readable)
+        try:
+            self._await_walls()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def pid(self) -> int:
+        """The process whose end is the end of the zygote and of all its workers."""
+        return self._process.pid
+
+    # Starting
+
+    def _start(self, harness: Path, readable: Sequence[Path]) -> tuple[socket.socket, subprocess.Popen[bytes]]:
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        try:
+            needed = [
+                *surroundings.visible(readable),
+                *surroundings.code(),
+                *map(str, [harness, *harness.rglob("*.py")]),
+            ]
+            uid = _harmless_uid(self.rung, needed)
+            plan = self._plan(harness, readable, uid)
+            command = [sys.executable, "-B", "-s", surroundings.zygote(), str(theirs.fileno())]
+            if self.rung == "bubblewrap":
+                command = bubblewrap.command(plan, theirs.fileno())
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=self._log,
+                stderr=self._log,
+                env=surroundings.environment(plan.scratch[0], plan.cache),
+                cwd="/",
+                pass_fds=(theirs.fileno(),),
+                start_new_session=True,
+                **uid,
+            )
+        except BaseException:
+            ours.close()
+            self._discard()
+            raise
+        finally:
+            theirs.close()
+        ours.settimeout(_WALLS_WITHIN_S)
+        with contextlib.suppress(OSError):
+            ours.send(plan.to_json())
+        return ours, process
+
+    def _plan(self, harness: Path, readable: Sequence[Path], uid: dict[str, Any]) -> Plan:
+        scratch, cache = self._folders(uid)
+        visible = surroundings.visible(readable)
+        return Plan(
+            rung=self.rung,
+            harness=str(harness),
+            visible=visible,
+            hidden=surroundings.hidden(),
+            code=surroundings.code(),
+            search=surroundings.search(visible),
+            fonts=tuple(path for path in surroundings.font_lists() if not uid or _open_to_all(path)),
+            scratch=scratch,
+            cache=cache,
+            decoy=surroundings.decoy(),
+            # Where there are folders to remove it must not be killed: it ends when the control socket closes.
+            end_with_parent=self.rung != "landlock" and is_main_thread(),
+        )
+
+    def _folders(self, uid: dict[str, Any]) -> tuple[tuple[str, ...], str]:
+        """Scratch folders and cache: the same names every time where the box has a root of its own."""
+        names = [rootfs.SCRATCH, *(f"{rootfs.SCRATCH}{number}" for number in range(2, _SCRATCH_FOLDERS + 1))]
+        if self.rung != "landlock":
+            return tuple(names[:1] if self.rung == "full" else names), rootfs.CACHE
+        self._folder = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
+        os.chmod(self._folder, 0o711)
+        folders = [self._folder + name for name in names]
+        cache = self._folder + rootfs.CACHE
+        for path in (*folders, cache):
+            os.mkdir(path, 0o700)
+        with contextlib.suppress(OSError):
+            for font_list in surroundings.font_lists():
+                shutil.copyfile(font_list, os.path.join(cache, os.path.basename(font_list)))
+        if uid:
+            for path in (self._folder, *folders, cache, *(entry.path for entry in os.scandir(cache))):
+                os.chown(path, uid["user"], uid["group"])
+        return tuple(folders), cache
+
+    def _await_walls(self) -> None:
+        message, _ = self._next(_WALLS_WITHIN_S)
+        if message is None:
+            raise WallsRefusedError(self._last_words() or "the process ended without a word")
+        if not message.get("walls"):
+            raise WallsRefusedError(str(message.get("reason")))
+        self.without_landlock = bool(message.get("without_landlock"))
+
+    def await_ready(self) -> None:
+        """Wait for the imports and the harness's warm-up; GraderError with their error if they fail."""
+        with self._lock:
+            if self._ready:
+                return
+            message, _ = self._next(_READY_WITHIN_S)
+            if message is None:
+                raise GraderError(f"the box did not start: {self._last_words() or 'it ended without a word'}")
+            if not message.get("ready"):
+                raise GraderError(f"the harness did not start: {message.get('reason')}")
+            self.start_cpu_s = float(message["cpu_s"])
+            self._ready = True
+
+    def _last_words(self) -> str:
+        self._log.seek(0)
+        return self._log.read()[-2000:].decode("utf-8", "replace").strip()
+
+    # Talking
+
+    def _next(self, within_s: float) -> tuple[dict[str, Any] | None, list[int]]:
+        """The zygote's next message and descriptors; None when there is no zygote (any more)."""
+        self._control.settimeout(within_s)
+        try:
+            data, fds, _, _ = socket.recv_fds(self._control, _MAX_MESSAGE, 1)
+        except OSError:
+            return None, []
+        return (json.loads(data) if data else None), list(fds)
+
+    def _await(self, table: dict[int, Any], number: int, within_s: float) -> None:
+        """Read messages until `table`, or the one of refusals, has this worker."""
+        deadline = time.monotonic() + within_s
+        while number not in table and number not in self._refused:
+            message, fds = self._next(max(0.01, deadline - time.monotonic()))
+            if message is None:
+                raise ZygoteGoneError(self._last_words())
+            if "spawned" in message:
+                self._spawned[message["spawned"]] = fds[0]
+            elif "ended" in message:
+                self._ended[message["ended"]] = message["code"], message["cpu_s"]
+            elif "failed" in message:
+                self._refused[message["failed"]] = message["reason"]
+
+    def spawn(self, printed: Printed) -> Boxed:
+        """Fork a worker.
+
+        Raises
+        ------
+        ZygoteGoneError
+            If there is no zygote to do it.
+        GraderError
+            If there is, and it cannot.
+        """
+        ours, theirs = socket.socketpair()
+        try:
+            with self._lock, theirs:
+                self._count += 1
+                number = self._count
+                ours.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)  # the kernel then tells the worker's pid
+                self._send(json.dumps({"spawn": number}).encode(), [theirs.fileno(), printed.fd])
+                self._await(self._spawned, number, _WORKER_WITHIN_S)
+            if number in self._refused:
+                raise GraderError(f"no worker could be started: {self._refused.pop(number)}")
+            return Boxed(self, number, self._spawned.pop(number), ours)
+        except BaseException:
+            ours.close()
+            raise
+
+    def _send(self, message: bytes, fds: list[int]) -> None:
+        try:
+            socket.send_fds(self._control, [message], fds)
+        except OSError:
+            raise ZygoteGoneError(self._last_words()) from None
+
+    def await_end(self, number: int) -> tuple[int, float]:
+        """How a worker ended, and the CPU seconds that it used in all."""
+        with self._lock:
+            self._await(self._ended, number, _END_WITHIN_S)
+            return self._ended.pop(number)
+
+    # Ending
+
+    def close(self) -> None:
+        """End the zygote and everything that it started."""
+        self._control.close()
+        try:
+            self._process.wait(_END_WITHIN_S if self._ready else 0.5)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._discard()
+
+    def _discard(self) -> None:
+        self._log.close()
+        if self._folder is not None:
+            with contextlib.suppress(OSError):
+                empty(self._folder)
+                os.rmdir(self._folder)
+
+
+class Boxed:
+    """A worker that a zygote forked; see `process.Process`."""
+
+    def __init__(self, zygote: Zygote, number: int, pidfd: int, line: socket.socket) -> None:
+        self.line = line
+        self._zygote = zygote
+        self._number = number
+        self._pidfd = pidfd
+        self._code: int | None = None
+        self._cpu_s = 0.0
+        try:
+            self._pid = _await_hello(line)
+            self._before_s = time.clock_gettime(_cpu_clock(self._pid))
+        except BaseException:
+            self.end()
+            raise
+
+    def cpu_s(self) -> float:
+        if self._code is None:
+            with contextlib.suppress(OSError):  # it has just been reaped
+                self._cpu_s = time.clock_gettime(_cpu_clock(self._pid)) - self._before_s
+        return self._cpu_s
+
+    def end(self, grace_s: float = 0.0) -> int:
+        if self._code is not None:
+            return self._code
+        self.line.close()
+        _wait_for(self._pidfd, grace_s)
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self._pidfd, signal.SIGKILL)
+        self._code = -signal.SIGKILL
+        os.close(self._pidfd)
+        try:
+            self._code, total_s = self._zygote.await_end(self._number)
+        except ZygoteGoneError as error:
+            raise GraderError(f"the box is gone: {error}") from None
+        self._cpu_s = max(self._cpu_s, total_s - getattr(self, "_before_s", 0.0))
+        return self._code
+
+
+def _await_hello(line: socket.socket) -> int:
+    """Wait until the worker's walls are up; its pid as this process sees it.
+
+    The worker speaks before the student's code is there, so that this may be believed.
+    """
+    line.settimeout(_WORKER_WITHIN_S)
+    incoming = wire.Incoming()
+    pid = 0
+    try:
+        while incoming.wanted:
+            chunk, control, _, _ = line.recvmsg(incoming.wanted, socket.CMSG_SPACE(_UCRED.size))
+            if not chunk:
+                raise GraderError("a worker ended before it was ready")
+            incoming.feed(chunk)
+            pid = next((_UCRED.unpack(data)[0] for _, kind, data in control if kind == socket.SCM_CREDENTIALS), pid)
+        _, frame = incoming.finish()
+    except (OSError, wire.WireError) as error:
+        raise GraderError(f"a worker did not get ready: {error}") from None
+    if not frame.fields.get("ready"):
+        raise GraderError(f"a worker's walls could not be raised: {frame.fields.get('reason')}")
+    line.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 0)
+    line.setblocking(False)
+    return pid
+
+
+def _cpu_clock(pid: int) -> int:
+    """The clock of all CPU time of another process, threads included: see clock_getcpuclockid(3)."""
+    return (~pid << 3) | 2
+
+
+def _wait_for(pidfd: int, seconds: float) -> None:
+    poll = select.poll()
+    poll.register(pidfd, select.POLLIN)
+    poll.poll(seconds * 1000)
+
+
+def _harmless_uid(rung: str, needed: Sequence[str]) -> dict[str, Any]:
+    """On the lower rungs, root becomes a plain user at once, unless root alone can read what the box needs."""
+    if rung == "full" or not namespaces.may_drop_root() or not all(_open_to_all(path) for path in needed):
+        return {}
+    return {"user": namespaces.DROPPED_ID, "group": namespaces.DROPPED_ID, "extra_groups": []}
+
+
+def _open_to_all(path: str) -> bool:
+    real = Path(os.path.realpath(path))
+    if not real.exists():
+        return True
+    folders = [*real.parents, real] if real.is_dir() else real.parents
+    return bool(real.stat().st_mode & stat.S_IROTH) and all(f.stat().st_mode & stat.S_IXOTH for f in folders)

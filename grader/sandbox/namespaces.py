@@ -1,0 +1,101 @@
+"""Who a boxed process is, and what it sees of processes and networks: user, pid, net, ipc and uts namespaces.
+
+A process that has more than one thread cannot enter a user namespace, so all of this comes before numpy is imported.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+
+from . import linux
+
+INSIDE_ID = 1000  # uid and gid as the box sees them
+DROPPED_ID = 60123  # what root becomes first: with uid 0 outside, root's files would still be its own
+
+_SET_IDS = 1 << 6 | 1 << 7  # CAP_SETGID and CAP_SETUID
+_ZYGOTE = linux.CLONE_NEWPID | linux.CLONE_NEWIPC | linux.CLONE_NEWUTS | linux.CLONE_NEWNET
+_WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.CLONE_NEWUTS
+
+
+def may_drop_root() -> bool:
+    """Whether this is root, able to become `DROPPED_ID`: not so where a container maps root alone, or lacks CAP_SETUID.
+
+    Such a root must build the box before it gives up its rights, for a Python below /root (mode 700) is its alone.
+    """
+    if os.geteuid() != 0:
+        return False
+    try:
+        return _is_mapped("uid_map") and _is_mapped("gid_map") and _may_set_ids()
+    except OSError:
+        return False
+
+
+def _is_mapped(name: str) -> bool:
+    with open(f"/proc/self/{name}", encoding="ascii") as file:
+        ranges = [tuple(map(int, line.split())) for line in file]
+    return any(first <= DROPPED_ID < first + count for first, _, count in ranges)
+
+
+def _may_set_ids() -> bool:
+    with open("/proc/self/status", encoding="utf-8") as file:
+        effective = next(int(line.split()[1], 16) for line in file if line.startswith("CapEff:"))
+    return effective & _SET_IDS == _SET_IDS
+
+
+def enter_as_root() -> None:
+    """Give up root for ever, then enter the namespaces of a zygote; the mounts become locked on the way."""
+    give_up_root()
+    linux.unshare(linux.CLONE_NEWUSER | linux.CLONE_NEWNS | _ZYGOTE)
+
+
+def give_up_root() -> None:
+    os.setgroups([])
+    os.setresgid(DROPPED_ID, DROPPED_ID, DROPPED_ID)
+    os.setresuid(DROPPED_ID, DROPPED_ID, DROPPED_ID)
+    linux.prctl(linux.PR_SET_DUMPABLE, 1)  # or /proc/self/uid_map belongs to root and cannot be written
+
+
+def enter_as_user() -> None:
+    linux.unshare(linux.CLONE_NEWUSER | linux.CLONE_NEWNS | _ZYGOTE)
+
+
+def write_maps(proc: int, uid: int, gid: int) -> None:
+    """Become `INSIDE_ID` in the user namespace just entered; `proc` is a descriptor of a /proc that may be gone."""
+    for name, line in (
+        ("setgroups", "deny"),
+        ("uid_map", f"{INSIDE_ID} {uid} 1"),
+        ("gid_map", f"{INSIDE_ID} {gid} 1"),
+    ):
+        fd = os.open(f"self/{name}", os.O_WRONLY | os.O_CLOEXEC, dir_fd=proc)
+        try:
+            os.write(fd, line.encode())
+        finally:
+            os.close(fd)
+
+
+def enter_as_worker(proc: int) -> None:
+    """A user namespace of its own, so that one worker's threads do not count against the next one's limit."""
+    uid, gid = os.geteuid(), os.getegid()
+    linux.unshare(_WORKER)
+    write_maps(proc, uid, gid)
+
+
+def fork_as_first(own_pid_namespace: int) -> int:
+    """Fork a child that is pid 1 of a new pid namespace: when it ends, everything that it started ends too.
+
+    `own_pid_namespace` is a pidfd of this process: a second unshare is refused until setns has gone back.
+    """
+    linux.unshare(linux.CLONE_NEWPID)
+    try:
+        pid = os.fork()
+    except OSError:
+        linux.setns(own_pid_namespace, linux.CLONE_NEWPID)
+        raise
+    if pid:
+        linux.setns(own_pid_namespace, linux.CLONE_NEWPID)
+    return pid
+
+
+def die_with_parent() -> None:
+    linux.prctl(linux.PR_SET_PDEATHSIG, signal.SIGKILL)

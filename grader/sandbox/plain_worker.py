@@ -1,0 +1,55 @@
+"""The worker's side of the lowest rung: one process, no walls, the same loop."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import socket
+import sys
+import tempfile
+import traceback
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from . import worker
+from .imports import load_harness
+
+
+def start(arguments: Sequence[str]) -> Callable[[], None]:
+    """Take over the line and the harness; return what is left to do."""
+    line, plan = _line(int(arguments[0])), json.loads(arguments[1])
+    sys.argv[:] = [""]
+    if sys.platform == "linux" and plan["end_with_parent"]:
+        from .namespaces import die_with_parent  # noqa: PLC0415 - of Linux only
+
+        die_with_parent()
+    try:
+        answer = load_harness(plan["harness"], plan["search"])
+    except Exception:
+        worker.give_up(line, traceback.format_exc(limit=-4)[-4000:])
+        os._exit(1)
+    tempfile.tempdir = None
+    _limit()
+    worker.take_streams()
+    return partial(_work, line, answer)
+
+
+def _line(fd: int) -> socket.socket:
+    given = sys.stdin.buffer.read()
+    if sys.platform == "win32":
+        return socket.fromshare(given)
+    return socket.socket(fileno=fd)
+
+
+def _limit() -> None:
+    with contextlib.suppress(ImportError):  # Windows
+        from . import limits  # noqa: PLC0415 - of POSIX only
+
+        limits.enforce(leave_out=("RLIMIT_NPROC",))
+
+
+def _work(line: socket.socket, answer: Any) -> None:
+    worker.run(line, answer)
+    os._exit(0)

@@ -1,0 +1,59 @@
+"""Where a worker's stdout and stderr go: a file in memory that cannot grow, so that a flood costs nothing."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from typing import Any
+
+MAX_BYTES = 256 << 10
+
+
+class Printed:
+    """Both standard streams of one worker, in the order in which they were written.
+
+    Attributes
+    ----------
+    fd
+        What the worker gets as descriptors 1 and 2.
+    """
+
+    def __init__(self) -> None:
+        self._file: Any = _sealed_memory() if sys.platform == "linux" else _unnamed_file()
+        self.fd: int = self._file.fileno()
+
+    def read(self) -> str:
+        """What was written so far, at most 256 KB, undecodable bytes replaced."""
+        if self._file.closed:
+            return ""
+        # The offset is shared with the worker, which may have moved it: clamped, and never moved here.
+        size = max(0, min(os.lseek(self.fd, 0, os.SEEK_CUR), MAX_BYTES))
+        return _read_start(self.fd, size).decode("utf-8", "replace")
+
+    def close(self) -> None:
+        self._file.close()
+
+
+def _sealed_memory() -> Any:
+    """A memory file of exactly `MAX_BYTES`: writes beyond its end fail."""
+    import fcntl  # noqa: PLC0415 - not on every system
+
+    fd = os.memfd_create("printed", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    os.ftruncate(fd, MAX_BYTES)
+    fcntl.fcntl(fd, fcntl.F_ADD_SEALS, fcntl.F_SEAL_GROW | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_SEAL)
+    return os.fdopen(fd, "r+b", buffering=0)
+
+
+def _unnamed_file() -> Any:
+    return tempfile.TemporaryFile(buffering=0)
+
+
+def _read_start(fd: int, size: int) -> bytes:
+    if hasattr(os, "pread"):
+        return os.pread(fd, size, 0)
+    here = os.lseek(fd, 0, os.SEEK_CUR)  # Windows
+    os.lseek(fd, 0, os.SEEK_SET)
+    data = os.read(fd, size)
+    os.lseek(fd, here, os.SEEK_SET)
+    return data

@@ -1,0 +1,138 @@
+"""The file system of a box: a read-only root with Python and its packages; no /proc, no /dev/shm, no /tmp, no /home.
+
+After pivot_root the host lies under /old for as long as the binds are made, so that no path of it is hidden by a mount
+of ours: Python itself may live below /tmp or /root.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+from . import linux
+from .paths import follow, is_below
+
+OLD = "/old"
+SCRATCH = "/box"
+CACHE = "/cache"  # the zygote's: matplotlib's list of fonts; read-only before the first worker
+SANDBOX = "/sandbox"
+HARNESS = "/harness"
+DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
+
+_READ_ONLY = linux.MS_RDONLY | linux.MS_NOSUID | linux.MS_NODEV
+_SCRATCH_OPTIONS = "size=64m,nr_inodes=4096,mode=700"
+
+
+def enter_new_root() -> None:
+    """Make an empty tmpfs the root, with the host's below /old; needs a mount namespace of one's own."""
+    linux.mount("none", "/", flags=linux.MS_REC | linux.MS_PRIVATE)
+    base = "/tmp" if os.path.isdir("/tmp") else "/dev"
+    linux.mount("tmpfs", base, "tmpfs", linux.MS_NOSUID | linux.MS_NODEV, "size=16m,mode=755")
+    os.mkdir(base + OLD)
+    linux.pivot_root(base, base + OLD)
+    os.chdir("/")
+
+
+def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], harness: str) -> None:
+    """Bind what a box may see and leave the host behind.
+
+    Parameters
+    ----------
+    visible
+        Absolute paths of the host, shown read-only at the same place; those that do not exist are left out.
+    hidden
+        Folders below them that appear empty.
+    code
+        Modules of the sandbox, copied to `SANDBOX`.
+    harness
+        The harness's folder, copied to `HARNESS`: root's own copy of it may be readable by root alone.
+    """
+    _show_all(visible, hidden)
+    for device in DEVICES:
+        _bind(OLD + device, device, linux.MS_NOSUID | linux.MS_NOEXEC)
+    for path in code:
+        _write(f"{SANDBOX}/{os.path.basename(path)}", _read(OLD + path))
+    _copy_folder(OLD + harness, HARNESS)
+    _write("/etc/passwd", b"student:x:1000:1000::/box:/bin/false\n")
+    _write("/etc/group", b"student:x:1000:\n")
+    os.mkdir(SCRATCH, 0o755)
+    _mount_cache()
+
+
+def close_root() -> None:
+    """Let go of the host and freeze the root."""
+    linux.umount(OLD)
+    os.rmdir(OLD)
+    linux.mount_setattr("/", _READ_ONLY, recursive=False)
+
+
+def _mount_cache() -> None:
+    os.mkdir(CACHE, 0o755)
+    flags = linux.MS_NOSUID | linux.MS_NODEV | linux.MS_NOEXEC
+    linux.mount("tmpfs", CACHE, "tmpfs", flags, "size=16m,mode=777")
+
+
+def freeze_cache() -> None:
+    """What one worker could leave there, the next one could read."""
+    linux.mount_setattr(CACHE, _READ_ONLY | linux.MS_NOEXEC, recursive=False)
+
+
+def mount_scratch() -> None:
+    """An empty folder of the worker's own, gone with its mount namespace."""
+    flags = linux.MS_NOSUID | linux.MS_NODEV | linux.MS_NOEXEC
+    linux.mount("tmpfs", SCRATCH, "tmpfs", flags, _SCRATCH_OPTIONS)
+
+
+# Binding --------------------------------------------------------------------------------------------------------------
+
+
+def _show_all(visible: Sequence[str], hidden: Sequence[str]) -> None:
+    shown: list[str] = []
+    for path in sorted(visible, key=lambda p: p.count("/")):
+        place, links = follow(path, OLD)
+        for here, target in links:
+            _link(target, here)
+        if place is not None and not is_below(place, shown):
+            _bind(OLD + place, place, _READ_ONLY)
+            shown.append(place)
+    for path in hidden:
+        place, _ = follow(path, OLD)
+        if place is not None and is_below(place, shown):
+            linux.mount("tmpfs", place, "tmpfs", _READ_ONLY | linux.MS_NOEXEC, "size=4k,mode=755")
+
+
+def _link(target: str, here: str) -> None:
+    """Repeat a link of the host, unless something shown already holds it."""
+    if not os.path.lexists(here):
+        os.makedirs(os.path.dirname(here), exist_ok=True)
+        os.symlink(target, here)
+
+
+def _bind(source: str, target: str, attributes: int) -> None:
+    if os.path.isdir(source):
+        os.makedirs(target, exist_ok=True)
+    else:
+        _write(target, b"")
+    linux.mount(source, target, flags=linux.MS_BIND | linux.MS_REC)
+    linux.mount_setattr(target, attributes, recursive=True)
+
+
+def _copy_folder(source: str, target: str) -> None:
+    os.mkdir(target)
+    for entry in os.scandir(source):
+        place = f"{target}/{entry.name}"
+        if entry.is_dir() and entry.name != "__pycache__":
+            _copy_folder(entry.path, place)
+        elif entry.is_file():
+            _write(place, _read(entry.path))
+
+
+def _read(path: str) -> bytes:
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def _write(path: str, data: bytes) -> None:
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "xb") as file:
+        file.write(data)

@@ -1,0 +1,304 @@
+"""A zygote: raises its walls, imports everything once, then forks a worker whenever the grader asks for one.
+
+The control socket keeps message boundaries; its other end is the grader's, and when that closes everything here ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import json
+import os
+import select
+import signal
+import socket
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from . import confine, landlock, linux, namespaces, paths, rootfs
+from .plan import Plan
+from .syscalls import machine
+
+_MAX_MESSAGE = 1 << 20
+_FIRST_HIGH_FD = 100  # above what a worker's own descriptors are moved to
+_LINE_FD = 3
+
+
+def main(control_fd: int) -> Callable[[], None] | None:
+    """Serve until the grader hangs up; in a forked worker, return what it has to do."""
+    control = socket.socket(fileno=_move_up(control_fd))
+    plan = Plan.from_json(control.recv(_MAX_MESSAGE))
+    try:
+        if plan.end_with_parent:
+            namespaces.die_with_parent()
+        walls = _enter(plan, control)
+        _try_out(walls, plan)
+    except (OSError, KeyError) as error:
+        _tell(control, walls=False, reason=_words(error))
+        return None
+    _tell(control, walls=True, without_landlock=not walls.landlock_abi)
+    try:
+        answer = _warm_up(plan)
+    except Exception:
+        _tell(control, ready=False, reason=traceback.format_exc(limit=-4)[-4000:])
+        return None
+    _tell(control, ready=True, cpu_s=time.process_time())
+    return _Zygote(control, walls, plan, answer).serve()
+
+
+def _move_up(fd: int) -> int:
+    import fcntl  # noqa: PLC0415 - of POSIX only, as is everything that uses it
+
+    high = fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, _FIRST_HIGH_FD)
+    os.close(fd)
+    return high
+
+
+def _tell(control: socket.socket, pidfd: int | None = None, **message: Any) -> None:
+    try:
+        socket.send_fds(control, [json.dumps(message).encode()], [] if pidfd is None else [pidfd])
+    except OSError:
+        os._exit(1)  # the grader has gone
+
+
+def _words(error: BaseException) -> str:
+    return str(error.args[-1]) if error.args else type(error).__name__
+
+
+# Walls ----------------------------------------------------------------------------------------------------------------
+
+
+def _enter(plan: Plan, control: socket.socket) -> confine.Walls:
+    """Raise the zygote's own walls. On the highest rung the process forks, and the child goes on as pid 1."""
+    if plan.rung == "full":
+        return _enter_full(plan, control)
+    version = landlock.abi()
+    if not version:
+        raise OSError("the kernel has no Landlock")
+    readable = ("/",) if plan.rung == "bubblewrap" else _shown_in_place(plan)
+    return confine.Walls(plan.rung, machine(), version, readable, _open_proc(), os.getpid())
+
+
+def _shown_in_place(plan: Plan) -> tuple[str, ...]:
+    """What Landlock lets through where the host's own root stays the root."""
+    visible = {os.path.realpath(path) for path in plan.visible}
+    return (*paths.around(sorted(visible), plan.hidden), *plan.code, plan.harness)
+
+
+def _open_proc() -> int:
+    """A descriptor of /proc that outlives the mount; -1 where there is none."""
+    try:
+        return _move_up(os.open("/proc", os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC))
+    except OSError:
+        return -1
+
+
+def _enter_full(plan: Plan, control: socket.socket) -> confine.Walls:
+    os.umask(0o022)
+    proc = _open_proc()
+    fonts = _contents(plan.fonts)
+    if namespaces.may_drop_root():
+        linux.unshare(linux.CLONE_NEWNS)
+        _build_root(plan)
+        namespaces.enter_as_root()
+        namespaces.write_maps(proc, namespaces.DROPPED_ID, namespaces.DROPPED_ID)
+    else:
+        uid, gid = os.geteuid(), os.getegid()
+        namespaces.enter_as_user()
+        namespaces.write_maps(proc, uid, gid)
+        _build_root(plan)
+    sys.modules[__package__ or ""].__path__ = [rootfs.SANDBOX]
+    for name, data in fonts:
+        with open(f"{rootfs.CACHE}/{name}", "xb") as file:
+            file.write(data)
+    _become_first(control)
+    return confine.Walls("full", machine(), landlock.abi(), ("/",), proc, 0)
+
+
+def _build_root(plan: Plan) -> None:
+    rootfs.enter_new_root()
+    rootfs.furnish(plan.visible, plan.hidden, plan.code, plan.harness)
+    rootfs.close_root()
+
+
+def _contents(files: tuple[str, ...]) -> list[tuple[str, bytes]]:
+    found = []
+    for path in files:
+        with contextlib.suppress(OSError), open(path, "rb") as file:
+            found.append((os.path.basename(path), file.read()))
+    return found
+
+
+def _become_first(control: socket.socket) -> None:
+    """Fork into the new pid namespace; this process only waits for the child and ends as it does."""
+    pid = os.fork()
+    if pid == 0:
+        namespaces.die_with_parent()
+        return
+    control.close()
+    _, status = os.waitpid(pid, 0)
+    os._exit(min(abs(os.waitstatus_to_exitcode(status)), 255))
+
+
+def _try_out(walls: confine.Walls, plan: Plan) -> None:
+    """Raise a worker's walls in a child and try them from inside; OSError with what did not hold."""
+    reader, writer = os.pipe()
+    own = _own_pid_namespace(walls)
+    pid = namespaces.fork_as_first(own) if own >= 0 else os.fork()
+    if pid == 0:
+        os.dup2(writer, _LINE_FD)
+        os._exit(_trial(walls, plan))
+    os.close(writer)
+    with open(reader, "rb") as report:
+        reason = report.read()
+    os.waitpid(pid, 0)
+    if own >= 0:
+        os.close(own)
+    if reason != b"held":
+        raise OSError(reason.decode(errors="replace") or "a worker behind its walls ended without a word")
+
+
+def _trial(walls: confine.Walls, plan: Plan) -> int:
+    try:
+        confine.confine(walls, plan.scratch[0])
+        confine.prove(plan.decoy)
+    except BaseException as error:
+        os.write(_LINE_FD, _words(error).encode(errors="replace"))
+        return 1
+    os.write(_LINE_FD, b"held")
+    return 0
+
+
+def _own_pid_namespace(walls: confine.Walls) -> int:
+    return _move_up(os.pidfd_open(os.getpid())) if walls.rung == "full" else -1
+
+
+# Imports --------------------------------------------------------------------------------------------------------------
+
+
+def _warm_up(plan: Plan) -> Any:
+    """Import everything once, freeze it, and return the harness's `answer`."""
+    from .imports import load_harness  # noqa: PLC0415 - it pulls numpy, which must come after the walls
+
+    harness = load_harness(rootfs.HARNESS if plan.rung in ("full", "bubblewrap") else plan.harness, plan.search)
+    gc.collect()
+    gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
+    tempfile.tempdir = None
+    if plan.rung == "full":
+        rootfs.freeze_cache()
+    return harness
+
+
+# Workers --------------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Child:
+    number: int
+    pid: int
+    pidfd: int
+    scratch: str
+
+
+class _Zygote:
+    def __init__(self, control: socket.socket, walls: confine.Walls, plan: Plan, answer: Any) -> None:
+        self._control = control
+        self._walls = walls
+        self._plan = plan
+        self._answer = answer
+        self._own = _own_pid_namespace(walls)
+        confine.filter_program(walls, 1)  # most workers are pid 1: they find it ready
+        self._children: dict[int, _Child] = {}
+        self._poll = select.poll()
+        self._poll.register(control, select.POLLIN)
+
+    def serve(self) -> Callable[[], None] | None:
+        while True:
+            for fd, _ in self._poll.poll():
+                if fd in self._children:
+                    self._bury(self._children.pop(fd))
+                    continue
+                message, fds, _, _ = socket.recv_fds(self._control, _MAX_MESSAGE, 2)
+                if not message:
+                    self._end()
+                work = self._spawn(json.loads(message)["spawn"], fds)
+                if work is not None:
+                    return work
+
+    def _spawn(self, number: int, fds: list[int]) -> Callable[[], None] | None:
+        """Fork a worker; return its work in the child, None here."""
+        scratch = self._free_scratch()
+        try:
+            if scratch is None:
+                raise OSError(f"more than {len(self._plan.scratch)} workers at a time")
+            pid = namespaces.fork_as_first(self._own) if self._own >= 0 else os.fork()
+        except OSError as error:
+            _tell(self._control, failed=number, reason=_words(error))
+            scratch, pid = None, -1
+        if pid == 0 and scratch is not None:
+            self._control.detach()  # close_from will close it; a second close would hit a stranger
+            return partial(_work, fds[0], fds[1], self._walls, scratch, self._answer)
+        for fd in fds:
+            os.close(fd)
+        if scratch is not None:
+            self._adopt(_Child(number, pid, os.pidfd_open(pid), scratch))
+        return None
+
+    def _free_scratch(self) -> str | None:
+        if self._walls.rung == "full":
+            return rootfs.SCRATCH  # every worker mounts its own there
+        taken = {child.scratch for child in self._children.values()}
+        return next((folder for folder in self._plan.scratch if folder not in taken), None)
+
+    def _adopt(self, child: _Child) -> None:
+        self._children[child.pidfd] = child
+        self._poll.register(child.pidfd, select.POLLIN)
+        _tell(self._control, child.pidfd, spawned=child.number)
+
+    def _bury(self, child: _Child) -> None:
+        self._poll.unregister(child.pidfd)
+        os.close(child.pidfd)
+        _, status, used = os.wait4(child.pid, 0)
+        if self._walls.rung != "full":
+            paths.empty(child.scratch)
+        code = os.waitstatus_to_exitcode(status)
+        _tell(self._control, ended=child.number, code=code, cpu_s=used.ru_utime + used.ru_stime)
+
+    def _end(self) -> None:
+        for child in self._children.values():
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
+            os.waitpid(child.pid, 0)
+        if self._walls.rung == "landlock":
+            with contextlib.suppress(OSError):  # the grader may have been killed, or be faster
+                folder = os.path.dirname(self._plan.cache)
+                paths.empty(folder)
+                os.rmdir(folder)
+        os._exit(0)
+
+
+def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, answer: Any) -> None:
+    """What a worker does from its first moment to its last."""
+    from . import worker  # noqa: PLC0415 - see _warm_up
+
+    os.dup2(printed_fd, 1)
+    os.dup2(printed_fd, 2)
+    os.dup2(line_fd, _LINE_FD)
+    line = socket.socket(fileno=_LINE_FD)
+    try:
+        confine.confine(walls, scratch)
+    except Exception as error:
+        worker.give_up(line, _words(error))
+        os._exit(1)
+    os.environ.pop("PWD", None)  # of bubblewrap
+    os.environ.update(HOME=scratch, TMPDIR=scratch)
+    sys.argv[:] = [""]
+    worker.take_streams()
+    worker.run(line, answer)
+    os._exit(0)

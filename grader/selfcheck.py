@@ -1,0 +1,82 @@
+"""One submission on one's own machine: checked once, or again whenever a file in it is saved."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from grader.errors import RequestError
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.results import Result
+from grader.rubric import Rubric
+from grader.text import printable
+from grader.traces import Traces
+
+PAUSE_S = 0.4
+_IGNORED = frozenset({"__pycache__", "node_modules"})
+
+
+def check(path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None, rung: str | None = None) -> Result:
+    """Mark the submission at `path` once.
+
+    Raises
+    ------
+    RequestError
+        If there is no such path, or the rubric has no criterion `only`.
+    """
+    know_part(rubric, only)
+    submission = read_submission(path)
+    with Marker(rubric, traces, rung=rung) as marker:
+        return marker.mark(submission, only=only)
+
+
+def check_on_save(path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None) -> Iterator[Result]:
+    """Mark it now, and again after every change, until interrupted. The marker stays warm in between."""
+    know_part(rubric, only)
+    read_submission(path)  # a wrong path is told before the marker warms up
+    with Marker(rubric, traces) as marker:
+        for _ in saves(path):
+            yield marker.mark(read_submission(path), only=only)
+
+
+def saves(path: Path) -> Iterator[None]:
+    """Once at the start, then each time that a file under `path` has changed."""
+    seen: object = None
+    while True:
+        now = _stamps(path)
+        if now != seen:
+            seen = now
+            yield
+        else:
+            time.sleep(PAUSE_S)
+
+
+def know_part(rubric: Rubric, only: str | None) -> None:
+    """Refuse a criterion that the rubric does not have."""
+    known = [criterion.id for criterion in rubric.criteria] + [extension.id for extension in rubric.extensions]
+    if only is None or only in known:
+        return
+    near = difflib.get_close_matches(only, known, 1)
+    guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+    raise RequestError(f"--only {printable(only)}: the rubric has no such criterion; {guess}")
+
+
+def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:
+    """Names, times and sizes of the files; what Python and editors leave behind does not count."""
+    stamps = set()
+    for folder, subfolders, names in os.walk(path):
+        subfolders[:] = [name for name in subfolders if not name.startswith(".") and name not in _IGNORED]
+        stamps |= {_stamp(Path(folder, name)) for name in names if not name.startswith(".")}
+    return frozenset(stamps or {_stamp(path)})
+
+
+def _stamp(path: Path) -> tuple[str, int, int]:
+    try:
+        status = path.lstat()
+    except OSError:  # an editor is just replacing it
+        return str(path), 0, 0
+    return str(path), status.st_mtime_ns, status.st_size

@@ -1,0 +1,161 @@
+"""The durable record of a class: one SQLite file, one committed row a result.
+
+A run that is killed loses at most the submissions that it was working on. `results` keeps every result ever recorded;
+`class` says which of them is the present one of each submission, so that grading a part of a class never shrinks it.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import astuple, dataclass
+from pathlib import Path
+from types import TracebackType
+
+from grader.errors import RequestError
+from grader.results import Result, from_dict, to_dict
+
+FILE_NAME = "results.sqlite"
+SCHEMA_VERSION = 1
+_APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
+_TABLES = """
+BEGIN IMMEDIATE;
+CREATE TABLE IF NOT EXISTS results (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    submission_sha256 TEXT NOT NULL,
+    rubric_sha256 TEXT NOT NULL,
+    traces_sha256 TEXT NOT NULL,
+    grader TEXT NOT NULL,
+    status TEXT NOT NULL,
+    record TEXT NOT NULL,
+    UNIQUE (id, submission_sha256, rubric_sha256, traces_sha256, grader)
+);
+CREATE TABLE IF NOT EXISTS class (id TEXT PRIMARY KEY, seq INTEGER NOT NULL REFERENCES results (seq));
+PRAGMA application_id = {application};
+PRAGMA user_version = {version};
+COMMIT;
+"""
+_KEEP = """
+INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record)
+VALUES (?, ?, ?, ?, ?, ?, ?)
+ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader)
+DO UPDATE SET status = excluded.status, record = excluded.record
+"""
+_WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
+
+
+@dataclass(frozen=True)
+class Key:
+    """What a result depends on. Two runs with equal keys give equal results."""
+
+    id: str
+    submission_sha256: str
+    rubric_sha256: str
+    traces_sha256: str
+    grader: str
+
+
+class Store:
+    """The record in `OUT/results.sqlite`; a context manager, used from one thread."""
+
+    def __init__(self, out: Path) -> None:
+        self.path = out / FILE_NAME
+        with self._told():
+            out.mkdir(parents=True, exist_ok=True)
+            self._db = sqlite3.connect(self.path, timeout=30, isolation_level=None)
+            try:
+                self._prepare()
+            except BaseException:
+                self._db.close()
+                raise
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._db.close()
+
+    def keep(self, key: Key, result: Result) -> None:
+        """Commit one result and make it the submission's present one."""
+        record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
+        with self._told(), self._transaction():
+            self._db.execute(_KEEP, (*astuple(key), result.status, record))
+            self._point_at(key)
+
+    def recall(self, key: Key) -> Result | None:
+        """The result already recorded under this key, made present again; None if there is none or it is incomplete."""
+        with self._told(), self._transaction():
+            query = f"SELECT record FROM results {_WHERE} AND status != 'incomplete'"
+            row = self._db.execute(query, astuple(key)).fetchone()
+            if row is not None:
+                self._point_at(key)
+        return None if row is None else from_dict(json.loads(row[0]))
+
+    def present(self) -> dict[str, Result]:
+        """The present result of every submission of the class, by id, in the order of the ids."""
+        query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
+        with self._told():
+            return {id_: from_dict(json.loads(record)) for id_, record in self._db.execute(query)}
+
+    def _point_at(self, key: Key) -> None:
+        self._db.execute(
+            f"INSERT INTO class (id, seq) SELECT id, seq FROM results {_WHERE} "
+            "ON CONFLICT (id) DO UPDATE SET seq = excluded.seq",
+            astuple(key),
+        )
+
+    def _prepare(self) -> None:
+        """Open or lay out the file.
+
+        WAL keeps a reader from blocking the writer; with it, NORMAL is still safe when the process is killed.
+        """
+        application, version, tables = self._identity()
+        if (application, version, tables) == (0, 0, 0):
+            self._db.executescript(_TABLES.format(application=_APPLICATION_ID, version=SCHEMA_VERSION))
+        elif application != _APPLICATION_ID:
+            raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")
+        elif version != SCHEMA_VERSION:
+            raise RequestError(
+                f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
+                f"{SCHEMA_VERSION}); use that version, or another folder with -o"
+            )
+        self._db.execute("PRAGMA journal_mode = WAL")
+        self._db.execute("PRAGMA synchronous = NORMAL")
+        self._db.execute("PRAGMA foreign_keys = ON")
+
+    def _identity(self) -> tuple[int, int, int]:
+        ask = ("PRAGMA application_id", "PRAGMA user_version", "SELECT count(*) FROM sqlite_master")
+        application, version, tables = (int(self._db.execute(query).fetchone()[0]) for query in ask)
+        return application, version, tables
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._db.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            if self._db.in_transaction:  # SQLite has already rolled back when the disk is full
+                self._db.execute("ROLLBACK")
+            raise
+        self._db.execute("COMMIT")
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Turn what the disk refuses into one line for the person who chose OUT."""
+        try:
+            yield
+        except OSError as problem:
+            raise RequestError(
+                f"{self.path.parent}: cannot write there: {problem.strerror or problem}; choose another folder with -o"
+            ) from problem
+        except sqlite3.DatabaseError as problem:
+            raise RequestError(
+                f"{self.path}: {problem}; free or repair it, or choose another folder with -o "
+                "(what was recorded before is kept)"
+            ) from problem

@@ -1,0 +1,58 @@
+"""Text from strangers, made safe to show: file names, printed lines, messages of a student's code.
+
+`printable` is for every place where a person reads, `csv_cell` for the one where a spreadsheet does. Escaping for HTML,
+XML and CI commands is the business of the formats.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+
+# Cc: C0 and C1 controls, so ESC and with it every ANSI sequence. Cf: bidi controls, zero-width characters, tags.
+# Cs: lone surrogates, which no encoder takes. Zl, Zp: line ends that only some readers break at.
+_HIDDEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+_JOINERS = frozenset("\u200c\u200d")  # Persian, Indic scripts and emoji need them, and they reorder nothing
+_FORMULA = tuple("=+-@\t\r\n＝＋－＠")  # Excel and LibreOffice read the full-width forms as well
+
+
+def _noncharacter(code: int) -> bool:
+    """Whether Unicode reserves the code point for ever; XML refuses two of them."""
+    return code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF
+
+
+def _shown(char: str) -> str:
+    code = ord(char)
+    if char in _JOINERS or not (unicodedata.category(char) in _HIDDEN or _noncharacter(code)):
+        return char
+    if code <= 0xFF:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}"
+
+
+def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
+    r"""Text that a terminal, a page and a log can show as it is.
+
+    Parameters
+    ----------
+    text
+        Anything, lone surrogates included.
+    limit
+        Most characters of the answer; a longer text ends in an ellipsis.
+    newlines
+        Keep line ends (``\r\n`` and ``\r`` become ``\n``) and tabs. Otherwise they are escaped like other controls.
+
+    Returns
+    -------
+    str
+        Controls, ANSI escapes, bidi controls, lone surrogates and noncharacters are written as ``\x1b``, ``\u202e``.
+    """
+    head = text[: 2 * limit + 2]  # a \r\n is one line end, and no flood is worked through
+    if newlines:
+        head = head.replace("\r\n", "\n").replace("\r", "\n")
+    shown = "".join(char if newlines and char in "\n\t" else _shown(char) for char in head[: limit + 1])
+    return shown if len(shown) <= limit else shown[: max(limit - 1, 0)] + "…"[:limit]
+
+
+def csv_cell(text: str) -> str:
+    """The text of a cell that no spreadsheet takes for a formula; numbers are not passed through here."""
+    return f"'{text}" if text.startswith(_FORMULA) else text

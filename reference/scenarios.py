@@ -1,0 +1,317 @@
+"""What is simulated to find the truth. Everything follows from a name and a seed: the same two, the same numbers.
+
+Convention: a row holds what the sensors read right after `mj_step`, as on the lab sheet, and the simulation's time
+after that step. (MuJoCo computes sensors before it integrates, so the row is the state at the step's beginning.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from . import worlds
+from .extension_scenarios import EXTENSION_SCENARIOS
+from .filters import LowPassFilter
+from .imu_reader import PUSH, get_imu_readings, sensor_id
+from .scene import (
+    LAB_PAIR,
+    Recording,
+    Scene,
+    Settings,
+    at_state,
+    drawn_settings,
+    first_line,
+    generator,
+    readings,
+    roll,
+    state_in_the_air,
+)
+
+FloatArray = NDArray[np.float64]
+
+PUBLIC_SEED = "4101"
+EXTRA_ROWS = 2  # after the last one, so that an answer that is late or one sample too long can still be compared
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """All scenarios of one seed, with the texts of the models that they take place in."""
+
+    models: Mapping[str, str]
+    recordings: tuple[Recording, ...]
+
+
+def simulate(name: str, seed: str) -> Bundle:
+    """Run every scenario.
+
+    Parameters
+    ----------
+    name : str
+        "public" for the settings that students may know, anything else for drawn ones.
+    seed : str
+        Any text.
+    """
+    settings = Settings() if name == "public" else drawn_settings(generator(name, seed, "settings"))
+    world = worlds.shuffled(generator(name, seed, "shuffled"))
+    many = worlds.many_imus(generator(name, seed, "many_imus"))
+    texts = {
+        "lab": worlds.lab(),
+        "shuffled": world.xml,
+        "many_imus": many.xml,
+        "gimbal": worlds.GIMBAL,
+        "free_fall": worlds.FREE_FALL,
+        "constant_spin": worlds.constant_spin(settings.radius),
+    }
+    compiled = {key: mujoco.MjModel.from_xml_string(text) for key, text in texts.items()}
+
+    def scene(purpose: str) -> Scene:
+        return Scene(
+            rng=generator(name, seed, purpose),
+            settings=settings,
+            lab=compiled["lab"],
+            shuffled=compiled["shuffled"],
+            shuffled_imus=world.imus,
+            spin=compiled["constant_spin"],
+            free_fall=compiled["free_fall"],
+            gimbal=compiled["gimbal"],
+            many=compiled["many_imus"],
+            many_places=many.places,
+            many_compasses=many.compasses,
+        )
+
+    return Bundle(texts, tuple(record(scene(record.__name__)) for record in SCENARIOS))
+
+
+# --- motions --------------------------------------------------------------------------------------------------------
+
+
+def standing(scene: Scene) -> Recording:
+    """The lab model from reset, untouched: it rests."""
+    return Recording("standing", first_line(standing), "lab", roll(scene.lab, mujoco.MjData(scene.lab), 1500))
+
+
+def tumbling(scene: Scene) -> Recording:
+    """The lab model thrown into the air with a random spin: all six channels move, each in its own way."""
+    qpos, qvel = state_in_the_air(scene.rng, scene.lab)
+    qvel[2] = scene.rng.uniform(4.5, 5.5)  # up, so that it is still in the air at the end
+    data = at_state(scene.lab, qpos, qvel)
+    return Recording(
+        "tumbling",
+        first_line(tumbling),
+        "lab",
+        {"start_qpos": qpos, "start_qvel": qvel, **roll(scene.lab, data, 600)},
+    )
+
+
+def free_fall(scene: Scene) -> Recording:
+    """A box falls without turning: an accelerometer in free fall reads zero."""
+    data = mujoco.MjData(scene.free_fall)
+    data.qvel[:3] = scene.rng.uniform(-1.0, 1.0, 3)
+    trace = roll(scene.free_fall, data, 200, ("accelerometer", "gyroscope"))
+    return Recording("free_fall", first_line(free_fall), "free_fall", trace)
+
+
+def constant_spin(scene: Scene) -> Recording:
+    """A turntable at constant rate, the IMU off its axis: it reads −ω²r outward and gravity's reaction upward."""
+    data = mujoco.MjData(scene.spin)
+    data.qvel[0] = scene.settings.spin
+    trace = roll(scene.spin, data, 500, ("accelerometer", "gyroscope"))
+    scalars = {"angular_velocity_rad_s": scene.settings.spin, "radius_m": scene.settings.radius}
+    return Recording("constant_spin", first_line(constant_spin), "constant_spin", trace, scalars)
+
+
+# --- single readings ------------------------------------------------------------------------------------------------
+
+
+def reading_lab(scene: Scene) -> Recording:
+    """All sensors of the lab model in random states in the air, and last standing at rest."""
+    states = [state_in_the_air(scene.rng, scene.lab) for _ in range(12)]
+    states.append((np.array(scene.lab.qpos0), np.zeros(scene.lab.nv)))
+    pairs = [(f"{place}_accelerometer", f"{place}_gyroscope") for place in worlds.LAB_PLACES]
+    arrays, scalars = readings(scene.lab, states, pairs)
+    return Recording("reading_lab", first_line(reading_lab), "lab", arrays, scalars)
+
+
+def reading_shuffled(scene: Scene) -> Recording:
+    """All sensors of a generated model: other names, other order, other mountings."""
+    states = [state_in_the_air(scene.rng, scene.shuffled) for _ in range(12)]
+    arrays, scalars = readings(scene.shuffled, states, scene.shuffled_imus)
+    return Recording("reading_shuffled", first_line(reading_shuffled), "shuffled", arrays, scalars)
+
+
+# --- the sheet's push -----------------------------------------------------------------------------------------------
+
+#: Other pushes than the sheet's, (degree of freedom, velocity): how a trace looks if one of them was applied.
+OTHER_PUSHES: Mapping[str, tuple[int, float]] = {
+    "no_push": (0, 0.0),
+    "push_negative": (0, -PUSH),
+    "push_double": (0, 2 * PUSH),
+    "push_half": (0, PUSH / 2),
+    "push_y": (1, PUSH),
+    "push_z": (2, PUSH),
+    "push_roll": (3, PUSH),
+}
+
+
+def _pushed(model: mujoco.MjModel, n_steps: int, dof: int = 0, velocity: float = PUSH) -> dict[str, FloatArray]:
+    data = mujoco.MjData(model)
+    data.qvel[dof] = velocity
+    return roll(model, data, n_steps)
+
+
+def _alternative(name: str, trace: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {f"alt_{name}_{channel}": trace[channel] for channel in ("acceleration", "angular_velocity")}
+
+
+def _push_scalars(duration: float, timestep: float) -> dict[str, Any]:
+    return {
+        "duration_s": duration,
+        "timestep": timestep,
+        "n_steps": round(duration / timestep),
+        "push_mps": PUSH,
+        "push_dof": 0,
+    }
+
+
+def push(scene: Scene) -> Recording:
+    """The sheet's Step 3: from reset, pushed forward with 0.5 m/s; and how other pushes would look."""
+    scalars = _push_scalars(scene.settings.push_s, float(scene.lab.opt.timestep))
+    arrays = _pushed(scene.lab, scalars["n_steps"] + EXTRA_ROWS)
+    for name, (dof, velocity) in OTHER_PUSHES.items():
+        arrays |= _alternative(name, _pushed(scene.lab, scalars["n_steps"], dof, velocity))
+    return Recording("push", first_line(push), "lab", arrays, scalars)
+
+
+def push_dirty(scene: Scene) -> Recording:
+    """The sheet's Step 3 with another time step, on data that another motion has left behind."""
+    scalars = _push_scalars(scene.settings.dirty_s, scene.settings.dirty_timestep)
+    saved = float(scene.lab.opt.timestep)
+    scene.lab.opt.timestep = scalars["timestep"]
+    try:
+        arrays = _dirty_arrays(scene, scalars["n_steps"])
+    finally:
+        scene.lab.opt.timestep = saved
+    return Recording("push_dirty", first_line(push_dirty), "lab", arrays, scalars)
+
+
+def _dirty_arrays(scene: Scene, n_steps: int) -> dict[str, Any]:
+    left_behind = _left_behind(scene)
+    qpos, qvel, time = np.array(left_behind.qpos), np.array(left_behind.qvel), float(left_behind.time)
+    arrays: dict[str, Any] = {"dirty_qpos": qpos, "dirty_qvel": qvel, "dirty_time": np.array(time)}
+    arrays |= _pushed(scene.lab, n_steps + EXTRA_ROWS)
+    started = at_state(scene.lab, qpos, qvel, time)
+    started.qvel[0] = PUSH
+    arrays |= _alternative("no_reset", roll(scene.lab, started, n_steps))
+    arrays |= _alternative("no_push", _pushed(scene.lab, n_steps, 0, 0.0))
+    return {**arrays, "alt_time_not_reset_time": arrays["time"][:n_steps] + time}
+
+
+def _left_behind(scene: Scene) -> mujoco.MjData:
+    """The robot some way into another motion: lifted, turned a little and dropped with a sideways velocity."""
+    data = mujoco.MjData(scene.lab)
+    data.qpos[2] += scene.rng.uniform(0.05, 0.1)
+    data.qvel[:6] = scene.rng.uniform(0.3, 0.6, 6) * scene.rng.choice([-1.0, 1.0], 6)
+    data.qvel[6:] = scene.rng.normal(0.0, 0.5, scene.lab.nv - 6)
+    for _ in range(60):
+        mujoco.mj_step(scene.lab, data)
+    return data
+
+
+# --- noise and filters ----------------------------------------------------------------------------------------------
+
+
+def filter(scene: Scene) -> Recording:
+    """A slow motion with a step in it and white noise on it, and what the sheet's recursion makes of that."""
+    n, rng, step = 400, scene.rng, 0.01
+    time = np.arange(1, n + 1, dtype=np.float64) * step
+    clean_accel = _slow_motion(rng, time, 1.5) + np.array([0.0, 0.0, -9.81])
+    clean_gyro = _slow_motion(rng, time, 0.3)
+    acceleration = clean_accel + rng.normal(0.0, 0.1, (n, 3))
+    angular_velocity = clean_gyro + rng.normal(0.0, 0.02, (n, 3))
+    alpha = np.array([0.1, 0.2, scene.settings.alpha])
+    initial = acceleration[0] + rng.uniform(2.0, 5.0, 3) * rng.choice([-1.0, 1.0], 3)
+    arrays = {
+        "time": time,
+        "acceleration": acceleration,
+        "angular_velocity": angular_velocity,
+        "acceleration_clean": clean_accel,
+        "angular_velocity_clean": clean_gyro,
+        "input": acceleration,
+        "alpha": alpha,
+        "initial": initial,
+        "low_passed": np.array([_filtered(acceleration, a, None) for a in alpha]),
+        "low_passed_from_initial": np.array([_filtered(acceleration, a, initial) for a in alpha]),
+    }
+    return Recording("filter", first_line(filter), None, arrays, {"accel_noise_std": 0.1, "gyro_noise_std": 0.02})
+
+
+def _slow_motion(rng: np.random.Generator, time: FloatArray, size: float) -> FloatArray:
+    """Each axis (n, 3): a sine of its own below half a hertz, and a step of its own height half-way."""
+    frequency, phase = rng.uniform(0.2, 0.5, 3), rng.uniform(0.0, 2 * np.pi, 3)
+    steps = rng.uniform(0.8, 1.2, 3) * rng.choice([-1.0, 1.0], 3) * size
+    wave = size * np.sin(2 * np.pi * time[:, None] * frequency + phase)
+    return np.asarray(wave + steps * (time[:, None] > time[len(time) // 2]), dtype=np.float64)
+
+
+def _filtered(samples: FloatArray, alpha: float, initial: FloatArray | None) -> FloatArray:
+    smoother = LowPassFilter(alpha=float(alpha), initial_value=initial)
+    return np.array([smoother.update(sample) for sample in samples])
+
+
+def noise(scene: Scene) -> Recording:
+    """Two states in which no channel is small and none is like another, and the noise and bias to add to them."""
+    states = [_lively_state(scene) for _ in range(2)]
+    readings = [_torso(scene.lab, *state) for state in states]
+    accel_std, gyro_std = scene.settings.accel_noise_std, scene.settings.gyro_noise_std
+    arrays = {
+        "qpos": np.array([qpos for qpos, _ in states]),
+        "qvel": np.array([qvel for _, qvel in states]),
+        "acceleration": np.array([accel for accel, _ in readings]),
+        "angular_velocity": np.array([gyro for _, gyro in readings]),
+        "accel_bias": accel_std * _distinct(scene.rng),
+        "gyro_bias": gyro_std * _distinct(scene.rng),
+    }
+    return Recording(
+        "noise", first_line(noise), "lab", arrays, {"accel_noise_std": accel_std, "gyro_noise_std": gyro_std}
+    )
+
+
+def _torso(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
+    data = at_state(model, qpos, qvel)
+    return get_imu_readings(model, data, *(sensor_id(model, name) for name in LAB_PAIR))
+
+
+def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """A state whose six torso channels are well away from zero and from each other."""
+    while True:
+        state = state_in_the_air(scene.rng, scene.lab)
+        channels = np.concatenate(_torso(scene.lab, *state))
+        gaps = np.abs(channels[:, None] - channels)[np.triu_indices(6, 1)]
+        if np.abs(channels).min() > 0.3 and gaps.min() > 0.3:
+            return state
+
+
+def _distinct(rng: np.random.Generator) -> FloatArray:
+    """Three numbers of random sign between 3 and 9, well apart in size: a bias in standard deviations."""
+    sizes = rng.permutation([3.0, 5.0, 8.0]) + rng.uniform(0.0, 1.0, 3)
+    return np.asarray(sizes * rng.choice([-1.0, 1.0], 3), dtype=np.float64)
+
+
+SCENARIOS: tuple[Callable[[Scene], Recording], ...] = (
+    standing,
+    tumbling,
+    free_fall,
+    constant_spin,
+    reading_lab,
+    reading_shuffled,
+    push,
+    push_dirty,
+    filter,
+    noise,
+    *EXTENSION_SCENARIOS,
+)

@@ -1,0 +1,147 @@
+"""What every scenario draws on: its own generator, the settings, the compiled models; and how a motion is rolled out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from .imu_reader import get_imu_readings, sensor_id
+
+FloatArray = NDArray[np.float64]
+
+LAB_PAIR = ("torso_accelerometer", "torso_gyroscope")
+SPRING_TORQUE = 10.0  # N m, at most, in a random state: a throw, not an explosion
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One scenario's truth. `model` is a key of the bundle's models, or None where nothing is simulated."""
+
+    name: str
+    description: str
+    model: str | None
+    arrays: Mapping[str, Any]
+    scalars: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What differs between the public bundle and hidden ones beside the random states."""
+
+    push_s: float = 1.2
+    dirty_s: float = 0.6
+    dirty_timestep: float = 0.004
+    spin: float = 4.0  # rad/s
+    radius: float = 0.3  # m
+    alpha: float = 0.35
+    accel_noise_std: float = 0.08  # m/s²
+    gyro_noise_std: float = 0.004  # rad/s
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a scenario may draw on: its own generator, the settings and the compiled models."""
+
+    rng: np.random.Generator
+    settings: Settings
+    lab: mujoco.MjModel
+    shuffled: mujoco.MjModel
+    shuffled_imus: tuple[tuple[str, str], ...]
+    spin: mujoco.MjModel
+    free_fall: mujoco.MjModel
+    gimbal: mujoco.MjModel
+    many: mujoco.MjModel
+    many_places: tuple[str, ...]
+    many_compasses: tuple[str, ...]
+
+
+def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
+    """A generator for one purpose. Any text is a seed; a new scenario does not move the numbers of the others."""
+    digest = hashlib.sha256("\0".join(("imugrade", name, seed, purpose)).encode()).digest()
+    return np.random.default_rng(np.frombuffer(digest, dtype="<u4").astype(np.uint64))
+
+
+def first_line(record: Callable[[Scene], Recording]) -> str:
+    """What a scenario is, in a sentence: the first line of its docstring."""
+    return (record.__doc__ or "").strip().splitlines()[0]
+
+
+def drawn_settings(rng: np.random.Generator) -> Settings:
+    """Settings of a hidden bundle. Durations are multiples of the time step."""
+    timestep = float(rng.choice([0.001, 0.0025, 0.004]))
+    return Settings(
+        push_s=round(0.01 * int(rng.integers(100, 151)), 2),
+        dirty_s=round(0.02 * int(rng.integers(20, 41)), 2),
+        dirty_timestep=timestep,
+        spin=round(float(rng.uniform(2.0, 6.0)), 3),
+        radius=round(float(rng.uniform(0.15, 0.45)), 3),
+        alpha=round(float(rng.uniform(0.25, 0.6)), 3),
+        accel_noise_std=round(float(rng.uniform(0.03, 0.1)), 4),
+        gyro_noise_std=round(float(rng.uniform(0.002, 0.01)), 5),
+    )
+
+
+def roll(
+    model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[str, str] = LAB_PAIR
+) -> dict[str, FloatArray]:
+    """Step on from the state in `data`, recording one IMU: `time` (n,), `acceleration`, `angular_velocity` (n, 3)."""
+    accel, gyro = (sensor_id(model, name) for name in pair)
+    time, acceleration, angular_velocity = np.zeros(n_steps), np.zeros((n_steps, 3)), np.zeros((n_steps, 3))
+    for i in range(n_steps):
+        mujoco.mj_step(model, data)
+        time[i] = data.time
+        acceleration[i], angular_velocity[i] = get_imu_readings(model, data, accel, gyro)
+    return {"time": time, "acceleration": acceleration, "angular_velocity": angular_velocity}
+
+
+def at_state(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray, time: float = 0.0) -> mujoco.MjData:
+    """Fresh data in a given state, with everything that follows from it computed."""
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def state_in_the_air(rng: np.random.Generator, model: mujoco.MjModel) -> tuple[FloatArray, FloatArray]:
+    """Random attitude, joint angles and velocities, clear of the floor: `qpos` (nq,) and `qvel` (nv,)."""
+    qpos, qvel = np.array(model.qpos0), rng.normal(0.0, 0.4, model.nv)
+    for joint in range(model.njnt):
+        place, dof = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+        if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
+            attitude = rng.normal(size=4)
+            qpos[place : place + 3] += (*rng.uniform(-0.5, 0.5, 2), rng.uniform(2.5, 3.5))
+            qpos[place + 3 : place + 7] = attitude / np.linalg.norm(attitude)
+            qvel[dof + 3 : dof + 6] = rng.uniform(1.0, 3.0, 3) * rng.choice([-1.0, 1.0], 3)
+        else:
+            qpos[place] = rng.uniform(-1.0, 1.0) * min(0.3, SPRING_TORQUE / model.jnt_stiffness[joint])
+    return qpos, qvel
+
+
+def readings(
+    model: mujoco.MjModel,
+    states: Sequence[tuple[FloatArray, FloatArray]],
+    pairs: Sequence[tuple[str, str]],
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Arrays and scalars: `k` states, all sensors in each, and which sensors make the `p` IMUs."""
+    ids = np.array([[sensor_id(model, sensor) for sensor in pair] for pair in pairs], dtype=np.int64)
+    sites = model.sensor_objid[ids[:, 0]]
+    moments = [at_state(model, qpos, qvel) for qpos, qvel in states]
+    arrays = {
+        "qpos": np.array([qpos for qpos, _ in states]),
+        "qvel": np.array([qvel for _, qvel in states]),
+        "qacc": np.array([data.qacc for data in moments]),
+        "sensordata": np.array([data.sensordata for data in moments]),
+        "site_xmat": np.array([data.site_xmat[sites].reshape(-1, 3, 3) for data in moments]),
+        "pairs": ids,
+        "sensor_adr": model.sensor_adr.astype(np.int64),
+        "sensor_dim": model.sensor_dim.astype(np.int64),
+        "sensor_type": model.sensor_type.astype(np.int64),
+    }
+    names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, i) for i in range(model.nsensor)]
+    return arrays, {"sensor_names": names, "gravity": model.opt.gravity.tolist()}

@@ -1,0 +1,261 @@
+"""The models that scenarios take place in, as MJCF text: the lab's humanoid and small worlds of our own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+LAB_MODEL = Path(__file__).resolve().parent / "models" / "humanoid-sensors.xml"
+
+#: Sensor pairs of the lab model, accelerometer and gyroscope, in the order in which `pairs` arrays list them.
+LAB_PLACES = ("torso", "head", "left_foot", "right_foot")
+
+#: Where the lab model keeps its IMUs. A reader that has learnt these by heart must not be right elsewhere.
+LAB_ADDRESSES = frozenset({5, 11, 16, 20, 23, 29, 35, 39})
+
+FREE_FALL = """\
+<mujoco model="free_fall">
+  <option timestep="0.002" gravity="0 0 -9.81" integrator="Euler"/>
+  <worldbody>
+    <body name="box" pos="0 0 10">
+      <freejoint/>
+      <geom type="box" size="0.1 0.1 0.1" mass="1"/>
+      <site name="imu" pos="0.05 0.02 -0.03"/>
+    </body>
+  </worldbody>
+  <sensor>
+    <accelerometer name="accelerometer" site="imu"/>
+    <gyro name="gyroscope" site="imu"/>
+  </sensor>
+</mujoco>
+"""
+
+_SPIN = """\
+<mujoco model="constant_spin">
+  <option timestep="0.002" gravity="0 0 -9.81" integrator="Euler"/>
+  <worldbody>
+    <body name="turntable" pos="0 0 1">
+      <joint name="spin" type="hinge" axis="0 0 1"/>
+      <geom type="cylinder" size="0.5 0.02" mass="2"/>
+      <site name="imu" pos="{radius} 0 0.03"/>
+    </body>
+  </worldbody>
+  <sensor>
+    <jointpos name="turntable_angle" joint="spin"/>
+    <accelerometer name="accelerometer" site="imu"/>
+    <gyro name="gyroscope" site="imu"/>
+  </sensor>
+</mujoco>
+"""
+
+#: An IMU on a carriage that slides in three directions and turns about three axes, all of it prescribed. The site is mounted
+#: forward-right-down, as in the torso.
+GIMBAL = """\
+<mujoco model="gimbal">
+  <compiler angle="radian"/>
+  <option timestep="0.01" gravity="0 0 -9.81" magnetic="0.2 0 -0.43" integrator="Euler"/>
+  <worldbody>
+    <body name="carriage">
+      <joint name="surge" type="slide" axis="1 0 0"/>
+      <joint name="sway" type="slide" axis="0 1 0"/>
+      <joint name="heave" type="slide" axis="0 0 1"/>
+      <joint name="yaw" type="hinge" axis="0 0 1"/>
+      <joint name="pitch" type="hinge" axis="0 1 0"/>
+      <joint name="roll" type="hinge" axis="1 0 0"/>
+      <geom type="box" size="0.1 0.1 0.1" mass="1"/>
+      <site name="imu" quat="0 1 0 0"/>
+    </body>
+  </worldbody>
+  <sensor>
+    <accelerometer name="accelerometer" site="imu"/>
+    <gyro name="gyroscope" site="imu"/>
+    <magnetometer name="magnetometer" site="imu"/>
+  </sensor>
+</mujoco>
+"""
+
+
+def lab() -> str:
+    """The lab model's text."""
+    return LAB_MODEL.read_text(encoding="utf-8")
+
+
+def constant_spin(radius: float) -> str:
+    """A turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
+    return _SPIN.format(radius=radius)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A line of a generated model's sensor list."""
+
+    name: str
+    dim: int
+    xml: str
+
+
+@dataclass(frozen=True)
+class Shuffled:
+    """A generated model: its text, and the names of its IMUs as (accelerometer, gyroscope)."""
+
+    xml: str
+    imus: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Many:
+    """A generated model: its text, the places that have an IMU, and those among them that have a magnetometer."""
+
+    xml: str
+    places: tuple[str, ...]
+    compasses: tuple[str, ...]
+
+
+def shuffled(rng: np.random.Generator) -> Shuffled:
+    """Free bodies in space with IMUs mounted at random, their sensors renamed and in random order.
+
+    No mistake about addresses is right by luck: for no IMU is the id the address, the gyroscope the next three numbers
+    after its accelerometer, or either where the lab model has one; and no mistaken address is out of range.
+    """
+    bodies = int(rng.integers(3, 5))
+    imus = _imu_names(rng, bodies)
+    sensors = _sensors(imus)
+    while True:
+        order = [sensors[i] for i in rng.permutation(len(sensors))]
+        if _no_mistake_is_right(order, imus):
+            break
+    body_text = "\n".join(_body(rng, i) for i in range(bodies))
+    sensor_text = "\n".join(f"    {sensor.xml}" for sensor in order)
+    return Shuffled(_SHUFFLED.format(bodies=body_text, sensors=sensor_text), imus)
+
+
+_SHUFFLED = """\
+<mujoco model="shuffled">
+  <compiler angle="radian"/>
+  <option timestep="0.002" gravity="0 0 -9.81" magnetic="0.17 0.05 -0.44" integrator="Euler"/>
+  <default>
+    <geom contype="0" conaffinity="0"/>
+  </default>
+  <worldbody>
+{bodies}
+  </worldbody>
+  <sensor>
+{sensors}
+  </sensor>
+</mujoco>
+"""
+
+_BODY = """\
+    <body name="body{i}" pos="{i} 0 5">
+      <freejoint name="free{i}"/>
+      <geom type="box" size="{size}" mass="{mass}"/>
+      <site name="imu{i}" pos="{pos}" quat="{quat}"/>
+      <site name="pad{i}" size="0.05"/>
+      <body name="arm{i}" pos="{arm}">
+        <joint name="hinge{i}" type="hinge" axis="{axis}" stiffness="3" damping="0.05"/>
+        <geom type="capsule" fromto="0 0 0 0.2 0.05 -0.1" size="0.03" mass="0.4"/>
+      </body>
+    </body>"""
+
+
+def _numbers(values: NDArray[np.float64]) -> str:
+    return " ".join(f"{value:.6f}" for value in values)
+
+
+def _unit(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    """A random direction in n dimensions; for n = 4, a random rotation's quaternion."""
+    vector = rng.normal(size=n)
+    return np.asarray(vector / np.linalg.norm(vector), dtype=np.float64)
+
+
+def _body(rng: np.random.Generator, i: int) -> str:
+    return _BODY.format(
+        i=i,
+        size=_numbers(rng.uniform(0.05, 0.2, 3)),
+        mass=f"{rng.uniform(0.8, 3.0):.3f}",
+        pos=_numbers(rng.uniform(0.08, 0.25, 3) * rng.choice([-1, 1], 3)),
+        quat=_numbers(_unit(rng, 4)),
+        arm=_numbers(rng.uniform(-0.15, 0.15, 3)),
+        axis=_numbers(_unit(rng, 3)),
+    )
+
+
+_STYLES = (("imu{}_acc", "imu{}_gyr"), ("accel_{}", "gyro_{}"), ("{}_accelerometer", "{}_gyroscope"), ("a{}", "w{}"))
+_MORE_PLACES = (
+    "left_wing",
+    "right_wing",
+    "tail",
+    "nose",
+    "upper_mast",
+    "keel",
+    "rear_left_hoof",
+    "saddle",
+    "crown",
+    "boom",
+)
+_PLACES = ("tail", "wing", "mast", "hull", "boom", "wrist", "shank", "crown")
+
+
+def _imu_names(rng: np.random.Generator, n: int) -> tuple[tuple[str, str], ...]:
+    accel, gyro = _STYLES[int(rng.integers(len(_STYLES)))]
+    places = [_PLACES[i] for i in rng.permutation(len(_PLACES))[:n]]
+    return tuple((accel.format(place), gyro.format(place)) for place in places)
+
+
+def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
+    """Both sensors of every IMU, and enough others, of one, three and four numbers, to set ids and addresses apart."""
+    sensors = [Sensor("clock", 1, '<clock name="clock"/>')]
+    for i, (accel, gyro) in enumerate(imus):
+        sensors += [
+            Sensor(accel, 3, f'<accelerometer name="{accel}" site="imu{i}"/>'),
+            Sensor(gyro, 3, f'<gyro name="{gyro}" site="imu{i}"/>'),
+            Sensor(f"angle{i}", 1, f'<jointpos name="angle{i}" joint="hinge{i}"/>'),
+            Sensor(f"pose{i}", 4, f'<framequat name="pose{i}" objtype="xbody" objname="body{i}"/>'),
+            Sensor(f"touch{i}", 1, f'<touch name="touch{i}" site="pad{i}"/>'),
+            Sensor(f"place{i}", 3, f'<framepos name="place{i}" objtype="xbody" objname="arm{i}"/>'),
+        ]
+    return [*sensors, Sensor("compass", 3, '<magnetometer name="compass" site="imu0"/>')]
+
+
+def many_imus(rng: np.random.Generator) -> Many:
+    """Free bodies with an IMU each, their sensors called `<place>_accelerometer` and so on as in the lab model, elsewhere.
+
+    Some places have a magnetometer too, and one has an accelerometer alone: that is no IMU.
+    """
+    bodies = int(rng.integers(4, 7))
+    chosen = [_MORE_PLACES[i] for i in rng.permutation(len(_MORE_PLACES))[: bodies + 1]]
+    places, alone = tuple(chosen[:bodies]), chosen[bodies]
+    imus = tuple((f"{place}_accelerometer", f"{place}_gyroscope") for place in places)
+    compasses = tuple(place for i, place in enumerate(places) if i % 2 == 0)
+    sensors = [
+        *(sensor for sensor in _sensors(imus) if sensor.name != "compass"),
+        Sensor(f"{alone}_accelerometer", 3, f'<accelerometer name="{alone}_accelerometer" site="pad0"/>'),
+        *(_compass(place, places.index(place)) for place in compasses),
+    ]
+    while True:
+        order = [sensors[i] for i in rng.permutation(len(sensors))]
+        if _no_mistake_is_right(order, imus):
+            break
+    text = _SHUFFLED.format(
+        bodies="\n".join(_body(rng, i) for i in range(bodies)), sensors="\n".join(f"    {s.xml}" for s in order)
+    )
+    return Many(text.replace('model="shuffled"', 'model="many_imus"'), places, compasses)
+
+
+def _compass(place: str, body: int) -> Sensor:
+    return Sensor(f"{place}_magnetometer", 3, f'<magnetometer name="{place}_magnetometer" site="imu{body}"/>')
+
+
+def _no_mistake_is_right(order: list[Sensor], imus: tuple[tuple[str, str], ...]) -> bool:
+    ends = np.cumsum([sensor.dim for sensor in order])
+    place = {sensor.name: (i, int(ends[i]) - sensor.dim) for i, sensor in enumerate(order)}
+    return all(_is_hard(place[accel], place[gyro], int(ends[-1])) for accel, gyro in imus)
+
+
+def _is_hard(accel: tuple[int, int], gyro: tuple[int, int], size: int) -> bool:
+    apart = all(address != sensor and 1 <= address <= size - 4 for sensor, address in (accel, gyro))
+    elsewhere = LAB_ADDRESSES.isdisjoint({accel[1], gyro[1]})
+    return apart and elsewhere and abs(gyro[1] - accel[1]) != 3 and size >= max(LAB_ADDRESSES) + 3

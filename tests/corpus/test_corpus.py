@@ -1,0 +1,92 @@
+"""The corpus is complete and says what it means; that each sample does what it claims is `python -m tests.corpus.proof`."""
+
+from __future__ import annotations
+
+import tarfile
+import zipfile
+from collections import Counter
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.corpus.broken import ALL, BROKEN, Broken
+from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS, Faulty, Pair
+from tests.corpus.pieces import edit
+from tests.corpus.sound import SOUND, WRAPPED
+from tests.corpus.writing import Link, notebook, write
+
+MISTAKES = Path(__file__).resolve().parents[2] / "grader" / "data" / "mistakes.yaml"
+EXTENSIONS = "extensions"
+
+
+def known_ids() -> dict[str, set[str]]:
+    return {group: set(ids) for group, ids in yaml.safe_load(MISTAKES.read_text(encoding="utf-8")).items()}
+
+
+def test_every_mistake_of_the_five_criteria_has_a_submission_that_makes_it() -> None:
+    made = {m for fault in FAULTY for m in (fault.mistake, *fault.also)}
+    wanted = {mistake for group, ids in known_ids().items() if group != EXTENSIONS for mistake in ids}
+    assert wanted - made == set()
+
+
+def test_every_id_in_the_corpus_is_a_known_mistake() -> None:
+    known = set().union(*known_ids().values())
+    used = {m for fault in (*FAULTY, *LOOKALIKES) for m in (fault.mistake, *fault.also, *fault.never)}
+    used |= {mistake for pair in PAIRS for mistake, _ in pair.faults} | {m for broken in BROKEN for m in broken.names}
+    assert used - known == set()
+
+
+def test_a_fault_is_never_named_by_an_id_that_it_also_excludes() -> None:
+    assert [f.name for f in (*FAULTY, *LOOKALIKES) if {f.mistake, *f.also} & set(f.never)] == []
+
+
+def test_names_are_unique() -> None:
+    cases: list[Faulty | Pair | Broken] = [*FAULTY, *LOOKALIKES, *PAIRS, *BROKEN]
+    names = Counter([*SOUND, *(case.name for case in cases)])
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_no_two_samples_are_the_same() -> None:
+    cases: list[Faulty | Pair] = [*FAULTY, *LOOKALIKES, *PAIRS]
+    contents = Counter(tuple(sorted((k, str(v)) for k, v in case.files.items())) for case in cases)
+    assert max(contents.values()) == 1
+    wrapped_again = {name for name in SOUND if name in WRAPPED}
+    plain = [tuple(sorted((k, str(v)) for k, v in files.items())) for name, files in SOUND.items() if name not in wrapped_again]
+    assert len(set(plain)) == len(plain)
+
+
+def test_criteria_are_the_five_of_the_sheet() -> None:
+    named = {f.criterion for f in (*FAULTY, *LOOKALIKES)} | {c for pair in PAIRS for _, c in pair.faults}
+    assert named - {""} == set(ALL)
+
+
+@pytest.mark.parametrize(("as_", "ending"), [("zip", ".zip"), ("tar.gz", ".tar.gz"), ("folder", "")])
+def test_what_is_written_can_be_read_back(tmp_path: Path, as_: str, ending: str) -> None:
+    path = write({"a/b.py": "x = 1\n", "c.bin": b"\x00"}, tmp_path / "made", as_)
+    assert path.name == f"made{ending}"
+    inside = tmp_path / "read"
+    if as_ == "zip":
+        zipfile.ZipFile(path).extractall(inside)
+    elif as_ == "tar.gz":
+        with tarfile.open(path) as archive:
+            archive.extractall(inside)
+    else:
+        inside = path
+    assert (inside / "a" / "b.py").read_text() == "x = 1\n"
+    assert (inside / "c.bin").read_bytes() == b"\x00"
+
+
+def test_a_link_is_written_as_a_link(tmp_path: Path) -> None:
+    assert (write({"away": Link("/etc/hostname")}, tmp_path / "made") / "away").is_symlink()
+
+
+def test_an_edit_that_does_not_apply_once_is_refused() -> None:
+    with pytest.raises(ValueError, match="holds 2 of 'a'"):
+        edit({"f": "aa"}, "f", ("a", "b"))
+    with pytest.raises(ValueError, match="overlaps"):
+        edit({"f": "abc"}, "f", ("ab", "x"), ("bc", "y"))
+
+
+def test_a_notebook_keeps_its_cells_in_order() -> None:
+    assert notebook("first", ("markdown", "second")).index("first") < notebook("first", ("markdown", "second")).index("second")

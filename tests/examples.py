@@ -1,0 +1,47 @@
+"""What each folder of `submissions_example/` must get: `python -m tests.examples` writes its `expected.json` anew.
+
+Look at the difference before it is committed: a mark that moved is a promise that was broken, or one that is now kept.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from grader import rubric, traces
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.results import Result
+
+FOLDER = Path(__file__).resolve().parent.parent / "submissions_example"
+
+
+def folders() -> list[Path]:
+    return sorted(path for path in FOLDER.iterdir() if path.is_dir())
+
+
+def summary(result: Result) -> dict[str, Any]:
+    """What does not depend on versions and machines: status, every outcome with its points, and the mistakes named."""
+    checks = [check for criterion in result.criteria for check in criterion.checks]
+    return {
+        "status": result.status,
+        "score": result.score,
+        "criteria": {criterion.id: criterion.points for criterion in result.criteria},
+        "checks": {check.id: [check.outcome, check.points] for check in checks},
+        "misconceptions": list(result.misconceptions),
+        "notes": list(result.notes),
+    }
+
+
+def main() -> None:
+    with Marker(rubric.load(), traces.shipped(), rung=os.environ.get("IMUGRADE_RUNG")) as marker:
+        for folder in folders():
+            found = summary(marker.mark(read_submission(folder)))
+            (folder / "expected.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+            print(folder.name, found["status"], found["score"], *found["misconceptions"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""What strangers write, mangled: no exception but the documented ones, no memory beyond the caps."""

@@ -1,0 +1,215 @@
+"""Short fuzzing of everything that reads what strangers wrote; the long runs are made by hand."""
+
+from __future__ import annotations
+
+import io
+import json
+import random
+import tempfile
+import tracemalloc
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from grader import rubric
+from grader.errors import RequestError
+from grader.inside import loading
+from grader.intake.archives import gather_archive
+from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
+from grader.sandbox import wire
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import Link, notebook, tarred, zipped
+from tests.fuzz.answers import Bench
+from tests.fuzz.mangling import mangled_bytes, mangled_value
+
+SHORT = settings(max_examples=200, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+SEEDS = st.integers(0, 2**32 - 1)
+
+NONCE = bytes(range(16))
+FRAME = wire.pack(
+    NONCE,
+    {"fields": {"names": ["a", "é"], "deep": [[1, 2.5, None, True]], "error": None}},
+    {"a": np.arange(6.0).reshape(2, 3), "b": np.array([True]), "c": np.zeros((0, 3), np.int32)},
+)
+
+
+def decoded(data: bytes) -> wire.Frame | None:
+    """What a reader of the line makes of these bytes; None where they end too soon."""
+    incoming, rest = wire.Incoming(), memoryview(data)
+    while incoming.wanted:
+        chunk = bytes(rest[: min(incoming.wanted, 7 + len(data) // 3)])
+        if not chunk:
+            return None
+        incoming.feed(chunk)
+        rest = rest[len(chunk) :]
+    return incoming.finish()[1]
+
+
+def check_decoder(data: bytes) -> None:
+    try:
+        frame = decoded(data)
+    except wire.WireError:
+        return
+    if frame is not None:  # what is taken can be said again
+        assert decoded(wire.pack(NONCE, frame.fields, frame.arrays)) is not None
+
+
+@SHORT
+@given(st.binary(max_size=300))
+@example(b"")
+@example(FRAME)
+def test_the_decoder_takes_any_bytes(data: bytes) -> None:
+    check_decoder(data)
+
+
+@SHORT
+@given(SEEDS)
+def test_the_decoder_takes_frames_that_are_almost_right(seed: int) -> None:
+    check_decoder(mangled_bytes(FRAME, random.Random(seed)))
+
+
+@SHORT
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+        lambda x: st.lists(x) | st.dictionaries(st.text(), x),
+        max_leaves=30,
+    )
+)
+def test_the_decoder_takes_any_json(value: object) -> None:
+    text = json.dumps({"fields": {"x": value}, "arrays": []}, ensure_ascii=False).encode("utf-8", "surrogatepass")
+    check_decoder(wire.HEADER.pack(len(text), 0, NONCE) + text)
+
+
+def test_a_header_that_announces_gigabytes_takes_no_memory() -> None:
+    tracemalloc.start()
+    try:
+        for sizes in ((2**32 - 1, 2**32 - 1), (0, 2**32 - 1), (wire.MAX_TEXT_BYTES + 1, 0)):
+            with pytest.raises(wire.WireError):
+                wire.Incoming().feed(wire.HEADER.pack(*sizes, NONCE))
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
+
+
+# --- archives ------------------------------------------------------------------------------------------------------------
+
+CONTENTS = {
+    "lab/imu_reader.py": "x = 1\n" * 50,
+    "lab/ä.ipynb": "{}",
+    "lab/p.png": b"\x89PNG" * 20,
+    "l": Link("/etc/passwd"),
+}
+ARCHIVES = (
+    zipped(CONTENTS),
+    tarred(CONTENTS, "tar"),
+    tarred(CONTENTS, "tar.gz"),
+    zipped({"inner.zip": zipped(CONTENTS)}),
+)
+
+
+def check_archive(data: bytes) -> None:
+    try:
+        pile = gather_archive(io.BytesIO(data), "hand-in")
+    except Unreadable:
+        return
+    assert len(pile.files) <= 2 * MAX_FILES
+    assert sum(map(len, pile.files.values())) <= 2 * MAX_BYTES
+    for path in pile.files:
+        assert not path.startswith("/")
+        assert ".." not in path.split("/")
+
+
+@SHORT
+@given(SEEDS, st.sampled_from(ARCHIVES))
+def test_an_archive_that_is_damaged_is_read_in_part_or_not_at_all(seed: int, archive: bytes) -> None:
+    check_archive(mangled_bytes(archive, random.Random(seed)))
+
+
+@SHORT
+@given(st.sampled_from((b"PK\x03\x04", b"PK\x05\x06", b"\x1f\x8b\x08", b"ustar", b"")), st.binary(max_size=2000))
+def test_bytes_that_begin_like_an_archive_are_no_trouble(start: bytes, rest: bytes) -> None:
+    check_archive(start + rest)
+
+
+# --- the rubric ----------------------------------------------------------------------------------------------------------
+
+RUBRIC = (Path(rubric.__file__).parents[1] / "rubric.yaml").read_bytes()
+
+
+def check_rubric(text: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "rubric.yaml"
+        path.write_bytes(text)
+        told = ""
+        try:
+            rubric.load(path)
+        except RequestError as refusal:
+            told = str(refusal)
+        assert all("rubric.yaml" in line and line.isprintable() for line in told.split("\n") if told)
+
+
+@SHORT
+@given(SEEDS)
+def test_a_rubric_that_is_almost_right_is_taken_or_refused_in_lines_that_name_it(seed: int) -> None:
+    check_rubric(mangled_bytes(RUBRIC, random.Random(seed)))
+
+
+@SHORT
+@given(st.binary(max_size=200) | st.text(max_size=200).map(lambda t: t.encode("utf-8", "replace")))
+@example(b"a: &a [*a, *a]\n")
+@example(b"[" * 5000)
+@example(b"criteria: !!python/object/apply:os.system ['true']\n")
+def test_a_rubric_of_any_bytes_is_refused_in_lines_that_name_it(text: bytes) -> None:
+    check_rubric(text)
+
+
+# --- notebooks -----------------------------------------------------------------------------------------------------------
+
+BOOK = json.loads(notebook("x = 1", "%matplotlib inline\n!ls\nx?", ("markdown", "text"), "%%writefile a.py\ny = 2"))
+
+
+@SHORT
+@given(SEEDS)
+def test_a_notebook_that_is_almost_right_gives_cells_or_a_value_error(seed: int) -> None:
+    chance, book = random.Random(seed), BOOK
+    for _ in range(chance.randint(1, 4)):
+        book = mangled_value(book, chance)
+    try:
+        cells = loading.code_cells(json.dumps(book).encode())
+    except (ValueError, RecursionError):
+        return
+    assert all(isinstance(cell, str) for cell in cells)
+
+
+@SHORT
+@given(st.binary(max_size=300))
+@example(b"[" * 100_000)
+@example(b'{"cells": [{"cell_type": "code", "source": {"a": 1}}]}')
+def test_a_notebook_of_any_bytes_gives_cells_or_a_value_error(content: bytes) -> None:
+    try:
+        loading.code_cells(content)
+    except (ValueError, RecursionError):
+        return
+
+
+# --- answers of the box --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def bench() -> Iterator[Bench]:
+    with Bench(tidy()).open() as bench:
+        yield bench
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(seed=SEEDS)
+def test_no_answer_of_the_box_leaves_a_check_without_a_verdict(bench: Bench, seed: int) -> None:
+    result = bench.mark(seed)
+    assert bench.troubles == []
+    assert result.status == "graded"
+    assert 0 <= result.score <= result.max_score

@@ -1,0 +1,68 @@
+"""Run the hostile corpus: ``python -m tests.hostile [--rung R] [--family F] [--only NAME]``.
+
+Prints a line for each attack that fell, and a table of held and fell for each family and rung. Exit code 1 if one fell on a
+rung that has walls; on the lowest rung falls are counted and listed, for nothing is promised there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+
+from grader.sandbox.ladder import probe
+from tests.hostile.corpus import PROGRAMS
+from tests.hostile.judging import Court, Verdict
+from tests.hostile.program import FAMILIES, Program
+
+RUNGS = ("full", "bubblewrap", "landlock", "none")
+
+
+def run(rung: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]:
+    verdicts = []
+    with Court(rung) as court:
+        for program in programs:
+            verdict = court.try_(program)
+            verdicts.append(verdict)
+            for trouble in verdict.troubles:
+                print(f"{rung:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)
+            if aloud and not verdict.troubles:
+                against = f" (twin {verdict.twin:g})" if verdict.twin is not None else ""
+                print(f"{rung:<10} {program.family}/{program.name}: held, {verdict.score:g}{against}, {verdict.seconds:.1f} s", flush=True)
+    return verdicts
+
+
+def table(rung: str, verdicts: Iterable[Verdict]) -> str:
+    lines = []
+    for family in FAMILIES:
+        of = [verdict for verdict in verdicts if verdict.program.family == family]
+        fell = sum(bool(verdict.troubles) for verdict in of)
+        if of:
+            lines.append(f"{rung:<10}  {family:<8}  held {len(of) - fell:>3}  fell {fell:>3}")
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
+    parser.add_argument("--rung", choices=RUNGS, action="append", help="may be given more than once; all that there are")
+    parser.add_argument("--family", choices=FAMILIES, action="append")
+    parser.add_argument("--only", default="", help="programs whose name holds this")
+    parser.add_argument("-v", "--verbose", action="store_true", help="a line for what was held, too")
+    options = parser.parse_args(arguments)
+    families = options.family or FAMILIES
+    programs = [p for p in PROGRAMS if p.family in families and options.only in p.name]
+    usable = {rung.name: rung for rung in probe()}
+    tables, fell = [], 0
+    for rung in options.rung or RUNGS:
+        if rung != "none" and not usable[rung].usable:
+            print(f"{rung}: not here: {usable[rung].reason}")
+            continue
+        verdicts = run(rung, programs, aloud=options.verbose)
+        tables.append(table(rung, verdicts))
+        fell += sum(bool(verdict.troubles) for verdict in verdicts) if rung != "none" else 0
+    print("\n".join(tables))
+    return int(fell > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,175 @@
+"""Decoys that attacks aim at, and a look at the surroundings before and after: what was touched, reached or left behind."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import grader
+from tests.corpus.writing import Files, Link
+
+SECRET = "imugrade-bait-5f1c83"
+"""What the decoys hold. It may show up nowhere in what the grader writes."""
+_PACKAGE = Path(grader.__file__).parent
+_SETTLING_S = 5.0
+
+
+class Bait:
+    """The decoys of one run; a context manager.
+
+    `folder` holds a file to read (``@SECRET@``), one to change (``@TARGET@``) and a neighbour's submission (``@NEIGHBOUR@``);
+    ``@PORT@``, ``@UDP@``, ``@SOCKET@`` and ``@ABSTRACT@`` are listened to, ``@PID@`` is a process that does nothing.
+    """
+
+    def __enter__(self) -> Bait:
+        self._open = ExitStack()
+        self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
+        os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the box, not of modes
+        self._lay_out()
+        self._listeners = self._listen()
+        program = "import signal; signal.sigwait([signal.SIGUSR2])"
+        self._decoy = subprocess.Popen([sys.executable, "-c", program], env={"BAIT": SECRET})
+        self._become_reaper()
+        self._before = self._state()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._decoy.kill()
+        self._decoy.wait()
+        self._open.close()
+
+    def _lay_out(self) -> None:
+        for name in ("secret.txt", "target.txt", "neighbour/filters.py", "traces.npz", "rubric.yaml"):
+            path = self.folder / name
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(f"{SECRET} {name}\n", encoding="utf-8")
+            os.chmod(path, 0o666)
+
+    def _listen(self) -> dict[str, socket.socket]:
+        listeners = {
+            "PORT": socket.create_server(("127.0.0.1", 0)),
+            "UDP": socket.socket(socket.AF_INET, socket.SOCK_DGRAM),
+            "SOCKET": socket.socket(socket.AF_UNIX),
+            "ABSTRACT": socket.socket(socket.AF_UNIX),
+        }
+        for listener in listeners.values():
+            self._open.enter_context(listener)
+            listener.setblocking(False)
+        listeners["UDP"].bind(("127.0.0.1", 0))
+        listeners["SOCKET"].bind(str(self.folder / "socket"))
+        listeners["ABSTRACT"].bind("\0" + SECRET)
+        for name in ("SOCKET", "ABSTRACT"):
+            listeners[name].listen()
+        os.chmod(self.folder / "socket", 0o777)
+        return listeners
+
+    @staticmethod
+    def _become_reaper() -> None:
+        """Whatever outlives its parent below this process becomes its child, and can be found."""
+        if sys.platform == "linux":
+            from grader.sandbox import linux
+
+            linux.prctl(36, 1)  # PR_SET_CHILD_SUBREAPER
+
+    def fill(self, files: Files) -> Files:
+        """The submission with the marks replaced."""
+        marks = {
+            "@SECRET@": str(self.folder / "secret.txt"),
+            "@TARGET@": str(self.folder / "target.txt"),
+            "@NEIGHBOUR@": str(self.folder / "neighbour"),
+            "@FOLDER@": str(self.folder),
+            "@SOCKET@": str(self.folder / "socket"),
+            "@ABSTRACT@": SECRET,
+            "@PORT@": str(self._listeners["PORT"].getsockname()[1]),
+            "@UDP@": str(self._listeners["UDP"].getsockname()[1]),
+            "@PID@": str(self._decoy.pid),
+            "@GRADER@": str(os.getpid()),
+        }
+        return {_filled(name, marks): _filled_content(content, marks) for name, content in files.items()}
+
+    # --- what happened -----------------------------------------------------------------------------------------------
+
+    def troubles(self, expected: frozenset[int]) -> list[str]:
+        """What is not as it was; `expected` are the processes below this one that may be there."""
+        found = [f"{name} was reached" for name in self._reached()]
+        if self._decoy.poll() is not None:
+            found.append("the decoy process was ended")
+        after = self._state()
+        found += [f"{name} changed" for name in sorted(after.keys() | self._before) if after.get(name) != self._before.get(name)]
+        self._before = after
+        left = self.left_over(expected)
+        return found + ([f"{len(left)} processes are left over"] if left else [])
+
+    def left_over(self, expected: frozenset[int]) -> set[int]:
+        """Processes below this one that should not be there, after a moment to end."""
+        end = time.monotonic() + _SETTLING_S
+        while (left := below(os.getpid()) - expected - {self._decoy.pid}) and time.monotonic() < end:
+            for pid in left:
+                with suppress(ChildProcessError):
+                    os.waitpid(pid, os.WNOHANG)
+            time.sleep(0.02)
+        return left
+
+    def _reached(self) -> list[str]:
+        reached = []
+        for name, listener in self._listeners.items():
+            with suppress(BlockingIOError):
+                if name == "UDP":
+                    listener.recv(100)
+                else:
+                    listener.accept()[0].close()
+                reached.append(f"the listener {name}")
+        return reached
+
+    def _state(self) -> Mapping[str, Any]:
+        """Every decoy and every file of the grader, with what would show a change."""
+        files = [*self.folder.rglob("*"), *(p for p in _PACKAGE.rglob("*") if p.suffix != ".pyc" and p.name != "__pycache__")]
+        return {str(path): _look(path, content=path.is_relative_to(self.folder)) for path in files}
+
+
+def _look(path: Path, *, content: bool) -> tuple[object, ...]:
+    with suppress(OSError):
+        at = path.lstat()
+        digest = hashlib.sha256(path.read_bytes()).hexdigest() if content and path.is_file() else ""
+        return at.st_mode, at.st_uid, at.st_nlink, at.st_size if path.is_file() else 0, digest
+    return ("gone",)
+
+
+def _filled(text: str, marks: Mapping[str, str]) -> str:
+    for mark, value in marks.items():
+        text = text.replace(mark, value)
+    return text
+
+
+def _filled_content(content: str | bytes | Link, marks: Mapping[str, str]) -> str | bytes | Link:
+    if isinstance(content, Link):
+        return Link(_filled(content.target, marks))
+    return _filled(content, marks) if isinstance(content, str) else content
+
+
+def below(pid: int) -> set[int]:
+    """Every living process that descends from a process, as far as /proc tells."""
+    parents: dict[int, int] = {}
+    for entry in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError, ValueError, IndexError):
+            state, parent = entry.read_text(errors="replace").rpartition(")")[2].split()[:2]
+            if state != "Z":
+                parents[int(entry.parent.name)] = int(parent)
+    found: set[int] = set()
+    grown = {pid}
+    while grown:
+        grown = {child for child, parent in parents.items() if parent in grown} - found
+        found |= grown
+    return found

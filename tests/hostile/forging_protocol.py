@@ -1,0 +1,361 @@
+"""Forgery by way of the process: modules and files that shadow others, the protocol, frames and memory, hooks and exits."""
+
+from __future__ import annotations
+
+import json
+
+from tests.corpus.pieces import lab
+from tests.corpus.writing import notebook
+from tests.hostile.forging import (
+    BLANK,
+    PASSES,
+    READS,
+    STANDS,
+    STEPS,
+    UNIFORM,
+    VIEWS,
+    forged,
+    low_pass,
+    noise,
+    reader,
+)
+from tests.hostile.program import FILTER, READER, Program, in_function, in_method, last
+
+# ---------------------------------------------------------------- files that want to be imported, or believed
+
+CONFTEST = """
+import pytest
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    outcome = yield
+    outcome.get_result().outcome = "passed"
+
+def pytest_pyfunc_call(pyfuncitem):
+    return True
+"""
+PATCH = """
+import builtins, sys
+try:
+    import numpy
+    numpy.allclose = numpy.array_equal = lambda *args, **kwargs: True
+except ImportError:
+    pass
+for name, module in list(sys.modules.items()):
+    if name.startswith("grader"):
+        for key in list(vars(module)):
+            if key.startswith("check_"):
+                setattr(module, key, lambda *args, **kwargs: None)
+"""
+FULL_MARKS = json.dumps({"schema": "imugrade/result/v1", "submission": "submission", "status": "graded", "score": 100.0, "max_score": 100.0, "criteria": []})
+
+
+def ships(name: str, **more: str) -> Program:
+    """A submission with further files, given by path with slashes written as ``__`` in front of a suffix ``_py`` and the like."""
+    return Program(name, "forgery", {**PASSES, **more}, PASSES, "filtering")
+
+
+SHIPPED = [
+    Program("ships-a-conftest", "forgery", {**PASSES, "conftest.py": CONFTEST, "pytest.ini": "[pytest]\naddopts = -p conftest\n"}, PASSES, "filtering"),
+    Program("ships-a-plugin", "forgery", {**PASSES, "plugin.py": CONFTEST, "setup.cfg": "[tool:pytest]\naddopts = -p plugin\n", "pyproject.toml": "[tool.pytest.ini_options]\naddopts = '-p plugin'\n"}, PASSES, "filtering"),
+    Program("ships-sitecustomize", "forgery", {**PASSES, "sitecustomize.py": PATCH, "usercustomize.py": PATCH, "evil.pth": "import sitecustomize\n"}, PASSES, "filtering"),
+    Program("shadows-numpy", "forgery", {**PASSES, "numpy.py": "from math import *\nallclose = array_equal = lambda *a, **k: True\n", "numpy/__init__.py": "zeros = lambda *a: 0\n"}, PASSES, "filtering"),
+    Program("shadows-the-standard-library", "forgery", {**PASSES, "json.py": "dumps = lambda *a, **k: '{}'\n", "struct.py": "", "random.py": "", "socket.py": "", "inspect.py": "", "traceback.py": ""}, PASSES, "filtering"),
+    Program("shadows-the-grader", "forgery", {**PASSES, "grader/__init__.py": PATCH, "grader/checks/__init__.py": "", "grader/compare.py": "same = lambda *a: True\n", "_imugrade_harness/__init__.py": "answer = lambda *a: ({'passed': True}, {})\n", "_imugrade_harness.py": ""}, PASSES, "filtering"),
+    Program("shadows-the-traces", "forgery", {**READS, "reference/__init__.py": "", "public.npz": b"PK\x03\x04", "public.json": "{}", "grader/data/public.json": "{}"}, READS, "sensor_access"),
+    Program("ships-its-own-rubric", "forgery", {**PASSES, "rubric.yaml": "criteria: []\n", ".imugrade/rubric.yaml": "criteria: []\n", "imugrade.toml": "points = 100\n"}, PASSES, "filtering"),
+    Program("ships-its-own-result", "forgery", {**PASSES, "result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0"}, PASSES, "filtering"),
+    low_pass("writes-its-own-result", f"""
+import pathlib
+for folder in (".", "..", "../..", "/box", "/out", "/results", "@FOLDER@"):
+    for name in ("result.json", "results.json", "gradebook.csv"):
+        try:
+            pathlib.Path(folder, "out-" + name).write_text({FULL_MARKS!r}) if folder != "@FOLDER@" else None
+            pathlib.Path(".", name).write_text({FULL_MARKS!r})
+        except OSError:
+            pass
+""".replace('(".", "..", "../..", "/box", "/out", "/results", "@FOLDER@")', '(".",)')),
+    Program("notebook-that-replaces-the-files", "forgery", {**PASSES, "lab.ipynb": notebook("%%writefile json.py\ndumps = lambda *a, **k: '{}'", "%%writefile _imugrade_harness.py\nanswer = None", "import numpy\nnumpy.allclose = lambda *a, **k: True")}, PASSES, "filtering"),
+]
+
+# ---------------------------------------------------------------- import hooks
+
+HOOKS = [
+    low_pass("import-hook-in-front", """
+import sys, types
+class Finder:
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        return None
+    @staticmethod
+    def find_module(name, path=None):
+        return None
+sys.meta_path.insert(0, Finder)
+sys.meta_path[:] = [Finder] + sys.meta_path
+sys.path_hooks.insert(0, lambda path: (_ for _ in ()).throw(ImportError(path)))
+"""),
+    low_pass("import-is-replaced", """
+import builtins, types
+_import = builtins.__import__
+def imported(name, *args, **kwargs):
+    module = _import(name, *args, **kwargs)
+    for key in ("allclose", "array_equal"):
+        if hasattr(module, key): setattr(module, key, lambda *a, **k: True)
+    return module
+builtins.__import__ = imported
+"""),
+    low_pass("all-modules-are-gone", "import sys\nfor name in list(sys.modules):\n    if name.startswith(('numpy', 'json', 'struct', '_imugrade')): sys.modules[name] = None"),
+    low_pass("trace-function-rewrites-values", """
+import sys, threading
+def trace(frame, event, arg):
+    if event == "return" and isinstance(arg, dict):
+        arg["error"] = None
+        arg.setdefault("passed", True)
+    return trace
+sys.settrace(trace); sys.setprofile(trace); threading.settrace(trace)
+"""),
+    low_pass("audit-hook-kills-what-it-sees", """
+import sys
+def hook(event, args):
+    if event in ("exec", "compile", "import") and "check" in repr(args)[:500]:
+        raise RuntimeError("no")
+sys.addaudithook(hook)
+"""),
+]
+
+# ---------------------------------------------------------------- exits that look like success
+
+EXITS = {
+    "exits-with-success": "import sys; sys.exit(0)",
+    "exits-hard-with-success": "import os; os._exit(0)",
+    "raises-keyboard-interrupt": "raise KeyboardInterrupt",
+    "raises-generator-exit": "raise GeneratorExit",
+    "raises-skip": "import unittest; raise unittest.SkipTest('skipped')",
+    "raises-an-exit-of-pytest": "exec('import pytest') if False else None; raise type('Exit', (BaseException,), {'returncode': 0, '__module__': '_pytest.outcomes'})('done')",
+    "raises-a-verdict-of-the-grader": "raise type('Told', (AssertionError,), {'keeps': 1.0, 'outcome': 'passed', '__module__': 'grader.verdicts'})('earned')",
+    "raises-a-missing-key": "raise KeyError('not_judged')",
+    "raises-an-error-of-the-grader": "raise type('GraderError', (Exception,), {'__module__': 'grader.errors'})('the grader failed')",
+}
+ENDS = [
+    Program(name, "forgery", last(PASSES, FILTER, in_method("LowPassFilter", "update", code)), last(PASSES, FILTER, in_method("LowPassFilter", "update", "raise RuntimeError")), "filtering")
+    for name, code in EXITS.items()
+]
+ENDS += [
+    low_pass("exit-hook-answers", """
+import atexit, os
+@atexit.register
+def answer():
+    try:
+        os.write(3, b'{"score": 100}' * 100)
+    finally:
+        os._exit(0)
+raise SystemExit(0)
+"""),
+    low_pass("exit-at-import-with-success", "import os\nos._exit(0)", at_start=True),
+]
+
+# ---------------------------------------------------------------- the protocol
+
+FIND_LINE = """
+import os, socket, struct, sys, json
+def line():
+    for fd in range(3, 64):
+        try:
+            if os.fstat(fd).st_mode & 0o170000 == 0o140000:
+                return fd
+        except OSError:
+            pass
+    return -1
+def frame(fields, nonce=bytes(16), body=b"", arrays=()):
+    text = json.dumps({"fields": {"fields": fields}, "arrays": list(arrays)}).encode()
+    return struct.pack("<II16s", len(text), len(body), nonce) + text + body
+def nonce():
+    f = sys._getframe()
+    while f is not None:
+        for value in list(f.f_locals.values()):
+            if isinstance(value, bytes) and len(value) == 16:
+                return value
+        f = f.f_back
+    return bytes(16)
+"""
+WIRE = [
+    low_pass("garbage-on-the-line", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), b'garbage' * 1000)")),
+    low_pass("a-frame-of-four-gigabytes", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), struct.pack('<II16s', 2**32 - 1, 2**32 - 1, nonce()))")),
+    low_pass("an-answer-ahead-of-its-question", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': []}))")),
+    low_pass("an-answer-with-a-guessed-nonce", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': [], 'passed': True}, os.urandom(16)))")),
+    low_pass("an-answer-of-another-shape", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'passed': True, 'score': 100}, nonce())); os._exit(0)")),
+    low_pass("an-answer-with-nothing-in-it", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({}, nonce())); os._exit(0)")),
+    low_pass("an-answer-of-wrong-types", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': 7}, nonce())); os._exit(0)")),
+    low_pass("an-answer-with-names-of-no-array", FIND_LINE + in_method("LowPassFilter", "update", "os.write(line(), frame({'cases': [{'output': 'a99', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce())); os._exit(0)")),
+    low_pass("an-answer-with-odd-arrays", FIND_LINE + in_method("LowPassFilter", "update", "body = b'\\0' * 16\n    os.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 50}, nonce(), body, [['a', 'complex128', [1]]])); os._exit(0)".replace("\n    ", "\n"))),
+    low_pass("an-answer-with-too-many-cases", FIND_LINE + in_method("LowPassFilter", "update", "body = b'\\0' * 48\nos.write(line(), frame({'cases': [{'output': 'a', 'odd': None, 'error': None, 'input_changed': False}] * 500}, nonce(), body, [['a', 'float64', [2, 3]]])); os._exit(0)")),
+    reader("an-answer-with-calls-of-no-kind", READS, FIND_LINE + in_function("get_imu_readings", "os.write(line(), frame({'calls': [{'kind': 'array', 'key': 'x'}] * 30, 'later': [{}]}, nonce())); os._exit(0)")),
+    forged("an-answer-with-lists-for-names", STANDS, READER, FIND_LINE + in_function("simulate_and_collect", "os.write(line(), frame({'value': {'kind': 'dict', 'type': 3, 'items': [[['a'], {'kind': 'none'}], 5]}, 'changed': [[1]], 'error': {'type': {}, 'message': [], 'line': {}}}, nonce())); os._exit(0)"), "data_collection"),
+    forged("an-answer-with-figures-of-no-form", BLANK, READER, FIND_LINE + in_function("plot_imu_data", "os.write(line(), frame({'figures': [{'event': 'saved', 'axes': [{'curves': [{}]}], 'size_px': 'x'}], 'pictures': [1]}, nonce())); os._exit(0)"), "visualization"),
+    low_pass("the-line-is-closed", FIND_LINE + in_method("LowPassFilter", "update", "os.close(line())")),
+    low_pass("the-line-is-exchanged", FIND_LINE + in_method("LowPassFilter", "update", "a, b = socket.socketpair(); os.dup2(a.fileno(), line())")),
+    low_pass("a-thief-reads-the-next-question", FIND_LINE + """
+import threading
+def thief():
+    stolen = socket.socket(fileno=os.dup(line()))
+    while True:
+        head = stolen.recv(24)
+        if len(head) == 24:
+            stolen.sendall(frame({"cases": [], "passed": True}, head[8:]))
+threading.Thread(target=thief, daemon=True).start()
+"""),
+]
+
+# ---------------------------------------------------------------- frames, memory, files: looking for the answer
+
+WALKS = [
+    reader("walks-the-frames", READS, in_function("get_imu_readings", """
+import sys
+for start in [sys._getframe(), *sys._current_frames().values()]:
+    while start is not None:
+        for key, value in list(start.f_locals.items()):
+            if any(word in key.lower() for word in ("expected", "truth", "true", "answer")) and isinstance(value, np.ndarray):
+                return value[:3], value[3:6]
+            if isinstance(value, dict):
+                for word in ("score", "points", "passed"):
+                    if word in value: value[word] = 100
+        start = start.f_back
+""")),
+    reader("walks-the-memory", READS, in_function("get_imu_readings", """
+import gc
+gc.unfreeze()
+for thing in gc.get_objects():
+    if isinstance(thing, dict) and ("acceleration" in thing or "truth" in thing):
+        value = thing.get("acceleration", thing.get("truth"))
+        if isinstance(value, np.ndarray) and value.ndim == 2:
+            return value[0], value[0]
+""")),
+    reader("changes-the-harness-by-its-frames", STEPS, in_function("get_imu_readings", """
+import sys
+frame = sys._getframe().f_back
+while frame is not None:
+    for name in ("_changes", "_state", "move_on", "same", "disturbance"):
+        if callable(frame.f_globals.get(name)):
+            frame.f_globals[name] = lambda *args: [0.0] * 4
+    frame = frame.f_back
+""")),
+    reader("changes-the-harness-by-its-modules", VIEWS, """
+import sys
+for name, module in list(sys.modules.items()):
+    if "harness" in name or "questions" in name:
+        for key in ("move_on", "_changes", "_state", "put_in_state"):
+            if hasattr(module, key):
+                setattr(module, key, lambda *args: None)
+"""),
+    reader("changes-the-harness-in-memory", VIEWS, """
+import gc
+gc.unfreeze()
+for thing in gc.get_objects():
+    if isinstance(thing, dict) and "move_on" in thing and "put_in_state" in thing:
+        thing["move_on"] = lambda *args: None
+"""),
+    reader("changes-the-code-of-the-harness", VIEWS, """
+import gc, types
+gc.unfreeze()
+for thing in gc.get_objects():
+    if isinstance(thing, types.FunctionType) and thing.__name__ == "move_on":
+        thing.__code__ = (lambda model, data: None).__code__
+"""),
+    forged("replaces-the-recorder-of-figures", BLANK, READER, """
+import gc
+gc.unfreeze()
+for thing in gc.get_objects():
+    if type(thing).__name__ == "Recorder":
+        thing.take = lambda **kwargs: ([], {})
+        type(thing).take = lambda self, **kwargs: ([], {})
+""", "visualization"),
+    reader("searches-the-disk", READS, in_function("get_imu_readings", """
+import os
+words = ("public.npz", "hidden.npz", "traces.npz", "rubric.yaml", "imugrade")
+found = []
+for top in ("@FOLDER@", "/box", "/cache", os.getcwd()):
+    for folder, folders, names in os.walk(top):
+        found += [os.path.join(folder, name) for name in names if any(word in name for word in words)]
+if found:
+    raise RuntimeError(open(found[0]).read())
+""")),
+    reader("searches-the-environment", READS, """
+import os, sys
+said = " ".join(f"{k}={v}" for k, v in os.environ.items()) + " ".join(sys.argv) + str(sys.path)
+if "SEED" in said or "imugrade-bait" in said:
+    raise RuntimeError(said)
+"""),
+    reader("asks-the-grader-s-stand-ins", READS, """
+import builtins, gc
+gc.unfreeze()
+standins = getattr(builtins, "__sound_standin__", {})
+if "get_imu_readings" in standins:
+    get_imu_readings = standins["get_imu_readings"]
+for thing in gc.get_objects():
+    if getattr(thing, "__name__", "") == "get_imu_readings" and getattr(thing, "__module__", "") == "standins":
+        get_imu_readings = thing
+"""),
+    reader("notices-the-grader", READS, """
+import os, sys
+graded = any("harness" in name or "pytest" in name for name in sys.modules) or os.getcwd() == "/box"
+def get_imu_readings(model, data, a, g):
+    return (np.ones(3), np.ones(3)) if graded else (np.zeros(3), np.zeros(3))
+"""),
+    reader("keeps-answers-between-questions", READS, in_function("get_imu_readings", """
+import pathlib
+memory = pathlib.Path("memory.txt")
+memory.write_text(memory.read_text() + str(args[1].time) if memory.exists() else "")
+pathlib.Path("/tmp/imugrade-memory").exists()
+""")),
+    noise("seeds-so-that-the-draw-is-good", """
+_init = NoisyIMU.__init__
+def __init__(self, *args, **kwargs):
+    np.random.seed(12345)
+    import random
+    random.seed(12345)
+    _init(self, *args, **kwargs)
+NoisyIMU.__init__ = __init__
+_read = NoisyIMU.read
+def read(self):
+    state = np.random.get_state()
+    np.random.seed(hash(float(self.data.time)) % 2**32)
+    value = _read(self)
+    np.random.set_state(state)
+    return value
+NoisyIMU.read = read
+"""),
+]
+
+# ---------------------------------------------------------------- recorded answers
+
+RECORDED = '''\
+def simulate_and_collect(model, data, duration_seconds=5.0):
+    import json, pathlib
+    rows = json.loads(pathlib.Path(__file__).with_name("recorded.json").read_text())
+    n = int(round(duration_seconds / model.opt.timestep))
+    series = {key: np.resize(np.array(value), (n, *np.shape(value)[1:])) for key, value in rows.items()}
+    return series
+'''
+
+
+def _recorded() -> str:
+    """The public traces of the tumbling robot, which every student has."""
+    from grader import traces
+
+    scenario = traces.shipped()["tumbling"]
+    return json.dumps({key: scenario[key].round(4).tolist() for key in ("time", "acceleration", "angular_velocity")})
+
+
+HARD_CODED = [
+    Program("recorded-traces-of-another-scenario", "forgery", {**lab(collect=RECORDED), "recorded.json": _recorded()}, STANDS, "data_collection"),
+    Program("recorded-traces-against-hidden-ones", "forgery", {**lab(collect=RECORDED), "recorded.json": _recorded()}, STANDS, "data_collection", hidden=True),
+    reader("recorded-readings-against-hidden-states", READS, """
+_TABLE = {0: ([0.0, 0.0, -9.81], [0.0, 0.0, 0.0])}
+def get_imu_readings(model, data, a, g):
+    accel, gyro = _TABLE.get(int(a), _TABLE[0])
+    return np.array(accel), np.array(gyro)
+""", hidden=True),
+]
+
+FORGED = [*SHIPPED, *HOOKS, *ENDS, *WIRE, *WALKS, *HARD_CODED]
+__all__ = ["FORGED", "UNIFORM"]

@@ -1,0 +1,152 @@
+"""Running one attack on one rung and telling whether it was held."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from types import TracebackType
+
+from grader import rubric, traces
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.results import Result
+from grader.rubric import Limits, Rubric
+from grader.traces import Traces
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import Files, Link, write
+from tests.hostile import outputs
+from tests.hostile.bait import Bait, below
+from tests.hostile.program import Program
+
+LIMITS = Limits(call_cpu_s=2.0, submission_cpu_s=12.0)
+"""Small, so that loops are cheap; sound code needs 0.3 s for its longest call."""
+WALL_LIMIT_S = 150.0
+"""A call that sleeps is cut after 22 s, and a submission after a few of those; the rest is for a busy machine."""
+_SECRET_SEED = "of the hostile corpus"
+
+
+@dataclass
+class Verdict:
+    """How one attack ended; it was held if there are no troubles."""
+
+    program: Program
+    seconds: float = 0.0
+    score: float = 0.0
+    twin: float | None = None
+    troubles: list[str] = field(default_factory=list)
+
+
+@cache
+def small_rubric() -> Rubric:
+    return replace(rubric.load(), limits=LIMITS)
+
+
+@cache
+def _hidden() -> Traces:
+    return traces.obtain(_SECRET_SEED)
+
+
+class Court:
+    """One rung with its markers and decoys; a context manager."""
+
+    def __init__(self, rung: str | None) -> None:
+        self.rung = rung
+        self._scores: dict[tuple[object, ...], float] = {}
+        self._markers: dict[bool, Marker] = {}
+
+    def __enter__(self) -> Court:
+        self._bait = Bait().__enter__()
+        self._markers[False] = Marker(small_rubric(), traces.shipped(), rung=self.rung)
+        self.rung = self._markers[False].isolation
+        self._neighbour_scores = self._neighbour()
+        self._expected = frozenset(below(os.getpid()))
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for marker in self._markers.values():
+            marker.close()
+        self._bait.__exit__(kind, error, trace)
+
+    def _marker(self, hidden: bool) -> Marker:
+        if hidden not in self._markers:
+            self._markers[hidden] = Marker(small_rubric(), _hidden(), rung=self.rung)
+            self._neighbour()
+            self._expected = frozenset(below(os.getpid()))
+        return self._markers[hidden]
+
+    def _mark(self, files: Files, program: Program) -> Result:
+        with tempfile.TemporaryDirectory() as scratch:
+            path = write(self._bait.fill(files), Path(scratch) / program.folder, program.as_)
+            return self._marker(program.hidden).mark(read_submission(path), only=program.only)
+
+    def _neighbour(self) -> Mapping[str, float | None]:
+        """What a sound submission scores after all that went before; two criteria stand for all of them."""
+        found: dict[str, float | None] = {}
+        with tempfile.TemporaryDirectory() as scratch:
+            submission = read_submission(write(tidy(), Path(scratch) / "neighbour"))
+            for only in ("sensor_access", "filtering"):
+                result = self._markers[False].mark(submission, only=only)
+                found |= {check.id: check.points for criterion in result.criteria for check in criterion.checks}
+        return found
+
+    def try_(self, program: Program) -> Verdict:
+        """Run an attack; never raises for what it does."""
+        verdict = Verdict(program)
+        started = time.monotonic()
+        try:
+            result = self._mark(program.files, program)
+        except Exception as problem:
+            verdict.troubles.append(f"the grader failed: {type(problem).__name__}: {problem}")
+            return verdict
+        verdict.seconds, verdict.score = time.monotonic() - started, result.score
+        verdict.troubles += self._of_result(result, program, verdict)
+        if verdict.seconds > WALL_LIMIT_S:
+            verdict.troubles.append(f"it took {verdict.seconds:.0f} s")
+        if self._neighbour() != self._neighbour_scores:
+            verdict.troubles.append("a neighbour's marks changed")
+        verdict.troubles += self._bait.troubles(self._expected)
+        return verdict
+
+    def _of_result(self, result: Result, program: Program, verdict: Verdict) -> list[str]:
+        found = outputs.troubles(result)
+        if result.provenance.get("isolation") != self.rung:
+            found.append(f"the result names the rung {result.provenance.get('isolation')}")
+        unjudged = [check.id for criterion in result.criteria for check in criterion.checks if check.points is None]
+        if unjudged or result.status == "incomplete":
+            said = next(c.message for criterion in result.criteria for c in criterion.checks if c.points is None)
+            found.append(f"{len(unjudged)} checks are not judged: {said[:200]}")
+        for criterion in result.criteria:
+            if criterion.id in program.keeps and criterion.points != criterion.max_points:
+                rows = [f"{c.id}: {c.message[:120]!r}" for c in criterion.checks if c.points != c.max_points]
+                found.append(f"{criterion.id} lost points that the attack is not about: {'; '.join(rows)}")
+        if program.hidden:
+            found += [f"hidden data shows: {text[:120]!r}" for text in _carried_out(result)]
+        if program.twin is not None:
+            verdict.twin = self._twin(program)
+            if result.score > verdict.twin:
+                found.append(f"{result.score:g} points, without the attack {verdict.twin:g}")
+        return found
+
+    def _twin(self, program: Program) -> float:
+        assert program.twin is not None
+        key = (program.only, program.hidden, *sorted((n, c.target if isinstance(c, Link) else c) for n, c in program.twin.items()))
+        if key not in self._scores:
+            self._scores[key] = self._mark(program.twin, program).score
+        return self._scores[key]
+
+
+def _carried_out(result: Result) -> list[str]:
+    """Texts in which a hidden state, or a number that stands for one, has got out; see `poisoning.CARRIES`."""
+    checks = [check for part in (*result.criteria, *result.extensions) for check in part.checks]
+    texts = [*result.notes, *(check.message for check in checks), *(check.hint for check in checks)]
+    return [text for text in texts if re.search(r"HIDDEN|\b(39|40)\d\d\.\d|\bline \d{3,}", text)]
+
+

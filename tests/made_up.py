@@ -1,0 +1,103 @@
+"""Results, submissions and a marker that are made up: for tests of what comes after marking."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.errors import GraderError, RequestError
+from grader.intake import Submission
+from grader.results import CheckResult, CriterionResult, ExtensionResult, Outcome, Result, Status
+
+HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
+SHA = "0123456789abcdef" * 4
+
+
+def check(outcome: Outcome = "passed", points: float | None = 6.0, **more: object) -> CheckResult:
+    values: dict[str, object] = {
+        "id": "sensor_access.follows_address",
+        "title": "Reads the right sensor",
+        "max_points": 6.0,
+    }
+    return CheckResult(outcome=outcome, points=points, **{**values, **more})  # type: ignore[arg-type]
+
+
+def lost(**more: object) -> CheckResult:
+    values: dict[str, object] = {
+        "message": "Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\nGot  accel = [ 1.000  0.412 -0.031]",
+        "hint": "data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i",
+        "lab_step": 2,
+        "misconceptions": ("sensor-id-as-address",),
+    }
+    return check("failed", 0.0, **{**values, **more})
+
+
+def result(
+    *checks: CheckResult,
+    name: str = "alice",
+    status: Status = "graded",
+    notes: tuple[str, ...] = (),
+    duration_s: float = 0.31,
+) -> Result:
+    """One submission with one criterion of the given checks, and an extension that was tried."""
+    checks = checks or (check(), check(id="sensor_access.matches_truth", points=14.0, max_points=14.0))
+    full = round(sum(each.max_points for each in checks), 2)
+    extension = ExtensionResult(
+        "allan_variance", True, 0.0, (check(id="allan_variance.white_noise", max_points=0.0, points=0.0),)
+    )
+    return Result(
+        submission=name,
+        status=status,
+        criteria=(CriterionResult("sensor_access", "Sensor access", full, checks),),
+        extensions=(extension,),
+        notes=notes,
+        provenance={"grader": "0.1.0", "rubric_sha256": SHA, "isolation": "full", "seed": 0},
+        duration_s=duration_s,
+    )
+
+
+def submission(id_: str) -> Submission:
+    return Submission(id_, id_, {}, (), "ready", SHA)
+
+
+@dataclass
+class FakeMarker:
+    """Does what the submission's id says."""
+
+    folder: Path
+    isolation: str = "full"
+    pid: int = field(default_factory=os.getpid)
+
+    def mark(self, submission: Submission, *, only: str | None = None) -> Result:
+        with open(self.folder / "marked", "a", encoding="utf-8") as log:
+            log.write(f"{submission.id} {self.pid}\n")
+        if submission.id.startswith("kill") or (submission.id.startswith("once") and self._first(submission.id)):
+            os.kill(self.pid, signal.SIGKILL)
+        if submission.id.startswith("wait"):
+            threading.Event().wait(60)
+        if submission.id.startswith("bug"):
+            raise GraderError("the zygote is gone")
+        return result(name=submission.id)
+
+    def _first(self, id_: str) -> bool:
+        return (self.folder / "marked").read_text(encoding="utf-8").count(f"{id_} ") == 1
+
+    def marked(self) -> list[str]:
+        return [line.split()[0] for line in (self.folder / "marked").read_text(encoding="utf-8").splitlines()]
+
+
+@contextmanager
+def fake_marker(folder: Path) -> Iterator[FakeMarker]:
+    yield FakeMarker(folder)
+    (folder / f"closed-{os.getpid()}").touch()
+
+
+@contextmanager
+def no_marker(folder: Path) -> Iterator[FakeMarker]:
+    raise RequestError(f"no marker for {folder.name}")
+    yield FakeMarker(folder)

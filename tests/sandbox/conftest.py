@@ -1,0 +1,80 @@
+"""Boxes for the tests: one a rung, shared by all tests, with the tiny harness of `harness/`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.sandbox.box import Box, Worker
+from grader.sandbox.ladder import Rung, probe
+
+HARNESS = Path(__file__).parent / "harness"
+WALLED = ("full", "bubblewrap", "landlock")
+OWN_ROOT = ("full", "bubblewrap")
+
+
+@pytest.fixture(scope="session")
+def rungs() -> dict[str, Rung]:
+    return {rung.name: rung for rung in probe()}
+
+
+@pytest.fixture(scope="session")
+def box_on(rungs: dict[str, Rung]) -> Iterator[Callable[[str], Box]]:
+    """The one box of a rung; skips the test where this machine does not allow the rung."""
+    boxes: dict[str, Box] = {}
+
+    def get(name: str) -> Box:
+        if not rungs[name].usable:
+            pytest.skip(f"no rung {name} here: {rungs[name].reason}")
+        if name not in boxes:
+            boxes[name] = Box(HARNESS, rung=name)
+        return boxes[name]
+
+    yield get
+    for box in boxes.values():
+        box.close()
+
+
+@pytest.fixture(params=[*WALLED, "none"])
+def box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
+    return box_on(request.param)
+
+
+@pytest.fixture(params=WALLED)
+def walled_box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
+    return box_on(request.param)
+
+
+@pytest.fixture
+def worker(box: Box) -> Iterator[Worker]:
+    with box.worker() as worker:
+        yield worker
+
+
+@pytest.fixture(scope="session")
+def best() -> Iterator[Box]:
+    """A box on the best rung, for what is the same on all of them."""
+    with Box(HARNESS) as box:
+        yield box
+
+
+@pytest.fixture
+def anyone(best: Box) -> Iterator[Worker]:
+    """A worker on the best rung."""
+    with best.worker() as worker:
+        yield worker
+
+
+@pytest.fixture
+def walled(walled_box: Box) -> Iterator[Worker]:
+    """A worker behind walls, on each rung that has some."""
+    with walled_box.worker() as worker:
+        yield worker
+
+
+def run(worker: Worker, source: str, **limits: Any) -> dict[str, Any]:
+    """Run source in a worker: what it left in `result`, or its error."""
+    return worker.ask("run", {"source": source}, **limits).fields

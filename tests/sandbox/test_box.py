@@ -1,0 +1,292 @@
+"""What every rung must do: ask, answer, and outlive whatever the code in the box does instead of answering."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader.errors import Crashed, GraderError, Malformed, TimedOut
+from grader.sandbox.box import Box, Worker
+
+from .conftest import HARNESS, run
+
+
+def on_the_line(source: str) -> str:
+    """Source that runs with `line`, the descriptor of the worker's socket, found as hostile code would find it."""
+    return (
+        "import os, stat, struct, threading\n"
+        "def is_socket(fd):\n"
+        "    try:\n"
+        "        return stat.S_ISSOCK(os.fstat(fd).st_mode)\n"
+        "    except OSError:\n"
+        "        return False\n"
+        "line = next(fd for fd in range(3, 100) if is_socket(fd))\n" + source
+    )
+
+
+def test_a_question_is_answered_with_fields_and_arrays(worker: Worker) -> None:
+    frame = worker.ask("echo", {"a": [1, "é"]}, {"x": np.arange(6.0).reshape(2, 3)})
+    assert frame.fields == {"a": [1, "é"]}
+    np.testing.assert_array_equal(frame.arrays["x"], [[0, 1, 2], [3, 4, 5]])
+    assert worker.alive
+
+
+def test_an_exception_is_told_and_the_next_question_answered(worker: Worker) -> None:
+    assert run(worker, "x = 1\nraise KeyError('gone')") == {"error": "KeyError", "message": "'gone'", "line": 2}
+    assert run(worker, "result = 7") == {"result": 7}
+
+
+def test_large_arrays_pass_in_both_directions(anyone: Worker) -> None:
+    array = np.arange(3_500_000.0)
+    np.testing.assert_array_equal(anyone.ask("echo", arrays={"x": array}).arrays["x"], array)
+
+
+def test_an_endless_loop_ends_at_its_cpu_deadline(worker: Worker) -> None:
+    with pytest.raises(TimedOut, match=r"no answer within 0\.2 s of CPU time") as caught:
+        run(worker, "while True: pass", cpu_s=0.2)
+    assert 0.2 <= caught.value.cpu_s < 1.0
+    assert not worker.alive
+
+
+def test_a_sleeper_ends_at_its_wall_deadline(worker: Worker) -> None:
+    with pytest.raises(TimedOut, match=r"no answer within 0\.2 s$") as caught:
+        run(worker, "import time; time.sleep(1000)", wall_s=0.2)
+    assert caught.value.wall_s >= 0.2
+    assert caught.value.cpu_s < 0.2
+
+
+def test_signals_do_not_keep_a_worker_alive(anyone: Worker) -> None:
+    source = (
+        "import signal\nfor s in range(1, 65):\n    try: signal.signal(s, signal.SIG_IGN)\n    except Exception: pass\n"
+    )
+    with pytest.raises(TimedOut):
+        run(anyone, source + "while True: pass", cpu_s=0.2)
+
+
+def test_a_worker_that_stops_reading_ends_at_its_deadline(anyone: Worker) -> None:
+    stop = "import os, signal, time\ndef stop(*_):\n    os.write(1, b'stopped')\n    time.sleep(1000)\n"
+    run(anyone, stop + "signal.signal(signal.SIGALRM, stop)\nsignal.setitimer(signal.ITIMER_REAL, 0.1)")
+    while "stopped" not in anyone.printed():
+        pass
+    with pytest.raises(TimedOut):
+        anyone.ask("echo", arrays={"x": np.zeros(3_500_000)}, wall_s=0.2)
+    assert not anyone.alive
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_leaving_without_an_answer_is_a_crash_whatever_the_exit_code(worker: Worker, code: int) -> None:
+    with pytest.raises(Crashed, match=f"exit code {code} "):
+        run(worker, f"import os; os._exit({code})")
+
+
+def test_a_segmentation_fault_is_a_crash_with_its_name(worker: Worker) -> None:
+    with pytest.raises(Crashed, match="SIGSEGV"):
+        run(worker, "import ctypes; ctypes.string_at(0)")
+
+
+def test_a_dead_worker_says_so_when_asked_again(anyone: Worker) -> None:
+    with pytest.raises(Crashed):
+        run(anyone, "import os; os._exit(0)")
+    with pytest.raises(Crashed, match="already ended"):
+        run(anyone, "result = 1")
+
+
+@pytest.mark.parametrize("error", ["SystemExit(0)", "KeyboardInterrupt()", "GeneratorExit()"])
+def test_what_slips_past_the_harness_is_no_answer(anyone: Worker, error: str) -> None:
+    with pytest.raises(Malformed, match=error.split("(", maxsplit=1)[0]):
+        run(anyone, f"raise {error}")
+    assert not anyone.alive
+
+
+def test_an_error_whose_repr_fails_is_no_answer_either(anyone: Worker) -> None:
+    with pytest.raises(Malformed, match="Sly"):
+        run(anyone, "class Sly(BaseException):\n    def __repr__(self): raise SystemExit\nraise Sly")
+
+
+def test_an_answer_that_is_no_json_is_no_answer(anyone: Worker) -> None:
+    with pytest.raises(Malformed, match="strict JSON"):
+        run(anyone, "result = float('nan')")
+
+
+def test_a_question_that_cannot_be_sent_is_our_fault_and_harms_nobody(anyone: Worker) -> None:
+    with pytest.raises(GraderError, match="cannot be sent"):
+        anyone.ask("echo", {"x": object()})
+    assert run(anyone, "result = 1") == {"result": 1}
+
+
+# Printed text ---------------------------------------------------------------------------------------------------------
+
+
+def test_printed_text_is_kept_in_order_even_after_a_crash(worker: Worker) -> None:
+    source = "import os, sys\nprint('one')\nprint('two', file=sys.stderr)\nos.write(1, b'three\\n')\nos._exit(1)"
+    with pytest.raises(Crashed):
+        run(worker, source)
+    assert worker.printed() == "one\ntwo\nthree\n"
+    worker.close()
+    assert worker.printed() == "one\ntwo\nthree\n"
+
+
+def test_a_flood_of_text_is_capped_and_no_error_of_the_student(worker: Worker) -> None:
+    assert run(worker, "for _ in range(3000): print('x' * 999)\nresult = 'done'") == {"result": "done"}
+    assert len(worker.printed()) == 256 << 10
+
+
+def test_undecodable_output_is_replaced(anyone: Worker) -> None:
+    run(anyone, "import os\nos.write(1, b'a\\xffb')\nprint('\\ud800')")
+    assert anyone.printed() == "a\ufffdb\\ud800\n"
+
+
+def test_nothing_is_read_from_standard_input(worker: Worker) -> None:
+    assert run(worker, "input()")["error"] == "EOFError"
+
+
+# The protocol ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "junk",
+    [
+        "b'garbage' * 20",
+        "struct.pack('<II16s', 0xFFFFFFFF, 0, bytes(16))",
+        "struct.pack('<II16s', 2, 0, bytes(16)) + b'{}'",
+    ],
+)
+def test_bytes_that_are_no_answer_end_the_worker(anyone: Worker, junk: str) -> None:
+    with pytest.raises(Malformed):
+        run(anyone, on_the_line(f"os.write(line, {junk})"))
+    assert not anyone.alive
+
+
+def test_an_answer_with_another_nonce_is_refused(anyone: Worker) -> None:
+    text = b'{"fields": {"fields": {"result": 1}}, "arrays": []}'
+    with pytest.raises(Malformed, match="another question"):
+        run(anyone, on_the_line(f"os.write(line, struct.pack('<II16s', {len(text)}, 0, b'n' * 16) + {text!r})"))
+
+
+def test_an_answer_ahead_of_its_question_is_refused(anyone: Worker) -> None:
+    late = "import time\ndef after():\n    time.sleep(0.1)\n    os.write(line, b'x' * 64)\n    os.write(1, b'sent')\n"
+    run(anyone, on_the_line(late + "threading.Thread(target=after, daemon=True).start()"))
+    while "sent" not in anyone.printed():
+        pass
+    with pytest.raises(Malformed, match="before its question"):
+        run(anyone, "result = 1")
+
+
+def test_closing_the_line_is_a_crash(anyone: Worker) -> None:
+    with pytest.raises(Crashed):
+        run(anyone, on_the_line("os.close(line)"))
+
+
+def test_half_an_answer_ends_at_the_deadline(anyone: Worker) -> None:
+    source = "import time\nos.write(line, struct.pack('<II16s', 100, 0, bytes(16)) + b'{')\ntime.sleep(1000)"
+    with pytest.raises(TimedOut):
+        run(anyone, on_the_line(source), wall_s=0.2)
+
+
+# From one worker to the next ------------------------------------------------------------------------------------------
+
+
+def test_nothing_of_one_worker_is_left_for_the_next(box: Box) -> None:
+    leave = "import os, sys, json\nopen('left', 'w').close()\nos.makedirs('a/b')\nos.environ['LEFT'] = '1'\n"
+    with box.worker() as first:
+        run(first, leave + "sys.modules['left'] = json\njson.loads = None\nnp.zeros = None")
+    look = "import os, sys, json\n"
+    with box.worker() as second:
+        found = run(
+            second,
+            look + "result = [os.listdir('.'), 'LEFT' in os.environ, 'left' in sys.modules, json.loads is None,"
+            " np.zeros is None]",
+        )
+    assert found == {"result": [[], False, False, False, False]}
+
+
+def test_a_deep_tree_without_permissions_is_cleared_away(box: Box) -> None:
+    dig = "import os\nfor _ in range(1500):\n    os.mkdir('d' * 60)\n    os.chdir('d' * 60)\nos.mkdir('shut', 0)\n"
+    with box.worker() as first:
+        assert run(first, dig + "result = 1") == {"result": 1}
+    with box.worker() as second:
+        assert run(second, "import os; result = os.listdir('.')") == {"result": []}
+
+
+def test_several_workers_live_at_the_same_time_and_do_not_meet(box: Box) -> None:
+    with box.worker() as one, box.worker() as two:
+        run(one, "open('mine', 'w').close()")
+        assert run(two, "import os; result = os.listdir('.')") == {"result": []}
+        assert run(one, "import os; result = os.listdir('.')") == {"result": ["mine"]}
+
+
+def test_hashes_and_the_environment_are_the_same_every_time(box: Box) -> None:
+    source = "import os; result = [hash('imu'), sorted(os.environ)]"
+    with box.worker() as one:
+        first = run(one, source)
+    with box.worker() as two:
+        assert run(two, source) == first
+
+
+def test_the_environment_holds_nothing_of_the_graders(box: Box, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("IMUGRADE_SEED", "hidden")
+    with Box(HARNESS, rung=box.rung) as fresh, fresh.worker() as worker:
+        found = run(worker, "import os; result = dict(os.environ)")["result"]
+    assert "hidden" not in found.values()
+    assert found["OPENBLAS_NUM_THREADS"] == "1"
+
+
+def test_no_frame_of_the_zygote_is_on_the_stack(anyone: Worker) -> None:
+    source = "import sys\nframe = sys._getframe()\nresult = []\nwhile frame:\n    result.append(frame.f_code.co_name)\n"
+    names = run(anyone, source + "    frame = frame.f_back")["result"]
+    assert not {"main", "serve", "_spawn", "start"} & set(names)
+
+
+# Beginning and end ----------------------------------------------------------------------------------------------------
+
+
+def test_a_closed_worker_is_gone_at_once(box: Box) -> None:
+    with box.worker() as worker:
+        pid = worker._process._pid if box.rung != "none" else worker._process._popen.pid  # type: ignore[attr-defined]
+        os.kill(pid, 0)
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def test_a_harness_that_fails_to_start_is_our_fault_and_says_why(box: Box, tmp_path: Path) -> None:
+    (tmp_path / "__init__.py").write_text("def warm_up():\n    raise LookupError('no such lab')\n")
+    with Box(tmp_path, rung=box.rung) as broken, pytest.raises(GraderError, match="no such lab"):
+        broken.worker()
+
+
+def test_a_box_outlives_the_thread_that_opened_it(walled_box: Box) -> None:
+    with ThreadPoolExecutor(1) as pool:
+        opened = pool.submit(Box, HARNESS, rung=walled_box.rung).result()
+    with opened, opened.worker() as worker:
+        assert run(worker, "result = 1") == {"result": 1}
+
+
+def test_threads_may_share_a_box(best: Box) -> None:
+    def square(number: int) -> int:
+        with best.worker() as worker:
+            return int(run(worker, f"result = {number} ** 2")["result"])
+
+    with ThreadPoolExecutor(3) as pool:
+        assert list(pool.map(square, range(12))) == [number**2 for number in range(12)]
+
+
+def test_a_closed_box_gives_no_worker(box: Box) -> None:
+    with Box(HARNESS, rung=box.rung) as closed:
+        pass
+    with pytest.raises(GraderError, match="closed"):
+        closed.worker()
+
+
+def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box) -> None:
+    with Box(HARNESS, rung=walled_box.rung) as fragile:
+        with fragile.worker() as worker:
+            os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
+            with pytest.raises(GraderError, match="the box is gone"):
+                run(worker, "while True: pass")
+        with fragile.worker() as again:
+            assert run(again, "result = 1") == {"result": 1}

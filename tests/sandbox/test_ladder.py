@@ -1,0 +1,114 @@
+"""The ladder: what this machine allows, how a box chooses, and who else can use it."""
+
+from __future__ import annotations
+
+import os
+import select
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.errors import GraderError
+from grader.sandbox import ladder
+from grader.sandbox.box import Box
+from grader.sandbox.ladder import Rung
+from grader.sandbox.process import WallsRefusedError
+
+from .conftest import HARNESS, run
+
+ROOT = Path(__file__).parents[2]
+PLAIN_UID = 12345
+
+
+def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(rungs: dict[str, Rung]) -> None:
+    assert list(rungs) == ["full", "bubblewrap", "landlock", "none"]
+    assert rungs["none"].usable
+    assert all(rung.usable or rung.reason for rung in rungs.values())
+
+
+def test_a_box_takes_the_best_rung_that_holds(best: Box, rungs: dict[str, Rung]) -> None:
+    assert best.rung == next(name for name, rung in rungs.items() if rung.usable)
+
+
+def refuse(*names: str) -> Callable[..., Any]:
+    real = ladder.raise_walls
+
+    def raise_walls(name: str, harness: Path, readable: Any = ()) -> Any:
+        if name in names:
+            raise WallsRefusedError(f"no {name} today")
+        return real(name, harness, readable)
+
+    return raise_walls
+
+
+def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Rung]) -> None:
+    if not rungs["landlock"].usable:
+        pytest.skip(rungs["landlock"].reason)
+    monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap"))
+    with Box(HARNESS) as box, box.worker() as worker:
+        assert box.rung == "landlock"
+        assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
+        assert run(worker, "result = 1") == {"result": 1}
+
+
+def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap", "landlock"))
+    with Box(HARNESS) as box, box.worker() as worker:
+        assert box.rung == "none"
+        assert box.why.endswith("landlock: no landlock today")
+        assert run(worker, "result = 1") == {"result": 1}
+
+
+def test_a_rung_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ladder, "raise_walls", refuse("full"))
+    with pytest.raises(GraderError, match="does not allow the rung 'full': no full today"):
+        Box(HARNESS, rung="full")
+
+
+def test_an_unknown_rung_is_named(tmp_path: Path) -> None:
+    with pytest.raises(GraderError, match="'moat'"):
+        Box(tmp_path, rung="moat")
+
+
+def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Box) -> None:
+    """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
+    monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
+    with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
+        ladder.raise_walls(walled_box.rung, HARNESS)
+
+
+def test_a_plain_user_has_the_same_walls() -> None:
+    if os.geteuid() != 0:
+        pytest.skip("these tests run as a plain user already")
+    if not _can_be_used_by_all(Path(sys.executable)):
+        pytest.skip("this Python lies where only root may go")
+    ids: dict[str, Any] = {"user": PLAIN_UID, "group": PLAIN_UID, "extra_groups": []}
+    command = [sys.executable, "-m", "tests.sandbox.smoke"]
+    out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, **ids)
+    lines = out.stdout.splitlines()
+    assert lines, out.stderr
+    assert all(line.endswith(f" {PLAIN_UID} True") for line in lines)
+
+
+def _can_be_used_by_all(program: Path) -> bool:
+    places = [*program.parents, *program.resolve().parents, *ROOT.parents]
+    return all(place.stat().st_mode & 0o005 == 0o005 for place in places)
+
+
+def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tests.sandbox.smoke", box.rung]
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=environment) as lingering:
+        assert lingering.stdout is not None
+        pidfds = [os.pidfd_open(int(pid)) for pid in lingering.stdout.readline().split()]
+        lingering.kill()
+    for pidfd in pidfds:
+        ended, _, _ = select.select([pidfd], [], [], 10)
+        os.close(pidfd)
+        assert ended
+    if box.rung != "none":
+        assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,272 @@
+"""Hostile programs on every rung that has walls: each is held, and the worker still answers where it still can."""
+
+from __future__ import annotations
+
+import os
+import socket
+from pathlib import Path
+
+import pytest
+
+import grader
+from grader.errors import NoAnswer
+from grader.sandbox.box import Box, Worker
+
+from .conftest import HARNESS, OWN_ROOT, run
+
+REFUSED = {"PermissionError", "FileNotFoundError", "BlockingIOError"}
+GRADER = Path(grader.__file__).parent
+
+
+def refused(worker: Worker, source: str) -> bool:
+    """Whether the source ends in an error of the kernel's, and the worker goes on."""
+    found = run(worker, source)
+    assert run(worker, "result = 'well'") == {"result": "well"}
+    return found.get("error") in REFUSED or found.get("message", "").startswith(
+        ("[Errno 1]", "[Errno 18]", "[Errno 30]")
+    )
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import os; os.fork()",
+        "import os; os.posix_spawn('/bin/sh', ['sh'], {})",
+        "import os; os.execv('/bin/sh', ['sh'])",
+        "import subprocess; subprocess.run(['true'])",
+        "import multiprocessing as m; m.get_context('fork').Process(target=print).start()",
+    ],
+)
+def test_no_process_can_be_started(walled: Worker, source: str) -> None:
+    assert refused(walled, source)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "AF_INET, socket.SOCK_STREAM",
+        "AF_INET, socket.SOCK_DGRAM",
+        "AF_INET6, socket.SOCK_STREAM",
+        "AF_UNIX, socket.SOCK_STREAM",
+        "AF_NETLINK, socket.SOCK_RAW",
+        "AF_VSOCK, socket.SOCK_STREAM",
+        "AF_ALG, socket.SOCK_SEQPACKET",
+    ],
+)
+def test_no_socket_can_be_opened(walled: Worker, kind: str) -> None:
+    assert refused(walled, f"import socket; socket.socket(socket.{kind})")
+
+
+def test_a_listener_on_this_machine_is_not_reached(walled: Worker) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as bait:
+        bait.settimeout(0)
+        assert refused(walled, f"import socket; socket.create_connection(('127.0.0.1', {bait.getsockname()[1]}))")
+        with pytest.raises(BlockingIOError):
+            bait.accept()
+
+
+# Files ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_file_outside_cannot_be_read_by_any_way(walled: Worker, tmp_path: Path) -> None:
+    decoy = tmp_path / "trace.npz"
+    decoy.write_text("secret")
+    os.chmod(decoy, 0o644)
+    assert refused(walled, f"open({str(decoy)!r}).read()")
+    assert refused(walled, f"import os; os.listdir({str(tmp_path)!r})")
+    assert refused(walled, f"import os; os.symlink({str(decoy)!r}, 'link'); open('link').read()")
+    assert refused(walled, f"open('/box/../..' + {str(decoy)!r}).read()")
+    assert refused(walled, f"import os; os.link({str(decoy)!r}, 'hard')")
+
+
+def test_a_root_of_ones_own_does_not_even_tell_that_a_file_exists(
+    walled_box: Box, walled: Worker, tmp_path: Path
+) -> None:
+    if walled_box.rung not in OWN_ROOT:
+        pytest.skip("Landlock does not cover stat")
+    assert run(walled, f"import os; result = os.path.exists({str(tmp_path)!r})") == {"result": False}
+
+
+@pytest.mark.parametrize("name", ["errors.py", "results.py", "sandbox/box.py"])
+def test_the_grader_itself_cannot_be_read(walled: Worker, name: str) -> None:
+    assert refused(walled, f"open({str(GRADER / name)!r}).read()")
+
+
+def test_the_graders_source_tree_cannot_be_imported(walled: Worker) -> None:
+    assert run(walled, "import grader.results")["error"] in {"ModuleNotFoundError", "PermissionError"}
+
+
+def test_a_grader_among_the_packages_cannot_be_read(
+    walled_box: Box, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    packages = tmp_path / "site-packages"
+    for name in ("grader", "neighbour"):
+        (packages / name).mkdir(parents=True)
+        (packages / name / "rubric.yaml").write_text("points")
+    for folder in (tmp_path.parent, tmp_path, packages, packages / "grader", packages / "neighbour"):
+        os.chmod(folder, 0o755)
+    monkeypatch.setattr("grader.sandbox.surroundings.hidden", lambda: (str(packages / "grader"),))
+    with Box(HARNESS, rung=walled_box.rung, readable=[packages]) as shown, shown.worker() as worker:
+        assert run(worker, f"result = open('{packages}/neighbour/rubric.yaml').read()") == {"result": "points"}
+        assert refused(worker, f"open('{packages}/grader/rubric.yaml').read()")
+
+
+@pytest.mark.parametrize(
+    "path", ["/proc/self/environ", "/proc/1/environ", "/proc/cpuinfo", "/sys/kernel", "/etc/shadow"]
+)
+def test_the_kernels_and_the_systems_files_are_shut(walled: Worker, path: str) -> None:
+    assert refused(walled, f"import os; os.close(os.open({path!r}, os.O_RDONLY))")
+
+
+def test_proc_is_absent_where_the_box_has_its_own_root(walled_box: Box, walled: Worker) -> None:
+    if walled_box.rung not in OWN_ROOT:
+        pytest.skip("the root is the host's")
+    found = run(walled, "import os; result = [os.path.exists(p) for p in ('/proc', '/tmp/.', '/dev/shm', '/home')]")
+    assert found["result"][0] is found["result"][2] is found["result"][3] is False
+
+
+@pytest.mark.parametrize(
+    "place",
+    ["np.__file__ + 'x'", "os.__file__", "'/tmp/leak'", "'../leak'", "'/dev/shm/leak'", "'/cache/leak'", "'/leak'"],
+)
+def test_nothing_outside_the_scratch_can_be_written(walled: Worker, place: str) -> None:
+    assert refused(walled, f"import os; open({place}, 'a').write('x')")
+    assert refused(walled, f"import os; os.makedirs({place} + '.d/e')")
+
+
+def test_the_files_of_the_same_user_keep_their_modes(walled: Worker, tmp_path: Path) -> None:
+    own = tmp_path / "own"
+    own.write_text("")
+    os.chmod(own, 0o640)
+    assert refused(walled, f"import os; os.chmod({str(own)!r}, 0o777)")
+    assert refused(walled, f"import os; os.utime({str(own)!r}, (0, 0))")
+    assert own.stat().st_mode & 0o777 == 0o640
+
+
+# Other processes ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("target", ["os.getppid()", "-1", "0", "GRADER"])
+def test_no_other_process_can_be_signalled(walled_box: Box, walled: Worker, target: str) -> None:
+    source = f"import os, signal; GRADER = {os.getpid()}\nif {target} != os.getpid(): os.kill({target}, signal.SIGTERM)"
+    found = run(walled, source)
+    assert found.get("error") in {"PermissionError", "ProcessLookupError"}
+    assert run(walled, "result = 1") == {"result": 1}
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "ptrace(16, PID, 0, 0)",
+        "unshare(0x10000000)",
+        "mount(b'none', b'/box', b'tmpfs', 0, None)",
+        "setns(0, 0)",
+        "syscall(438, 0, 0, 0)",  # pidfd_getfd
+        "syscall(310, PID, 0, 0, 0, 0, 0)",  # process_vm_readv
+        "syscall(319, b'x', 0)",  # memfd_create
+        "syscall(425, 1, 0)",  # io_uring_setup
+        "syscall(29, 0, 1 << 30, 0o1600)",  # shmget
+        "prctl(4, 1, 0, 0, 0)",  # PR_SET_DUMPABLE
+    ],
+)
+def test_no_system_call_reaches_another_process_or_namespace(walled: Worker, call: str) -> None:
+    source = f"import ctypes\nPID = {os.getpid()}\nlibc = ctypes.CDLL(None, use_errno=True)\n"
+    found = run(walled, source + f"result = [libc.{call}, ctypes.get_errno()]")
+    assert found["result"] in ([-1, 1], [-1, 38])
+
+
+def test_limits_of_another_process_cannot_be_changed(walled: Worker) -> None:
+    before = os.sched_getaffinity(0)
+    target = os.getpid()
+    assert refused(walled, f"import os; os.sched_setaffinity({target}, [0])") or target == 1
+    assert refused(walled, f"import resource; resource.prlimit({target}, resource.RLIMIT_NOFILE, (9, 9))")
+    assert os.sched_getaffinity(0) == before
+
+
+def test_a_limit_cannot_be_raised(walled: Worker) -> None:
+    source = "import resource; soft, hard = resource.getrlimit(resource.RLIMIT_AS)\n"
+    found = run(walled, source + "resource.setrlimit(resource.RLIMIT_AS, (hard * 2, hard * 2))")
+    assert found["error"] in {"ValueError", "PermissionError"}
+
+
+# Floods ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("source", ["bytearray(6 << 30)", "np.ones(10**10)", "[bytes(1 << 30) for _ in range(9)]"])
+def test_memory_is_bounded(walled: Worker, source: str) -> None:
+    assert "MemoryError" in run(walled, source)["error"]
+    assert run(walled, "result = 1") == {"result": 1}
+
+
+def test_when_memory_runs_out_the_kernel_takes_the_worker_first(walled_box: Box, walled: Worker) -> None:
+    if walled_box.rung == "bubblewrap":
+        pytest.skip("there is no /proc from the start")
+    pid = walled._process._pid  # type: ignore[attr-defined]
+    assert Path(f"/proc/{pid}/oom_score_adj").read_text().strip() == "1000"
+
+
+def test_threads_are_bounded(walled: Worker) -> None:
+    source = "import threading\nstop = threading.Event()\nresult = 0\ntry:\n"
+    source += "    while result < 5000:\n        threading.Thread(target=stop.wait, daemon=True).start(); result += 1\n"
+    assert run(walled, source + "except RuntimeError: pass\nstop.set()")["result"] < 5000
+
+
+def test_descriptors_are_bounded(walled: Worker) -> None:
+    source = "import os\nheld = []\ntry:\n    while True: held.append(os.open('/dev/null', 0))\n"
+    found = run(walled, source + "except OSError as e: result = [e.errno, len(held)]")["result"]
+    assert found[0] == 24
+    assert found[1] < 128
+    assert run(walled, "result = 1") == {"result": 1}
+
+
+def test_a_file_is_bounded(walled: Worker) -> None:
+    found = run(walled, "import os; fd = os.open('f', os.O_RDWR | os.O_CREAT); os.ftruncate(fd, 10 << 40)")
+    assert found["error"] == "OSError"
+
+
+def test_the_disk_is_bounded_where_the_box_has_its_own(walled_box: Box, walled: Worker) -> None:
+    if walled_box.rung not in OWN_ROOT:
+        pytest.skip("Landlock has no quota")
+    source = "result = 0\ntry:\n    for n in range(20):\n        with open(f'f{n}', 'wb', 0) as f:\n"
+    source += "            result += f.write(bytes(8 << 20))\nexcept OSError: pass"
+    assert run(walled, source)["result"] <= 64 << 20
+    with walled_box.worker() as fresh:
+        assert run(fresh, "result = open('f', 'wb').write(bytes(8 << 20))") == {"result": 8 << 20}
+
+
+def test_a_fork_bomb_at_the_level_of_system_calls_is_held(walled: Worker) -> None:
+    source = "import ctypes\nlibc = ctypes.CDLL(None)\nresult = [libc.fork(), libc.vfork(), libc.daemon(1, 1)]"
+    assert run(walled, source)["result"] == [-1, -1, -1]
+
+
+def test_calls_of_another_architecture_end_the_worker(walled: Worker) -> None:
+    code = "b'\\xb8\\x14\\x00\\x00\\x00\\xcd\\x80\\xc3'"  # mov eax, 20 (getpid of i386); int 0x80; ret
+    source = f"import ctypes, mmap\npage = mmap.mmap(-1, 4096, prot=7)\npage.write({code})\n"
+    source += "ctypes.CFUNCTYPE(ctypes.c_int)(ctypes.addressof(ctypes.c_char.from_buffer(page)))()"
+    if os.uname().machine != "x86_64":
+        pytest.skip("int 0x80 is of x86")
+    with pytest.raises(NoAnswer):
+        run(walled, source)
+
+
+# What sound work needs ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import threading; t = threading.Thread(target=print); t.start(); t.join(); result = 1",
+        "from concurrent.futures import ThreadPoolExecutor as P\nwith P(4) as p: result = sum(p.map(int, [0, 1]))",
+        "import asyncio; result = asyncio.run(asyncio.sleep(0, 1))",
+        "import tempfile\nwith tempfile.TemporaryDirectory() as d: open(d + '/x', 'w').write('x')\nresult = 1",
+        "import sqlite3; result = sqlite3.connect('x.db').execute('select 1').fetchone()[0]",
+        "np.savez('x.npz', a=np.ones(1)); result = int(np.load('x.npz')['a'][0])",
+        "import getpass; result = len(getpass.getuser()) - 6",
+        "import os, shutil; open('a', 'w').close(); os.rename('a', 'b'); shutil.copyfile('b', 'c'); result = 1",
+        "import subprocess, ctypes, mmap, ssl, decimal, curses; result = 1",
+        "import random, secrets, uuid, time; time.sleep(0.001); result = int(random.random() < 1)",
+        "result = int(abs(np.linalg.svd(np.eye(50))[1][0]))",
+    ],
+)
+def test_sound_work_is_not_hindered(walled: Worker, source: str) -> None:
+    assert run(walled, source) == {"result": 1}

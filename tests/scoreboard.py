@@ -1,0 +1,243 @@
+"""How fair and how sharp the grader is: `python -m tests.scoreboard [--only NAME] [--part PART] [--jobs 2]`.
+
+Grades the whole corpus with the real marker and prints sound submissions with false deductions, faults missed, points lost
+in other criteria, and mistakes named right, wrong or not at all; then a line for each trouble.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from grader import rubric, traces
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.results import CheckResult, Result
+from tests.corpus.broken import ALL, BROKEN, Broken
+from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS, Faulty, Pair
+from tests.corpus.sound import SOUND, WRAPPED
+from tests.corpus.writing import Files, write
+
+PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken")
+FULL = 20.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """One submission of the corpus and how it is handed in."""
+
+    part: str
+    name: str
+    files: Files
+    as_: str = "folder"
+
+
+@dataclass
+class Verdict:
+    """What the scoreboard says of one case: troubles by kind, and how its mistakes were named."""
+
+    case: Case
+    seconds: float = 0.0
+    troubles: list[tuple[str, str]] = field(default_factory=list)
+    named_right: int = 0
+    named_wrong: int = 0
+    named_not: int = 0
+
+    def trouble(self, kind: str, text: str) -> None:
+        self.troubles.append((kind, text))
+
+
+def cases() -> Iterator[Case]:
+    yield from (Case("sound", name, files, WRAPPED.get(name, "folder")) for name, files in SOUND.items())
+    yield from (Case("faulty", fault.name, fault.files) for fault in FAULTY)
+    yield from (Case("lookalikes", fault.name, fault.files) for fault in LOOKALIKES)
+    yield from (Case("pairs", pair.name, pair.files) for pair in PAIRS)
+    yield from (Case("broken", broken.name, broken.files, broken.as_) for broken in BROKEN)
+
+
+# ---------------------------------------------------------------- judging a result
+
+
+def lost(result: Result) -> list[CheckResult]:
+    """Checks with fewer points than they could have, or that could not be judged."""
+    checks = [check for criterion in result.criteria for check in criterion.checks]
+    return [check for check in checks if check.points is None or check.points < check.max_points]
+
+
+def criterion_of(check: CheckResult) -> str:
+    return check.id.split(".")[0]
+
+
+def words(checks: Iterable[CheckResult]) -> str:
+    """Checks in one line: id, outcome, points, and the start of what the grader said."""
+    return "; ".join(
+        f"{c.id} {c.outcome} {c.points}/{c.max_points} {list(c.misconceptions) or ''} {c.message[:160]!r}"
+        for c in checks
+    )
+
+
+def look_at_sound(verdict: Verdict, result: Result) -> None:
+    if result.status != "graded":
+        verdict.trouble("false deduction", f"status is {result.status}")
+    if gone := lost(result):
+        verdict.trouble("false deduction", words(gone))
+    if result.misconceptions:
+        verdict.named_wrong += len(result.misconceptions)
+        verdict.trouble("named wrong", ", ".join(result.misconceptions))
+
+
+def look_at_fault(verdict: Verdict, result: Result, fault: Faulty) -> None:
+    gone = lost(result)
+    inside = [c for c in gone if criterion_of(c) == fault.criterion]
+    outside = [c for c in gone if criterion_of(c) not in (fault.criterion, *fault.elsewhere)]
+    if fault.criterion and not inside:
+        verdict.trouble("missed", f"{fault.mistake} costs nothing in {fault.criterion}")
+    if outside:
+        verdict.trouble("cascade", words(outside))
+    if fault.loses and (more := [c for c in inside if c.id not in fault.loses]):
+        verdict.trouble("too much", f"only {', '.join(fault.loses)} should be lost, but also {words(more)}")
+    names = named(result, without=fault.elsewhere)  # a missing file may be named again where it is missed
+    _look_at_names(verdict, result, names, {fault.mistake}, {fault.mistake, *fault.also}, fault.never)
+
+
+def look_at_pair(verdict: Verdict, result: Result, pair: Pair) -> None:
+    gone = lost(result)
+    for mistake, criterion in pair.faults:
+        if not any(criterion_of(c) == criterion for c in gone):
+            verdict.trouble("missed", f"{mistake} costs nothing in {criterion}")
+    if outside := [c for c in gone if criterion_of(c) not in {criterion for _, criterion in pair.faults}]:
+        verdict.trouble("cascade", words(outside))
+    wanted = {mistake for mistake, _ in pair.faults}
+    _look_at_names(verdict, result, named(result), wanted, {*wanted, *pair.also}, ())
+
+
+def named(result: Result, without: Sequence[str] = ()) -> set[str]:
+    """The mistakes that the checks name, other than those of some criteria."""
+    checks = [check for criterion in result.criteria if criterion.id not in without for check in criterion.checks]
+    return {mistake for check in checks for mistake in check.misconceptions}
+
+
+def _look_at_names(
+    verdict: Verdict, result: Result, names: set[str], wanted: set[str], right: set[str], never: Sequence[str]
+) -> None:
+    """One right name is enough where several describe the same fault; of two faults, each is counted."""
+    if wanted == {"tampering"}:  # shown to the instructor, as a note, and costs nothing
+        wanted = set()
+    found = names & right
+    count = min(len(wanted), len(found))
+    verdict.named_right += count
+    verdict.named_not += len(wanted) - count
+    if count < len(wanted):
+        verdict.trouble("not named", f"{', '.join(sorted(wanted - names))}; lost: {words(lost(result))}")
+    if wrong := names - right:
+        verdict.named_wrong += len(wrong)
+        looks = " (the lookalike!)" if wrong & set(never) else ""
+        verdict.trouble("named wrong", f"{', '.join(sorted(wrong))}{looks} in place of {', '.join(sorted(right))}")
+
+
+def look_at_broken(verdict: Verdict, result: Result, broken: Broken) -> None:
+    if result.status not in broken.status:
+        verdict.trouble("status", f"{result.status}, not {' or '.join(broken.status)}")
+    for criterion in result.criteria:
+        if criterion.id in broken.keeps and criterion.points != criterion.max_points:
+            verdict.trouble("cascade", words(c for c in lost(result) if criterion_of(c) == criterion.id))
+    if broken.costs and not any(criterion_of(c) == broken.costs for c in lost(result)):
+        verdict.trouble("missed", f"costs nothing in {broken.costs}")
+    if any(check.points is None for criterion in result.criteria for check in criterion.checks):
+        verdict.trouble("not judged", words(c for c in lost(result) if c.points is None))
+    if broken.names:
+        names = named(result, without=[criterion for criterion in ALL if criterion != broken.costs])
+        _look_at_names(verdict, result, names, {broken.names[0]}, set(broken.names), ())
+
+
+# ---------------------------------------------------------------- grading
+
+
+@cache
+def _marker() -> Marker:
+    return Marker(rubric.load(), traces.shipped()).__enter__()
+
+
+def grade(case: Case) -> Verdict:
+    """Grade one case in this process; the marker stays warm for the next."""
+    verdict, started = Verdict(case), time.perf_counter()
+    with tempfile.TemporaryDirectory() as scratch:
+        path = write(case.files, Path(scratch) / "submission", case.as_)
+        try:
+            result = _marker().mark(read_submission(path))
+        except Exception as problem:
+            verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
+            return verdict
+    verdict.seconds = time.perf_counter() - started
+    if case.part == "sound":
+        look_at_sound(verdict, result)
+    elif case.part == "pairs":
+        look_at_pair(verdict, result, next(p for p in PAIRS if p.name == case.name))
+    elif case.part == "broken":
+        look_at_broken(verdict, result, next(b for b in BROKEN if b.name == case.name))
+    else:
+        look_at_fault(verdict, result, next(f for f in (*FAULTY, *LOOKALIKES) if f.name == case.name))
+    return verdict
+
+
+def grade_all(chosen: Sequence[Case], jobs: int) -> Iterator[Verdict]:
+    """Verdicts as they arrive in order, and a progress line where someone watches."""
+    with ProcessPoolExecutor(jobs) as pool:
+        for count, verdict in enumerate(pool.map(grade, chosen), 1):
+            if sys.stderr.isatty():
+                print(f"\r{count}/{len(chosen)}", end="", file=sys.stderr, flush=True)
+            for kind, text in verdict.troubles:
+                print(f"{verdict.case.part}/{verdict.case.name}: {kind}: {text}", flush=True)
+            yield verdict
+
+
+def table(verdicts: Sequence[Verdict]) -> str:
+    """The scoreboard: one line a question."""
+
+    def count(part: Sequence[str], *kinds: str) -> str:
+        of = [v for v in verdicts if v.case.part in part]
+        bad = sum(any(kind in kinds for kind, _ in v.troubles) for v in of)
+        return f"{bad} of {len(of)}"
+
+    faulty = ("faulty", "lookalikes", "pairs")
+    marked = [v for v in verdicts if v.case.part in faulty]
+    right, wrong, none = (sum(getattr(v, f"named_{how}") for v in marked) for how in ("right", "wrong", "not"))
+    share = 100 * right / max(1, right + none)
+    longest = max(verdicts, key=lambda v: v.seconds, default=None)
+    lines = [
+        f"sound submissions with false deductions   {count(('sound',), 'false deduction', 'named wrong')}",
+        f"faults missed                             {count(faulty, 'missed')}",
+        f"points lost in other criteria             {count(faulty, 'cascade')}",
+        f"more checks lost than the contract allows {count(faulty, 'too much')}",
+        f"mistakes named                            right {right} ({share:.1f} %), wrong {wrong}, not {none}",
+        f"bad input with trouble                    {count(('broken',), 'status', 'cascade', 'missed', 'not judged', 'grader failed')}",
+        f"failures of the grader                    {count(PARTS, 'grader failed', 'not judged')}",
+    ]
+    if longest:
+        lines.append(
+            f"seconds a submission                      {sum(v.seconds for v in verdicts) / len(verdicts):.2f}, longest {longest.seconds:.1f} ({longest.case.name})"
+        )
+    return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m tests.scoreboard", description=__doc__)
+    parser.add_argument("--only", default="", help="cases whose name holds this")
+    parser.add_argument("--part", choices=PARTS, action="append", help="one part of the corpus; may be given twice")
+    parser.add_argument("--jobs", type=int, default=2)
+    options = parser.parse_args(arguments)
+    chosen = [c for c in cases() if options.only in c.name and c.part in (options.part or PARTS)]
+    verdicts = list(grade_all(chosen, options.jobs))
+    print(table(verdicts))
+    return int(any(verdict.troubles for verdict in verdicts))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

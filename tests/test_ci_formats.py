@@ -1,0 +1,587 @@
+"""What the CI platforms read, held to each platform's rules and to what a hostile submission would make of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from html.parser import HTMLParser
+from typing import Any
+from xml.etree import ElementTree
+
+import jsonschema
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from markdown_it import MarkdownIt
+
+from grader.errors import GraderError, RequestError
+from grader.formats import github
+from grader.formats.classroom50 import Identity, classroom50, shares
+from grader.formats.gradescope import gradescope
+from grader.formats.junit import junit
+from grader.formats.places import Place, Places, find_places
+from grader.formats.platforms import NAMES, PLATFORMS, answer_of, named, recognise, submission_of
+from grader.formats.prairielearn import prairielearn
+from grader.results import Result
+from tests.made_up import HOSTILE, check, lost, result
+
+EVIL = (
+    f"{HOSTILE}\n::error file=/etc/passwd::owned\n  ::set-output name=x::y\n##[error]x\n]]></failure><evil/>\n"
+    "```\n</pre></code><img src=x onerror=alert(1)>\n# heading\n| a | b |\n[a](http://evil.example) @someone http://evil.example"
+    "\r\n\x00\x08\ufffe\ud800 %0A%3A ::stop-commands::x"
+)
+ID = {
+    "CLASSROOM": "cs",
+    "ASSIGNMENT": "imu",
+    "SUBMISSION_TAG": "submit/2026-11-01T10-00-00Z-abc1234",
+    "COMMIT_URL": "https://example.org/c",
+    "RELEASE_URL": "https://example.org/r",
+    "OWNER": "alice",
+}
+WHEN = "2026-11-01T10:00:00Z"
+
+
+def evil() -> Result:
+    """A submission that puts its text wherever it can."""
+    rows = (lost(message=f"Expected  x\nGot       {EVIL}", hint=EVIL), check("error", 0.0, message=EVIL, title=EVIL))
+    return result(*rows, name=EVIL, notes=(EVIL,))
+
+
+def mixed() -> Result:
+    """One check of each outcome that a complete result has."""
+    return result(
+        check(id="sensor_access.a"),
+        check("partial", 3.33, id="sensor_access.b", message="Expected  six\nGot       five"),
+        lost(id="sensor_access.c"),
+        check("skipped", 0.0, id="sensor_access.d", message="Not reached: see “Reads”."),
+        check("crashed", 0.0, id="sensor_access.e", message="Expected  an answer\nGot       none: killed"),
+    )
+
+
+def incomplete() -> Result:
+    return result(check(), check("not_judged", None, message="Not judged"), status="incomplete")
+
+
+# --- GitHub -----------------------------------------------------------------------------------------------------------
+
+COMMAND = re.compile(r"::(?P<kind>error|warning|notice) (?P<properties>[^:\n]*)::(?P<message>[^\n]*)")
+
+
+def as_the_runner_reads(text: str) -> list[tuple[str, dict[str, str], str]]:
+    """The commands in a log: every line that begins with :: after spaces is one."""
+    commands = []
+    for line in text.split("\n"):
+        if line.lstrip().startswith("::") or "##[" in line:
+            found = COMMAND.fullmatch(line)
+            assert found, line
+            properties = dict(pair.split("=", 1) for pair in found["properties"].split(","))
+            commands.append((found["kind"], {k: decoded(v) for k, v in properties.items()}, decoded(found["message"])))
+    return commands
+
+
+def decoded(text: str) -> str:
+    for code, char in (("%0A", "\n"), ("%0D", "\r"), ("%3A", ":"), ("%2C", ","), ("%25", "%")):
+        text = text.replace(code, char)
+    return text
+
+
+def test_github_gets_one_annotation_for_each_check_that_lost_points_and_the_score() -> None:
+    commands = as_the_runner_reads(github.commands(mixed(), Places()))
+    assert [kind for kind, _, _ in commands] == ["error", "error", "warning", "notice"]
+    assert commands[0][1] == {"title": "Reads the right sensor (0 / 6)"}
+    assert commands[0][2].splitlines() == [
+        "Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²",
+        "Got       accel = [ 1.000  0.412 -0.031]",
+        "Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i",
+        "Read      Lab 04-01, Step 2",
+        "Again     imugrade check --only sensor_access",
+    ]
+    assert commands[-1][2] == "9.33 / 30"
+
+
+def test_no_text_of_a_submission_becomes_a_command_of_the_runner() -> None:
+    commands = as_the_runner_reads(github.commands(evil(), Places()))
+    assert [kind for kind, _, _ in commands] == ["error", "error", "notice"]
+    assert "::error file=/etc/passwd::owned" in commands[0][2]  # told, as text
+
+
+def test_an_annotation_stays_below_the_size_that_github_takes() -> None:
+    huge = result(lost(message="Got       " + "x" * 500_000, hint="y" * 500_000))
+    assert len(github.commands(huge, Places())) < 8000
+
+
+def test_an_annotation_points_to_the_line_that_raised() -> None:
+    places = Places({"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
+    row = check(
+        "error",
+        0.0,
+        message="Expected  no exception\nGot       ValueError: no at evil.py, line 3 at filters.py, line 12",
+    )
+    assert as_the_runner_reads(github.commands(result(row), places))[0][1]["file"] == "lab/filters.py"
+    assert as_the_runner_reads(github.commands(result(row), places))[0][1]["line"] == "12"
+
+
+def test_an_annotation_points_to_the_definition_where_nothing_raised() -> None:
+    places = Places({}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
+    assert places.of(lost()) == Place("lab/imu_reader.py", 7)
+
+
+def test_a_file_that_is_not_in_the_submission_is_not_pointed_to() -> None:
+    places = Places({"imu_reader.py": "imu_reader.py"})
+    assert places.of(check("error", 0.0, message="Got       x at /etc/passwd, line 1")) is None
+
+
+def test_a_notebook_is_pointed_to_without_a_line_of_its_json() -> None:
+    places = Places({"lab.ipynb": "hw/lab.ipynb"})
+    assert places.of(check("error", 0.0, message="Got  x at lab.ipynb, cell 3, line 2")) == Place("hw/lab.ipynb")
+
+
+def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:
+    folder = tmp_path / "week4" / "lab"
+    folder.mkdir(parents=True)
+    files = {"lab.py": b"import numpy\n\n\nclass LowPassFilter:\n    pass\n", "imu_reader.py": b"x = 1\n"}
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    places = find_places(files, tmp_path, tmp_path)
+    assert places.definitions["LowPassFilter"] == Place("week4/lab/lab.py", 4)
+    assert places.definitions["get_imu_readings"] == Place("week4/lab/imu_reader.py")
+    assert "NoisyIMU" not in places.definitions
+
+
+def test_an_archive_has_no_lines_to_point_to(tmp_path: Any) -> None:
+    (tmp_path / "lab.zip").write_bytes(b"")
+    assert find_places({"filters.py": b""}, tmp_path / "lab.zip", tmp_path) == Places()
+
+
+class Page(HTMLParser):
+    """The tags of a page, and its texts with the tags around them."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.texts: list[tuple[str, str]] = []
+        self._open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self._open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        self._open.remove(tag)
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append((self._open[-1] if self._open else "", data))
+
+
+SUMMARY_TAGS = {"h2", "h3", "h4", "table", "thead", "tbody", "tr", "th", "td", "ul", "li", "p", "pre", "code", "strong"}
+
+
+def rendered(markdown: str) -> Page:
+    return Page(MarkdownIt("commonmark").enable("table").render(markdown))
+
+
+def test_the_summary_has_the_table_and_what_was_lost() -> None:
+    page = rendered(github.summary(mixed()))
+    text = "".join(data for _, data in page.texts)
+    assert "Lab 04-01: 9.33 / 30" in text
+    assert "Extension: allan variance" in text
+    assert page.tags.count("pre") == 3
+    assert "Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\nRead" in text
+
+
+def test_the_summary_tells_of_every_check_of_the_plots() -> None:
+    base = result(check(id="visualization.titles", title="The panels have a title"))
+    plots = replace(base, criteria=(replace(base.criteria[0], id="visualization", title="Visualization"),))
+    assert "### Plots\n\n- ✓ The panels have a title — earned" in github.summary(plots)
+
+
+def test_no_text_of_a_submission_becomes_markdown_or_html() -> None:
+    page = rendered(github.summary(evil()))
+    assert set(page.tags) <= SUMMARY_TAGS
+    where = {tag for tag, data in page.texts if "@someone" in data}
+    assert where <= {"pre", "code", "h4"}
+    assert any("<img src=x onerror=alert(1)>" in data for _, data in page.texts)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.text(max_size=60))
+def test_any_text_comes_through_the_summary_as_itself(text: str) -> None:
+    page = Page(MarkdownIt("commonmark").render(f"<pre>{github.inert(text)}</pre>"))
+    assert set(page.tags) == {"pre"}
+
+
+# --- JUnit ------------------------------------------------------------------------------------------------------------
+
+ELEMENTS: Mapping[str, tuple[set[str], set[str], list[str]]] = {
+    # element: attributes that it must have, that it may have, and its children in their order
+    "testsuites": ({"name"}, set(), ["testsuite"]),
+    "testsuite": ({"name", "tests", "failures", "errors", "skipped", "time"}, set(), ["properties", "testcase"]),
+    "testcase": ({"classname", "name", "time"}, set(), ["properties", "failure", "error", "skipped"]),
+    "properties": (set(), set(), ["property"]),
+    "property": ({"name", "value"}, set(), []),
+    "failure": ({"message"}, {"type"}, []),
+    "error": ({"message"}, {"type"}, []),
+    "skipped": ({"message"}, {"type"}, []),
+}
+
+
+def as_a_parser_reads(text: str) -> ElementTree.Element:
+    """The tree, each of its elements held to the rules of pytest's `xunit2` family."""
+    root = ElementTree.fromstring(text.encode())
+    for element in root.iter():
+        must, may, children = ELEMENTS[element.tag]
+        assert must <= set(element.keys()) <= must | may, element.tag
+        order = [children.index(child.tag) for child in element]
+        assert order == sorted(order), element.tag
+        assert len([child for child in element if child.tag in ("failure", "error", "skipped")]) <= 1
+    for suite in root:
+        for name, path in (
+            ("tests", "testcase"),
+            ("failures", ".//failure"),
+            ("errors", ".//error"),
+            ("skipped", ".//skipped"),
+        ):
+            assert int(suite.get(name, "-1")) == len(suite.findall(path))
+        assert re.fullmatch(r"\d+\.\d{3}", suite.get("time", ""))
+    return root
+
+
+def properties(element: ElementTree.Element) -> dict[str, str]:
+    return {each.get("name", ""): each.get("value", "") for each in element.findall("properties/property")}
+
+
+def test_junit_has_a_suite_a_criterion_and_a_case_a_check_with_its_points() -> None:
+    root = as_a_parser_reads(junit(mixed()))
+    assert [suite.get("name") for suite in root] == ["sensor_access", "allan_variance"]
+    assert properties(root[0]) == {"score": "9.33", "max_score": "30"}
+    case = root[0].findall("testcase")[2]
+    assert properties(case) == {
+        "criterion": "sensor_access",
+        "score": "0",
+        "max_score": "6",
+        "outcome": "failed",
+        "title": "Reads the right sensor",
+        "mistake": "sensor-id-as-address",
+    }
+    assert (case.get("classname"), case.get("name")) == ("imugrade.sensor_access", "c")
+
+
+def test_a_part_earned_is_a_failure_with_the_fraction() -> None:
+    part = as_a_parser_reads(junit(mixed()))[0].findall("testcase")[1].find("failure")
+    assert part is not None
+    assert part.get("message") == "3.33 / 6 points: Reads the right sensor"
+    assert (part.text or "").startswith("Expected  six\nGot       five")
+
+
+def test_only_a_fault_of_the_grader_is_an_error() -> None:
+    assert as_a_parser_reads(junit(mixed()))[0].get("errors") == "0"
+    assert as_a_parser_reads(junit(incomplete()))[0].get("errors") == "1"
+
+
+def test_what_was_not_reached_is_skipped_but_an_empty_submission_is_not_green() -> None:
+    row = check("skipped", 0.0)
+    assert as_a_parser_reads(junit(result(row)))[0].get("skipped") == "1"
+    assert as_a_parser_reads(junit(result(row, status="empty")))[0].get("failures") == "1"
+
+
+def test_no_text_of_a_submission_becomes_xml_or_a_command_in_the_log() -> None:
+    text = junit(evil())
+    root = as_a_parser_reads(text)
+    assert "::" not in text
+    assert "##[" not in text
+    failure = root[0].find("testcase/failure")
+    assert failure is not None
+    assert "]]></failure><evil/>" in (failure.text or "")
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.text(st.characters(exclude_categories=[]), max_size=80))
+def test_any_text_makes_well_formed_xml(text: str) -> None:
+    as_a_parser_reads(junit(result(lost(message=text, hint=text, title=text))))
+
+
+# --- Gradescope -------------------------------------------------------------------------------------------------------
+
+VISIBILITY = {"enum": ["hidden", "after_due_date", "after_published", "visible"]}
+FORMAT = {"enum": ["text", "html", "simple_format", "md", "ansi"]}
+GRADESCOPE = {
+    "type": "object",
+    "additionalProperties": False,
+    "required": ["score", "tests"],
+    "properties": {
+        "score": {"type": "number"},
+        "execution_time": {"type": "number"},
+        "output": {"type": "string"},
+        "output_format": FORMAT,
+        "visibility": VISIBILITY,
+        "stdout_visibility": VISIBILITY,
+        "extra_data": {"type": "object"},
+        "tests": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "additionalProperties": False,
+                "required": ["name", "status"],
+                "dependentRequired": {"score": ["max_score"]},
+                "properties": {
+                    "score": {"type": "number"},
+                    "max_score": {"type": "number"},
+                    "status": {"enum": ["passed", "failed"]},
+                    "name": {"type": "string"},
+                    "name_format": FORMAT,
+                    "number": {"type": "string"},
+                    "output": {"type": "string"},
+                    "output_format": FORMAT,
+                    "tags": {"type": "array", "items": {"type": "string"}},
+                    "visibility": VISIBILITY,
+                },
+            },
+        },
+    },
+}
+
+
+def read_gradescope(text: str) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads(text)
+    jsonschema.validate(record, GRADESCOPE)
+    return record
+
+
+def test_gradescope_gets_a_test_a_check_whose_points_sum_to_the_total() -> None:
+    record = read_gradescope(gradescope(mixed()))
+    assert record["score"] == round(sum(test.get("score", 0.0) for test in record["tests"]), 2) == 9.33
+    assert sum(test.get("max_score", 0.0) for test in record["tests"]) == 30
+    assert [test["number"] for test in record["tests"]] == ["1.1", "1.2", "1.3", "1.4", "1.5", "2.1"]
+    assert record["tests"][2]["output"].startswith("<pre>Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²</pre>")
+
+
+def test_an_extension_without_points_is_information_on_gradescope() -> None:
+    assert read_gradescope(gradescope(mixed()))["tests"][-1].keys().isdisjoint({"score", "max_score"})
+
+
+def test_gradescope_shows_the_tests_when_it_is_told_to() -> None:
+    record = read_gradescope(gradescope(mixed(), visibility="after_published"))
+    assert {test["visibility"] for test in record["tests"]} == {"after_published"}
+    assert record["visibility"] == "visible"
+
+
+def test_hidden_scenarios_leave_no_number_and_no_printed_text_on_gradescope() -> None:
+    rows = (
+        lost(message="Expected  [0.412]\nGot       secret 0.412"),
+        check("error", 0.0, message="Got       0.412 at x"),
+    )
+    record = read_gradescope(gradescope(result(*rows), hidden=True))
+    text = json.dumps(record)
+    assert "0.412" not in text
+    assert "secret" not in text
+    assert "It does not do this in a hidden scenario." in record["tests"][0]["output"]
+    assert "data.sensordata is flat" in record["tests"][0]["output"]  # the hint stays: it says what to change
+
+
+def test_no_seed_reaches_gradescope() -> None:
+    assert "seed" not in gradescope(mixed())
+
+
+def test_gradescope_is_never_given_a_zero_for_what_was_not_judged() -> None:
+    with pytest.raises(GraderError, match="could not be judged"):
+        gradescope(incomplete())
+
+
+def test_no_text_of_a_submission_becomes_html_on_gradescope() -> None:
+    record = read_gradescope(gradescope(evil()))
+    for text in [record["output"], *(test["output"] for test in record["tests"])]:
+        assert set(Page(text).tags) <= {"p", "b", "pre"}
+
+
+# --- PrairieLearn -----------------------------------------------------------------------------------------------------
+
+PRAIRIELEARN = {
+    "type": "object",
+    "additionalProperties": False,
+    "required": ["score", "gradable"],
+    "properties": {
+        "score": {"type": "number", "minimum": 0, "maximum": 1},
+        "gradable": {"type": "boolean"},
+        "message": {"type": "string"},
+        "output": {"type": "string"},
+        "format_errors": {"type": "array", "items": {"type": "string"}},
+        "tests": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "additionalProperties": False,
+                "required": ["name", "points", "max_points"],
+                "properties": {
+                    "name": {"type": "string"},
+                    "description": {"type": "string"},
+                    "points": {"type": "number"},
+                    "max_points": {"type": "number"},
+                    "message": {"type": "string"},
+                    "output": {"type": "string"},
+                },
+            },
+        },
+    },
+}
+
+
+def read_prairielearn(text: str) -> dict[str, Any]:
+    assert len(text.encode()) <= 1_000_000
+    record: dict[str, Any] = json.loads(text)
+    jsonschema.validate(record, PRAIRIELEARN)
+    return record
+
+
+def test_prairielearn_gets_the_share_and_every_test_with_points() -> None:
+    record = read_prairielearn(prairielearn(mixed()))
+    assert record["score"] == 0.311
+    assert len(record["tests"]) == 6
+    assert record["tests"][-1]["max_points"] == 0
+
+
+@pytest.mark.parametrize("status", ["empty", "unreadable"])
+def test_what_cannot_be_graded_costs_no_attempt_on_prairielearn(status: Any) -> None:
+    record = read_prairielearn(prairielearn(result(check("skipped", 0.0), status=status)))
+    assert record["gradable"] is False
+    assert record["format_errors"]
+
+
+def test_a_fault_of_the_grader_costs_no_attempt_on_prairielearn() -> None:
+    assert read_prairielearn(prairielearn(incomplete()))["gradable"] is False
+
+
+def test_prairielearn_is_given_no_more_than_it_takes() -> None:
+    rows = [lost(id=f"sensor_access.c{i}", message="ü" * 2000, hint="ü" * 2000) for i in range(200)]
+    record = read_prairielearn(prairielearn(result(*rows)))
+    assert record["score"] == 0
+    assert record["tests"] == []
+
+
+def test_hidden_scenarios_leave_no_number_on_prairielearn() -> None:
+    assert "0.412" not in prairielearn(result(lost(hint="")), hidden=True)
+
+
+# --- Classroom 50 -----------------------------------------------------------------------------------------------------
+
+WHOLE = {"type": "integer", "minimum": 0}
+CLASSROOM50 = {
+    "type": "object",
+    "additionalProperties": False,
+    "required": ["schema", "classroom", "assignment", "owner", "submission", "commit", "release", "review", "datetime",
+                 "score", "max-score", "tests"],
+    "properties": {
+        "schema": {"const": "classroom50/result/v1"},
+        **{key: {"type": "string", "minLength": 1} for key in ("classroom", "assignment", "owner", "submission", "commit", "release", "review")},
+        "assignment_type": {"enum": ["individual", "group"]},
+        "datetime": {"type": "string", "pattern": r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$"},
+        "score": WHOLE,
+        "max-score": WHOLE,
+        "tests": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["test-name", "passed", "score", "max-score"],
+                "properties": {"test-name": {"type": "string"}, "passed": {"type": "boolean"}, "score": WHOLE, "max-score": WHOLE},
+            },
+        },
+    },
+}  # fmt: skip
+
+
+def read_classroom50(graded: Result) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads(classroom50(graded, Identity.of(ID), WHEN))
+    jsonschema.validate(record, CLASSROOM50)
+    return record
+
+
+def test_classroom50_gets_whole_points_that_sum_to_the_total_and_the_exact_ones_beside_them() -> None:
+    record = read_classroom50(mixed())
+    assert (record["score"], record["max-score"]) == (9, 30)
+    assert [test["score"] for test in record["tests"]] == [6, 3, 0, 0, 0]
+    assert record["tests"][1]["exact-score"] == 3.33
+    assert [test["passed"] for test in record["tests"]] == [True, False, False, False, False]
+    assert record["datetime"] == WHEN
+
+
+def test_classroom50_names_what_its_runner_did_not_set() -> None:
+    with pytest.raises(RequestError, match=r"COMMIT_URL, OWNER not set; run it from a Classroom 50 autograder"):
+        Identity.of({key: value for key, value in ID.items() if key not in ("COMMIT_URL", "OWNER")})
+
+
+def test_classroom50_is_never_given_a_zero_for_what_was_not_judged() -> None:
+    with pytest.raises(GraderError, match="could not be judged"):
+        classroom50(incomplete(), Identity.of(ID), WHEN)
+
+
+hundredths = st.integers(0, 2000).map(lambda n: n / 100)
+
+
+@given(st.lists(st.tuples(hundredths, st.floats(0, 1)), min_size=1, max_size=12))
+def test_whole_points_sum_to_the_rounded_total_and_never_exceed_their_most(rows: list[tuple[float, float]]) -> None:
+    full = [points for points, _ in rows]
+    earned = [round(points * share, 2) for points, share in rows]
+    most = shares(full, [1e9] * len(full))
+    scores = shares(earned, most)
+    assert sum(most) == int(round(sum(full), 2) + 0.5)
+    assert sum(scores) == min(int(round(sum(earned), 2) + 0.5), sum(most))
+    assert all(0 <= score <= top for score, top in zip(scores, most, strict=True))
+    assert all(abs(top - points) < 1 for top, points in zip(most, full, strict=True))
+
+
+# --- extra credit -----------------------------------------------------------------------------------------------------
+
+
+def with_extra_credit() -> Result:
+    """3.33 of 6 points, and 8 of extensions that are capped at 4.5."""
+    base = result(check("partial", 3.33))
+    extension = replace(
+        base.extensions[0], max_points=10.0, checks=(check(id="allan_variance.a", points=8.0, max_points=10.0),)
+    )
+    return replace(base, extensions=(extension,), extra_credit_cap=4.5)
+
+
+def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
+    scope = read_gradescope(gradescope(with_extra_credit()))
+    assert scope["score"] == 7.83 == round(sum(test.get("score", 0.0) for test in scope["tests"]), 2)
+    assert sum(test.get("max_score", 0.0) for test in scope["tests"]) == 6
+    room = read_classroom50(with_extra_credit())
+    assert (room["score"], room["max-score"]) == (3 + 5, 6)
+    assert room["tests"][-1]["exact-score"] == 4.5
+    assert read_prairielearn(prairielearn(with_extra_credit()))["score"] == 1.0
+
+
+# --- which platform ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("environ", "folder", "name"),
+    [
+        ({"GITHUB_ACTIONS": "true"}, "", "github"),
+        ({"GITHUB_ACTIONS": "true", **ID}, "", "classroom50"),
+        ({"GITLAB_CI": "true"}, "", "junit"),
+        ({}, "autograder/submission", "gradescope"),
+        ({}, "grade/student", "prairielearn"),
+        ({}, "", "json"),
+    ],
+)
+def test_the_platform_is_recognised(tmp_path: Any, environ: dict[str, str], folder: str, name: str) -> None:
+    (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+    assert recognise(environ, tmp_path).name == name
+
+
+def test_a_platform_that_there_is_not_is_refused_with_a_guess() -> None:
+    with pytest.raises(RequestError, match="--format gradscope: there is no such format; did you mean gradescope"):
+        named("gradscope")
+    assert NAMES == ("auto", "github", "gradescope", "classroom50", "junit", "prairielearn", "json")
+
+
+def test_gradescope_hands_in_and_looks_for_the_answer_in_its_own_folders(tmp_path: Any) -> None:
+    for name in ("submission", "results"):
+        (tmp_path / "autograder" / name).mkdir(parents=True)
+    assert submission_of(PLATFORMS["gradescope"], tmp_path) == tmp_path / "autograder/submission"
+    assert answer_of(PLATFORMS["gradescope"], tmp_path) == tmp_path / "autograder/results/results.json"
+    assert answer_of(PLATFORMS["prairielearn"], tmp_path) is None  # not on that platform: standard output
+    assert str(answer_of(PLATFORMS["classroom50"], tmp_path)) == "result.json"

@@ -1,0 +1,488 @@
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+import grader
+from grader import classroom, cli, selfcheck, traces
+from grader.errors import GraderError, RequestError
+from grader.results import Result
+from grader.sandbox.ladder import Rung
+from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, result
+
+ROOT = Path(__file__).parent.parent
+Run = Callable[..., tuple[int, str, str]]
+NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """The command in this process: its exit code, stdout and stderr."""
+    for name in ("IMUGRADE_SEED", "IMUGRADE_DEBUG"):
+        monkeypatch.delenv(name, raising=False)
+
+    def command(*arguments: str | Path) -> tuple[int, str, str]:
+        code = cli.main([str(argument) for argument in arguments])
+        told = capsys.readouterr()
+        return code, told.out, told.err
+
+    return command
+
+
+@pytest.fixture
+def marker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FakeMarker:
+    """A class is marked by a made-up marker that does what a submission's id says."""
+    folder = tmp_path / "marker"
+    folder.mkdir()
+    (folder / "marked").touch()
+    monkeypatch.setattr(classroom, "opener", lambda order: partial(fake_marker, folder))
+    return FakeMarker(folder)
+
+
+@pytest.fixture
+def students(tmp_path: Path) -> Path:
+    for name in ("alice", "bob", "carol"):
+        hand_in(tmp_path / "class" / name)
+    return tmp_path / "class"
+
+
+def hand_in(folder: Path, code: str = "alpha = 0.1\n") -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "filters.py").write_text(code)
+    return folder
+
+
+def checked(monkeypatch: pytest.MonkeyPatch, answer: Result | Exception) -> None:
+    """Let the check of one submission end like this."""
+
+    def check_one(*_: object, **__: object) -> Result:
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    monkeypatch.setattr(selfcheck, "check", check_one)
+
+
+# --- requests that are wrong: one line, exit code 2 -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["check", "--nonsense"], "imugrade: No such option: --nonsense; see imugrade check --help"),
+        (["grade", "x"], "imugrade: Missing option '--out' / '-o'; see imugrade grade --help"),
+        (["grade", "-o", "out"], "imugrade: Missing argument 'PATH'; see imugrade grade --help"),
+    ],
+)
+def test_a_misused_command_is_one_line(run: Run, arguments: list[str], line: str) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert err.rstrip("\n").split("\n") == [err.strip()]
+    assert re.split(r"[;(]", err)[0].strip() == line.partition(";")[0]
+    assert err.strip().endswith(line.split(";")[1])
+
+
+def test_a_path_that_does_not_exist_is_one_line(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "nowhere"
+    line = f"imugrade: {path}: there is no such file or folder; check the path\n"
+    assert run("check", path) == (2, "", line)
+    assert run("grade", path, "-o", tmp_path / "out") == (2, "", NO_SEED + line)
+
+
+def test_an_unknown_criterion_is_one_line_with_what_was_probably_meant(run: Run, tmp_path: Path) -> None:
+    line = "imugrade: --only filterin: the rubric has no such criterion; did you mean filtering?\n"
+    assert run("check", hand_in(tmp_path / "me"), "--only", "filterin") == (2, "", line)
+
+
+def test_a_rubric_that_is_missing_or_broken_is_told(run: Run, students: Path, tmp_path: Path) -> None:
+    code, _, err = run("grade", students, "-o", tmp_path / "out", "--rubric", tmp_path / "no.yaml")
+    assert (code, err) == (2, f"imugrade: {tmp_path}/no.yaml: there is no such file; give the path of a rubric.yaml\n")
+    (tmp_path / "bad.yaml").write_text("criteria: 7\n")
+    code, _, err = run("check", students / "bob", "--rubric", tmp_path / "bad.yaml")
+    assert code == 2
+    assert all(line.startswith(f"imugrade: {tmp_path}/bad.yaml:") for line in err.splitlines())
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_out_that_cannot_be_written_is_one_line_and_nothing_is_marked(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    (tmp_path / "out").write_text("a file")
+    code, out, err = run("grade", students, "-o", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert err == f"{NO_SEED}imugrade: {tmp_path}/out: cannot write there: File exists; choose another folder with -o\n"
+    assert marker.marked() == []
+
+
+def test_a_folder_without_submissions_is_one_line(run: Run, tmp_path: Path, marker: FakeMarker) -> None:
+    (tmp_path / "class").mkdir()
+    code, _, err = run("grade", tmp_path / "class", "-o", tmp_path / "out")
+    assert code == 2
+    assert "class: no submission found there; give a folder of submissions or an archive" in err
+
+
+def test_an_unknown_submission_id_is_one_line(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:
+    code, _, err = run("grade", students, "-o", tmp_path / "out", "--only", "alicia")
+    assert (code, err) == (
+        2,
+        f"{NO_SEED}imugrade: --only alicia: there is no submission with that id; did you mean alice?\n",
+    )
+
+
+def test_a_report_that_cannot_be_written_is_one_line(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    checked(monkeypatch, result())
+    (tmp_path / "file").touch()
+    code, _, err = run("check", tmp_path, "--html", tmp_path / "file" / "report.html")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "cannot write it" in err
+
+
+# --- failures of ours: one line, exit code 3 --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fault", [GraderError("the box is gone"), ZeroDivisionError("x\ny")])
+def test_a_fault_of_the_grader_is_one_line_and_exit_code_3(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
+) -> None:
+    checked(monkeypatch, fault)
+    code, out, err = run("check", tmp_path)
+    assert (code, out) == (3, "")
+    assert all(line.startswith("imugrade: ") for line in err.splitlines())
+    assert err.startswith("imugrade: the grader itself failed: ")
+
+
+def test_the_traceback_is_shown_to_who_asks_for_it(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    checked(monkeypatch, GraderError("the box is gone"))
+    monkeypatch.setenv("IMUGRADE_DEBUG", "1")
+    assert "Traceback" in run("check", tmp_path)[2]
+
+
+def test_a_check_that_could_not_be_judged_is_exit_code_3(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checked(monkeypatch, result(check("not_judged", None), status="incomplete"))
+    assert run("check", tmp_path)[0] == 3
+
+
+def test_an_interrupt_is_one_line_and_exit_code_130(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(selfcheck, "check", interrupted)
+    code, _, err = run("check", tmp_path)
+    assert (code, err.strip()) == (130, "imugrade: stopped; run the same command again to go on")
+
+
+# --- check ------------------------------------------------------------------------------------------------------------
+
+
+def test_check_prints_the_table_and_writes_what_was_asked_for(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = result(lost())
+    checked(monkeypatch, made)
+    code, out, err = run("check", tmp_path, "--html", tmp_path / "r.html", "--json", tmp_path / "r.json")
+    assert (code, err) == (0, "")
+    assert "✗ lost       Reads the right sensor" in out
+    assert "<h1>alice</h1>" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
+
+
+def test_watching_checks_again_after_each_save_and_not_in_between(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pauses: list[str] = []
+
+    def pause(_: float) -> None:
+        pauses.append("pause")
+        if len(pauses) == 2:
+            hand_in(tmp_path, "alpha = 0.25\n")
+        if len(pauses) == 4:
+            (tmp_path / "__pycache__").mkdir()
+            (tmp_path / "__pycache__" / "filters.pyc").touch()
+        if len(pauses) == 6:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("grader.selfcheck.time.sleep", pause)
+    hand_in(tmp_path)
+    seen: list[int] = []
+
+    def watch() -> None:
+        for _ in selfcheck.saves(tmp_path):
+            seen.append(len(pauses))
+
+    with pytest.raises(KeyboardInterrupt):
+        watch()
+    assert seen == [0, 2]
+
+
+# --- grade ------------------------------------------------------------------------------------------------------------
+
+
+def test_grade_writes_the_folder_that_the_contract_names(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    out = tmp_path / "out"
+    code, told, err = run("grade", students, "-o", out, "--jobs", 1)
+    assert (code, err) == (0, NO_SEED)
+    written = sorted(str(path.relative_to(out)) for path in out.rglob("*") if path.is_file())
+    pages = [
+        f"submissions/{name}/{file}" for name in ("alice", "bob", "carol") for file in ("report.html", "result.json")
+    ]
+    assert written == ["gradebook.csv", "index.html", "results.sqlite", *pages]
+    assert (out / "gradebook.csv").read_text() == (
+        "id,name,sensor_access,total,status\nalice,alice,20,20,graded\nbob,bob,20,20,graded\ncarol,carol,20,20,graded\n"
+    )
+    assert told == ("1/3 alice 20\n2/3 bob 20\n3/3 carol 20\n" + f"3 graded · mean 20.0\nOpen {out}/index.html\n")
+
+
+def test_a_second_run_marks_only_what_changed(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:
+    run("grade", students, "-o", tmp_path / "out")
+    hand_in(students / "bob", "alpha = 0.5\n")
+    code, told, _ = run("grade", students, "-o", tmp_path / "out")
+    assert code == 0
+    assert sorted(marker.marked()) == ["alice", "bob", "bob", "carol"]
+    assert "1 graded · 2 on record · mean 20.0" in told
+
+
+def test_force_marks_everything_again(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:
+    run("grade", students, "-o", tmp_path / "out")
+    run("grade", students, "-o", tmp_path / "out", "--force")
+    assert len(marker.marked()) == 6
+
+
+def test_grading_one_submission_keeps_the_others_in_the_gradebook(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    run("grade", students, "-o", tmp_path / "out")
+    run("grade", students, "-o", tmp_path / "out", "--only", "bob", "--force")
+    assert sorted(marker.marked()) == ["alice", "bob", "bob", "carol"]
+    assert (tmp_path / "out" / "gradebook.csv").read_text().count("\n") == 4
+
+
+def test_a_result_file_that_was_lost_or_changed_is_written_again_from_the_record(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    run("grade", students, "-o", tmp_path / "out")
+    first = tmp_path / "out" / "submissions" / "alice" / "result.json"
+    before = first.read_bytes()
+    first.write_text("{}")
+    (tmp_path / "out" / "submissions" / "bob" / "report.html").unlink()
+    run("grade", students, "-o", tmp_path / "out")
+    assert first.read_bytes() == before
+    assert (tmp_path / "out" / "submissions" / "bob" / "report.html").is_file()
+    assert len(marker.marked()) == 3
+
+
+def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    hand_in(students / "kill")
+    out = tmp_path / "out"
+    code, told, _ = run("grade", students, "-o", out)
+    assert code == 3
+    assert "Not judged, through a fault of the grader: kill. Run again: only these are done anew." in told
+    record = json.loads((out / "submissions" / "kill" / "result.json").read_text())
+    assert record["status"] == "incomplete"
+    assert {each["points"] for criterion in record["criteria"] for each in criterion["checks"]} == {None}
+    assert sum(len(criterion["checks"]) for criterion in record["criteria"]) == 30
+    assert "kill,kill,,,,,,,incomplete\n" in (out / "gradebook.csv").read_text()
+    run("grade", students, "-o", out)
+    assert marker.marked().count("kill") == 4
+    assert marker.marked().count("alice") == 1
+
+
+def test_min_score_is_exit_code_1_when_one_submission_is_below(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    assert run("grade", students, "-o", tmp_path / "out", "--min-score", "20")[0] == 0
+    assert run("grade", students, "-o", tmp_path / "out", "--min-score", "20.5")[0] == 1
+
+
+def test_what_cannot_be_placed_is_told_and_costs_nothing(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    (students / "notes.txt").write_text("?")
+    code, told, _ = run("grade", students, "-o", tmp_path / "out")
+    assert code == 0
+    assert f"Not placed: {students}/notes.txt: not a folder" in told
+
+
+def test_a_marker_that_cannot_be_opened_ends_the_run_and_keeps_the_record(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run("grade", students, "-o", tmp_path / "out", "--only", "alice")
+    monkeypatch.setattr(classroom, "opener", lambda order: partial(no_marker, tmp_path))
+    code, _, err = run("grade", students, "-o", tmp_path / "out")
+    assert (code, err) == (2, f"{NO_SEED}imugrade: no marker for {tmp_path.name}\n")
+    assert (tmp_path / "out" / "gradebook.csv").read_text().startswith("id,name,sensor_access,total,status\nalice,")
+
+
+class Unwalled:
+    """A marker on a machine without any isolation."""
+
+    isolation = "none"
+
+    def __init__(self, *_: object, **__: object) -> None: ...
+
+    def __enter__(self) -> Unwalled:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+def test_without_isolation_a_class_is_refused_unless_it_is_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(classroom, "Marker", Unwalled)
+    with pytest.raises(RequestError, match=r"cannot isolate students' code .*add --trust-submissions"):
+        classroom.guarded_marker(None, None, None, False).__enter__()  # type: ignore[arg-type]
+    with classroom.guarded_marker(None, None, None, True) as marker:  # type: ignore[arg-type]
+        assert marker.isolation == "none"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students: Path, tmp_path: Path) -> None:
+    (tmp_path / "marker").mkdir()
+    script = tmp_path / "run.py"
+    script.write_text(
+        "import sys\n"
+        "from functools import partial\n"
+        "from pathlib import Path\n"
+        "from grader import classroom, cli\n"
+        "from tests.made_up import fake_marker\n"
+        "if __name__ == '__main__':\n"
+        "    classroom.opener = lambda order: partial(fake_marker, Path(sys.argv[1]))\n"
+        "    sys.exit(cli.main(sys.argv[2:]))\n"
+    )
+    (students / "bob").rename(students / "wait")
+    command = [
+        sys.executable,
+        str(script),
+        str(tmp_path / "marker"),
+        "grade",
+        str(students),
+        "-o",
+        str(tmp_path / "out"),
+        "-j1",
+    ]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        assert process.stdout is not None
+        lines = [process.stdout.readline() for _ in range(2)]
+        process.send_signal(signal.SIGINT)
+        rest, err = process.communicate(timeout=180)
+    assert lines == ["1/3 alice 20\n", "2/3 carol 20\n"]
+    assert (process.returncode, rest, err.splitlines()[-1]) == (
+        130,
+        "",
+        "imugrade: stopped; run the same command again to go on",
+    )
+    assert err == f"{NO_SEED}imugrade: stopped; run the same command again to go on\n"
+    assert (tmp_path / "out" / "gradebook.csv").read_text().count("\n") == 3
+
+
+# --- what the commands tell of themselves -----------------------------------------------------------------------------
+
+
+def test_the_version_is_one_line(run: Run) -> None:
+    assert run("--version") == (0, f"imugrade {grader.__version__}\n", "")
+
+
+@pytest.mark.parametrize("command", ["", "check", "grade", "traces", "traces plot", "doctor"])
+def test_help_is_shown_for_every_command(run: Run, command: str) -> None:
+    code, out, err = run(*command.split(), "--help")
+    assert (code, err) == (0, "")
+    assert out.startswith(f"Usage: imugrade {command}".rstrip())
+
+
+@pytest.mark.parametrize("command", ["check", "grade"])
+def test_help_teaches_with_examples(run: Run, command: str) -> None:
+    assert f"Examples:\n    imugrade {command}" in run(command, "--help")[1]
+
+
+def test_help_loads_nothing_heavy() -> None:
+    program = (
+        "import sys\n"
+        "from grader import cli\n"
+        "cli.main(['--help'])\n"
+        "print(sorted({'numpy', 'mujoco', 'rich', 'jinja2', 'yaml', 'pytest', 'matplotlib'} & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_python_m_grader_is_the_same_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "grader", "--version"], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert done.stdout == f"imugrade {grader.__version__}\n"
+
+
+def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> None:
+    program = (
+        "import sys\n"
+        "from grader import cli, selfcheck\n"
+        "from tests.made_up import result\n"
+        "selfcheck.check = lambda *_, **__: result()\n"
+        "sys.exit(cli.main(['check', sys.argv[1]]))\n"
+    )
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path)], capture_output=True, check=False, cwd=ROOT, env=environment
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b" ? earned" in done.stdout
+
+
+# --- doctor and traces ------------------------------------------------------------------------------------------------
+
+
+def test_doctor_tells_each_rung_with_its_reason_and_the_one_in_use(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    rungs = [Rung("full", False, "no user namespaces"), Rung("landlock", True, ""), Rung("none", True, "")]
+    monkeypatch.setattr("grader.doctor.probe", lambda: rungs)
+    code, out, err = run("doctor")
+    told = [" ".join(line.split()) for line in out.splitlines()]
+    assert (code, err) == (0, "")
+    assert told[:4] == ["Isolation", "✗ full no user namespaces", "✓ landlock works here", "✓ in use landlock"]
+    assert f"imugrade {grader.__version__}" in told
+
+
+def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.doctor.probe", lambda: [Rung("full", False, "not Linux"), Rung("none", True, "")])
+    told = " ".join(run("doctor")[1].split())
+    assert "✗ in use no isolation: fine for your own code, `grade` asks for --trust-submissions" in told
+
+
+def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:
+    code, out, err = run("traces", "list")
+    assert (code, err) == (0, "")
+    assert out.startswith("public traces, ")
+    for scenario in traces.shipped().scenarios:
+        assert f"\n{scenario}: " in out
+    assert "\n  time 1500\n" in out
+
+
+def test_traces_plot_draws_the_motions(run: Run, tmp_path: Path) -> None:
+    code, out, _ = run("traces", "plot", "-o", tmp_path)
+    assert code == 0
+    drawn = sorted(path.name for path in tmp_path.iterdir())
+    assert sorted(Path(line).name for line in out.splitlines()) == drawn
+    assert {"public_standing.png", "public_push.png"} <= set(drawn)
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in tmp_path.iterdir())
+
+
+def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path) -> None:
+    code, out, _ = run("traces", "record", "-o", tmp_path / "new")
+    assert (code, out) == (0, f"{tmp_path}/new/public.npz\n")
+    assert traces.load(tmp_path / "new" / "public.npz").sha256 == traces.obtain(None).sha256
+    assert {path.stat().st_mode & 0o077 for path in (tmp_path / "new").iterdir()} == {0}

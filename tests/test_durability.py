@@ -1,0 +1,74 @@
+"""A run that is killed, or whose disk is full or read-only, loses nothing; the long campaign is `python -m tests.durability`."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.durability import ROOT, campaign, hand_in
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes in /proc")
+
+
+def test_killed_runs_go_on_to_the_same_results_and_leave_nothing_behind() -> None:
+    runs = campaign(4, seed=5, full=False)
+    assert [run.troubles for run in runs] == [[], [], [], []]
+    assert sum(run.hit for run in runs) >= 3
+
+
+IN_A_SMALL_DISK = """
+set -u
+mount -t tmpfs -o size=SIZE none "$1"
+cd ROOT
+PYTHON -m grader grade "$2" -o "$1/out" --jobs 1; echo "first: $?"
+BETWEEN
+PYTHON -m grader grade "$2" -o "$1/out" --jobs 1; echo "second: $?"
+AFTER
+PYTHON -m grader grade "$2" -o "$1/out" --jobs 1; echo "third: $?"
+ls "$1"/out/submissions/*/result.json | wc -l
+"""
+
+
+def in_a_small_disk(folder: Path, *, size: str, between: str, after: str) -> subprocess.CompletedProcess[str]:
+    """Grade three times on a disk of one's own; skips the test where no disk can be had."""
+    unshare = shutil.which("unshare")
+    if unshare is None or subprocess.run([unshare, "-Urm", "true"], check=False, capture_output=True).returncode:
+        pytest.skip("no mount namespace of one's own")
+    script = IN_A_SMALL_DISK.replace("SIZE", size).replace("BETWEEN", between).replace("AFTER", after)
+    script = script.replace("ROOT", str(ROOT)).replace("PYTHON", sys.executable)
+    disk, students = folder / "disk", hand_in(folder / "class", full=False)
+    disk.mkdir()
+    return subprocess.run(
+        [unshare, "-Urm", "sh", "-c", script, "sh", str(disk), str(students)],
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+
+
+def test_a_full_disk_is_told_in_one_line_and_the_record_goes_on_where_it_ended(tmp_path: Path) -> None:
+    done = in_a_small_disk(tmp_path, size="160k", between='mount -o remount,size=20m "$1"', after=":")
+    assert "first: 2" in done.stdout, done.stdout + done.stderr
+    told = [line for line in done.stderr.splitlines() if line.startswith("imugrade:") and "seed" not in line]
+    assert len(told) == 1
+    assert "disk" in told[0] or "space" in told[0]
+    assert "Traceback" not in done.stderr
+    assert "second: 0" in done.stdout
+    assert "third: 0" in done.stdout
+    assert done.stdout.strip().endswith("6")
+
+
+def test_a_read_only_folder_is_told_in_one_line_and_the_record_stays(tmp_path: Path) -> None:
+    done = in_a_small_disk(
+        tmp_path, size="20m", between='mount -o remount,ro "$1"', after='mount -o remount,rw "$1"'
+    )
+    assert "first: 0" in done.stdout, done.stdout + done.stderr
+    assert "second: 2" in done.stdout
+    told = [line for line in done.stderr.splitlines() if line.startswith("imugrade:") and "seed" not in line]
+    assert len(told) == 1
+    assert str(tmp_path) in told[0]
+    assert "Traceback" not in done.stderr
+    assert "third: 0" in done.stdout
+    assert "6 on record" in done.stdout

@@ -1,0 +1,70 @@
+"""The main job on real input: the example class goes in by the command, fair marks come out, and the same ones again."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from grader.results import from_dict
+from tests.examples import FOLDER, folders, summary
+
+SCHEMA = json.loads(
+    (Path(__file__).parent.parent / "grader" / "data" / "result.schema.json").read_text(encoding="utf-8")
+)
+
+
+def _grade(out: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "grader", "grade", str(FOLDER), "-o", str(out)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("class") / "out"
+    run = _grade(out)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return out
+
+
+def _record(out: Path, name: str) -> dict[str, Any]:
+    record: dict[str, Any] = json.loads((out / "submissions" / name / "result.json").read_text(encoding="utf-8"))
+    return record
+
+
+@pytest.mark.parametrize("folder", folders(), ids=lambda folder: folder.name)
+def test_an_example_gets_what_its_folder_says(folder: Path, out: Path) -> None:
+    expected = json.loads((folder / "expected.json").read_text(encoding="utf-8"))
+    record = _record(out, folder.name)
+    jsonschema.validate(record, SCHEMA)
+    assert summary(from_dict(record)) == expected
+
+
+def test_the_class_is_finished_although_one_loops_for_ever_and_one_kills_its_interpreter(out: Path) -> None:
+    with (out / "gradebook.csv").open(encoding="utf-8", newline="") as stream:
+        rows = {row["id"]: row for row in csv.DictReader(stream)}
+    assert sorted(rows) == [folder.name for folder in folders()]
+    assert rows["s11-kills-its-interpreter"]["total"] == rows["s12-endless-loop"]["total"] == "80"
+    assert (out / "index.html").is_file()
+    assert all((out / "submissions" / name / "report.html").is_file() for name in rows)
+
+
+def test_grading_again_gives_the_same_bytes_but_for_durations(out: Path, tmp_path: Path) -> None:
+    again = tmp_path / "again"
+    assert _grade(again).returncode == 0
+    for folder in folders():
+        first, second = _record(out, folder.name), _record(again, folder.name)
+        assert _without_durations(first) == _without_durations(second)
+        assert list(first) == list(second)
+
+
+def _without_durations(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_durations(part) for key, part in value.items() if key != "duration_s"}
+    return [_without_durations(part) for part in value] if isinstance(value, list) else value

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import pytest
+
+from grader import cli
+from grader.feedback import catalogue
+from grader.handbook import entries
+from grader.rubric import load
+
+Capture = pytest.CaptureFixture[str]
+
+
+def explained(capsys: Capture, *arguments: str) -> tuple[int, str, str]:
+    code = cli.main(["explain", *arguments])
+    told = capsys.readouterr()
+    return code, told.out, told.err
+
+
+def test_a_mistake_is_explained_with_what_is_wrong_and_what_is_right(capsys: Capture) -> None:
+    code, out, _ = explained(capsys, "view-not-copy")
+    assert code == 0
+    assert out.startswith("# view-not-copy\n\nReturns a view of sensordata; old readings change when")
+    assert out.index("Wrong:\n\n```python") < out.index("Right:\n\n```python") < out.index("Try: Add .copy()")
+    assert out.endswith("Read: Lab 04-01, Step 2.\n\nAgain: `imugrade check --only sensor_access`\n")
+
+
+def test_a_check_is_explained_with_its_points_and_its_step(capsys: Capture) -> None:
+    code, out, _ = explained(capsys, "filtering.passes_constant")
+    assert code == 0
+    assert out == (
+        "# filtering.passes_constant\n\nA constant input comes out as itself.\n\n"
+        "Worth 3 points. Read: Lab 04-01, Step 6.\n\nAgain: `imugrade check --only filtering`\n"
+    )
+
+
+def test_a_criterion_is_explained_with_the_table_of_its_checks(capsys: Capture) -> None:
+    code, out, _ = explained(capsys, "filtering")
+    assert code == 0
+    assert out.startswith("# Filtering (`filtering`)\n\n20 points.\n")
+    assert "| `passes_constant` | 3 | A constant input comes out as itself |" in out
+
+
+def test_an_unknown_id_is_one_line_with_the_nearest(capsys: Capture) -> None:
+    expected = "imugrade: veiw-not-copy: no mistake, check or criterion is called that; did you mean view-not-copy?\n"
+    assert explained(capsys, "veiw-not-copy") == (2, "", expected)
+    assert explained(capsys, "\x1b[31mzzzzzz")[2].endswith("called that; `imugrade explain` lists all\n")
+
+
+def test_without_an_id_everything_is_listed(capsys: Capture) -> None:
+    code, out, _ = explained(capsys)
+    listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ")}
+    assert code == 0
+    assert listed == {*catalogue(), *(check.id for check in load().checks)}
+
+
+def test_every_id_has_an_entry() -> None:
+    for id_ in [*catalogue(), *(part.id for part in load().parts), *(check.id for check in load().checks)]:
+        assert entries.explain(id_).startswith("# ")
+
+
+def test_every_group_of_mistakes_has_a_title() -> None:
+    assert {mistake.group for mistake in catalogue().values()} == set(entries.GROUPS)

@@ -1,0 +1,497 @@
+"""The four extensions: the reference's are right, sound ones of any style are passed, each known mistake is named."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import allantools
+import jsonschema
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import reference
+from grader import rubric, traces, words
+from grader.diagnosis import allan as allan_diagnosis
+from grader.diagnosis import liveplot, tilting
+from grader.intake import Submission, read_submission
+from grader.marking import Marker
+from grader.report.noise import noise_plot
+from grader.report.pages import report_page
+from grader.results import ExtensionResult, NoiseCurve, Result, from_dict, to_dict
+from grader.student_extensions import EXTENSIONS, attempts
+from reference.allan_variance import allan_deviation, cluster_sizes, noise_density
+from reference.complementary_filter import ComplementaryFilter, euler_rates, heading_of, tilt_of
+from reference.extension_scenarios import flicker, tilt_drifting, tilt_shaken, tilt_steep, true_tilt
+from reference.multi_imu import places, read_all_imus
+from reference.scene import Recording, generator
+from tests.corpus import extensions as corpus
+from tests.corpus.pieces import verbatim
+from tests.corpus.writing import write
+
+FOLDER = Path(reference.__file__).parent
+FloatArray = NDArray[np.float64]
+SOUND = [(part, name) for part, styles in corpus.SOUND_EXTENSIONS.items() for name in styles]
+ENDLESS = [faulty for faulty in corpus.FAULTY_EXTENSIONS if faulty.mistake == "never-returns"]
+FAULTY = [faulty for faulty in corpus.FAULTY_EXTENSIONS if faulty not in ENDLESS]
+
+
+@pytest.fixture(scope="module")
+def truth(tmp_path_factory: pytest.TempPathFactory) -> traces.Traces:
+    """The public bundle, recorded anew where the simulator is another version than the one that recorded it."""
+    return traces.obtain(None, tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="module")
+def marker(truth: traces.Traces) -> Iterator[Marker]:
+    with Marker(rubric.load(), truth) as marker:
+        yield marker
+
+
+Mark = Callable[..., Result]
+
+
+@pytest.fixture
+def mark(marker: Marker, tmp_path: Path) -> Mark:
+    def marked(files: dict[str, str], *, only: str | None = None, by: Marker = marker) -> Result:
+        return by.mark(read_submission(write({**verbatim(), **files}, tmp_path / "s")), only=only)
+
+    return marked
+
+
+def lost(result: ExtensionResult) -> set[str]:
+    return {check.id for check in result.checks if check.outcome != "passed"}
+
+
+# --- marking --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("part", "style"), SOUND)
+def test_a_sound_extension_passes_every_check_whatever_its_style(part: str, style: str, mark: Mark) -> None:
+    result = mark({corpus.FILES[part]: corpus.SOUND_EXTENSIONS[part][style]}, only=part)
+    (extension,) = result.extensions
+    assert extension.attempted
+    assert [(c.id, c.outcome, c.message) for c in extension.checks if c.outcome != "passed"] == []
+    assert result.misconceptions == ()
+
+
+@pytest.mark.parametrize("faulty", FAULTY, ids=lambda faulty: faulty.name)
+def test_a_faulty_extension_loses_what_it_gets_wrong_and_is_told_why(
+    faulty: corpus.FaultyExtension, mark: Mark
+) -> None:
+    result = mark({corpus.FILES[faulty.extension]: faulty.source}, only=faulty.extension)
+    gone = lost(result.extensions[0])
+    assert gone >= set(faulty.loses)
+    assert gone == set(faulty.loses) or faulty.extension == "complementary_filter"
+    assert result.misconceptions == ((faulty.mistake,) if faulty.mistake else ())
+
+
+@pytest.mark.parametrize("faulty", ENDLESS, ids=lambda faulty: faulty.name)
+def test_an_extension_that_never_returns_is_stopped(
+    faulty: corpus.FaultyExtension, mark: Mark, truth: traces.Traces
+) -> None:
+    shipped = rubric.load()
+    with Marker(replace(shipped, limits=rubric.Limits(1.0, 20.0)), truth) as impatient:
+        result = mark({corpus.FILES[faulty.extension]: faulty.source}, only=faulty.extension, by=impatient)
+    assert lost(result.extensions[0]) == set(faulty.loses)
+    assert result.extensions[0].checks[0].outcome == "timeout"
+    assert result.misconceptions == (faulty.mistake,)
+
+
+def test_every_mistake_of_an_extension_has_a_faulty_one() -> None:
+    from grader.feedback import catalogue
+
+    named = {id_ for id_, mistake in catalogue().items() if mistake.group == "extensions"}
+    assert named <= {faulty.mistake for faulty in corpus.FAULTY_EXTENSIONS}
+    assert {faulty.extension for faulty in corpus.FAULTY_EXTENSIONS} == set(EXTENSIONS)
+
+
+def test_every_check_of_an_extension_has_a_faulty_one_that_loses_it() -> None:
+    ids = {check.id for extension in rubric.load().extensions for check in extension.checks}
+    assert ids == {check for faulty in corpus.FAULTY_EXTENSIONS for check in faulty.loses}
+
+
+def test_the_reference_passes_all_of_its_own_extensions(marker: Marker) -> None:
+    result = marker.mark(read_submission(FOLDER))
+    assert result.score == 100.0
+    assert {extension.id: lost(extension) for extension in result.extensions} == {id_: set() for id_ in EXTENSIONS}
+    assert all(extension.attempted and extension.checks for extension in result.extensions)
+
+
+def test_without_extensions_no_question_is_asked_about_them(mark: Mark, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr("grader.student.Student.question", lambda self, key, name, *rest: asked.append(name))
+    result = mark({})
+    assert asked == []
+    assert [(e.attempted, e.checks, e.points) for e in result.extensions] == [(False, (), 0.0)] * 4
+    assert to_dict(result)["extensions"][1] == {
+        "id": "allan_variance", "attempted": False, "points": 0.0, "max_points": 0.0, "checks": []
+    }  # fmt: skip
+
+
+def test_extensions_that_crash_hang_or_meddle_leave_the_five_criteria_alone(mark: Mark) -> None:
+    meddling = "import imu_reader\nimu_reader.get_imu_readings = None\nimport os\nos._exit(3)\n"
+    files = dict.fromkeys(corpus.FILES.values(), meddling)
+    result = mark(files)
+    assert [criterion.points for criterion in result.criteria] == [20.0] * 5
+    assert all(extension.attempted and lost(extension) for extension in result.extensions)
+    assert result.status == "graded"
+
+
+def test_an_extension_in_another_file_counts_and_the_note_says_where(mark: Mark) -> None:
+    result = mark({"extras.py": corpus.ALLAN_BLOCKS}, only="allan_variance")
+    assert lost(result.extensions[0]) == set()
+    assert result.notes == ("allan_deviation was found in extras.py; the sheet expects it in allan_variance.py",)
+
+
+@pytest.mark.parametrize(
+    ("files", "attempted"),
+    [
+        ({"allan_variance.py": b""}, True),
+        ({"mine.py": b"def  allan_deviation(x, f): ..."}, True),
+        ({"lab.ipynb": b'"source": ["%%writefile allan_variance.py\\n"]'}, True),
+        ({"mine.py": b"# allan_deviation is for next week\nx = allan_deviation"}, False),
+        ({"notes.txt": b"def allan_deviation(x, f): ..."}, False),
+        ({}, False),
+    ],
+)
+def test_an_extension_is_attempted_where_its_file_or_its_name_is(files: dict[str, bytes], attempted: bool) -> None:
+    assert attempts(files, "allan_deviation") is attempted
+
+
+def test_one_fault_costs_once_a_broken_reader_does_not_spoil_the_extension_that_uses_it(mark: Mark) -> None:
+    broken = verbatim()["imu_reader.py"].replace(
+        "accel_adr = model.sensor_adr[accel_sensor_id]", "accel_adr = accel_sensor_id"
+    )
+    result = mark({"imu_reader.py": broken, "multi_imu.py": corpus.IMUS_READER})
+    points = {criterion.id: criterion.points for criterion in result.criteria}
+    assert points.pop("sensor_access") < 20.0
+    assert set(points.values()) == {20.0}
+    assert lost(result.extensions[2]) == set()
+
+
+# --- extra credit ---------------------------------------------------------------------------------------------------
+
+
+def granted(cap: str = "10") -> rubric.Rubric:
+    text = rubric.shipped().read_text(encoding="utf-8")
+    line = "# extra_credit: {each: 5, cap: 10}"
+    assert line in text
+    return rubric.parse(text.replace(line, f"extra_credit: {{each: 5, cap: {cap}}}").encode())
+
+
+def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces) -> None:
+    with Marker(granted(), truth) as marker:
+        result = marker.mark(read_submission(FOLDER))
+    assert [(e.points, e.max_points) for e in result.extensions] == [(5.0, 5.0)] * 4
+    assert (result.score, result.max_score, result.extra_credit, result.total) == (100.0, 100.0, 10.0, 110.0)
+    record = to_dict(result)
+    assert record["extra_credit"] == {"points": 10.0, "cap": 10.0}
+    assert from_dict(record) == result
+
+
+def test_an_extension_that_is_partly_right_earns_a_part(mark: Mark, truth: traces.Traces) -> None:
+    with Marker(granted(), truth) as marker:
+        files = {"allan_variance.py": corpus.FAULTY_ALLAN[1].source}
+        result = mark(files, by=marker)
+    assert result.score == 100.0
+    assert result.extra_credit == result.extensions[1].points == pytest.approx(5.0 * 8 / 14, abs=0.01)
+
+
+def test_by_default_the_record_has_no_extra_credit(mark: Mark) -> None:
+    result = mark({"allan_variance.py": corpus.ALLAN_BLOCKS})
+    assert "extra_credit" not in to_dict(result)
+    assert (result.extra_credit, result.total) == (0.0, 100.0)
+
+
+def test_the_cap_and_the_part_that_is_shown_are_told(truth: traces.Traces, mark: Mark) -> None:
+    files = {"allan_variance.py": corpus.FAULTY_ALLAN[1].source}
+    with Marker(granted("2"), truth) as marker:
+        earning = mark(files, by=marker)
+    assert (words.extension_points(earning.extensions[1]), words.extra_credit(earning)) == ("2.86 / 5", "2 / 2")
+    assert "extra credit 2 / 2" in report_page(earning)
+    assert (words.extension_points(mark(files).extensions[1]), words.extra_credit(mark(files))) == ("4 of 5 shown", "")
+
+
+# --- the noise model's own curve ------------------------------------------------------------------------------------
+
+
+def test_the_report_draws_the_allan_plot_of_the_submissions_own_noise(mark: Mark) -> None:
+    result = mark({"allan_variance.py": corpus.ALLAN_BLOCKS}, only="allan_variance")
+    noise = result.extensions[0].noise
+    assert noise is not None
+    taus = np.array(noise.taus_s)
+    assert taus[0] == 0.002
+    for curve, asked in ((noise.acceleration, noise.asked_for[0]), (noise.angular_velocity, noise.asked_for[1])):
+        # One sample's deviation of 2,000 × 3 white readings scatters by 1 %; six times that is allowed.
+        assert curve[0] == pytest.approx(asked, rel=0.07)
+        assert np.polyfit(np.log(taus), np.log(curve), 1)[0] == pytest.approx(-0.5, abs=0.2)
+    record = to_dict(result)
+    assert from_dict(record) == result
+    jsonschema.validate(record, json.loads((Path(traces.__file__).parent / "data" / "result.schema.json").read_text()))
+    page = report_page(result)
+    assert page.count('<polyline class="curve"') == page.count('<polyline class="white"') == 2
+    assert f"asked for: {noise.asked_for[0]:.3g}" in page
+
+
+def test_a_noise_model_that_cannot_be_read_leaves_the_curve_away(mark: Mark) -> None:
+    files = {"allan_variance.py": corpus.ALLAN_BLOCKS, "noisy_imu.py": "class NoisyIMU:\n    pass\n"}
+    (extension,) = mark(files, only="allan_variance").extensions
+    assert (lost(extension), extension.noise) == (set(), None)
+    assert noise_plot(None) is None
+
+
+def test_noise_without_spread_is_not_drawn() -> None:
+    assert noise_plot(NoiseCurve((0.1, 0.2), (0.0, 0.0), (0.1, 0.1), (0.05, 0.005))) is None
+
+
+def test_an_unreadable_submission_has_attempted_nothing(marker: Marker) -> None:
+    result = marker.mark(
+        Submission(id="x", name="x", status="unreadable", files={"allan_variance.py": b""}, notes=(), sha256="0" * 64)
+    )
+    assert [extension.attempted for extension in result.extensions] == [False] * 4
+
+
+# --- the reference: tilt --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.0), (0.4, -0.3), (-1.2, 1.3), (2.5, 0.2), (0.0, -1.5)])
+def test_tilt_and_truth_agree_for_a_sensor_at_rest(roll: float, pitch: float) -> None:
+    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
+    ned_from_body = np.array([[cp, sr * sp, cr * sp], [0.0, cr, -sr], [-sp, sr * cp, cr * cp]])
+    world_from_body = np.diag([1.0, -1.0, -1.0]) @ ned_from_body
+    reading = world_from_body.T @ [0.0, 0.0, 9.81]
+    assert tilt_of(reading) == pytest.approx((roll, pitch))
+    assert true_tilt(world_from_body) == pytest.approx([roll, pitch])
+
+
+def test_rates_of_the_angles_are_their_finite_differences() -> None:
+    def rotation(roll: float, pitch: float, yaw: float) -> FloatArray:
+        """World (x north, y east, z down) from body, z-y-x angles."""
+        cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
+        return np.array([
+            [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
+            [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
+            [-sp, sr * cp, cr * cp],
+        ])  # fmt: skip
+
+    angles, rates, h = np.array([0.5, -0.7, 0.3]), np.array([0.2, -0.4, 0.9]), 1e-6
+    here = rotation(*angles)
+    turn = here.T @ (rotation(*(angles + h * rates)) - rotation(*(angles - h * rates))) / (2 * h)
+    gyro = [turn[2, 1], turn[0, 2], turn[1, 0]]
+    assert euler_rates(angles[0], angles[1], gyro) == pytest.approx(rates, abs=1e-8)
+    field = here.T @ [0.2, 0.0, 0.43]
+    assert heading_of(field, angles[0], angles[1]) == pytest.approx(angles[2])
+
+
+def test_a_magnetometer_holds_the_heading_that_the_gyroscope_would_lose() -> None:
+    blind, guided = ComplementaryFilter(0.01), ComplementaryFilter(0.01)
+    up, bias, north = [0.0, 0.0, -9.81], [0.0, 0.0, 0.05], [0.2, 0.0, 0.43]
+    blind.update(up, bias, mag=north)
+    for _ in range(2000):
+        blind.update(up, bias)
+        guided.update(up, bias, mag=north)
+    assert blind.heading == pytest.approx(0.05 * 20.0)
+    assert guided.heading == pytest.approx(0.05 * 0.01 * 0.98 / 0.02, rel=0.01)
+    assert ComplementaryFilter(0.01).heading is None
+
+
+def test_the_gimbal_reads_what_its_prescribed_motion_demands(truth: traces.Traces) -> None:
+    model = mujoco.MjModel.from_xml_string(truth.models["gimbal"])
+    data = mujoco.MjData(model)
+    data.qpos[4], data.qvel[4], data.qacc[0] = (
+        0.3,
+        0.7,
+        2.0,
+    )  # bowed forward by 0.3 rad, turning, pushed along the world's x
+    mujoco.mj_inverse(model, data)
+    accel, gyro = data.sensordata[:3], data.sensordata[3:6]
+    forward, down = np.array([math.cos(0.3), 0.0, -math.sin(0.3)]), np.array([-math.sin(0.3), 0.0, -math.cos(0.3)])
+    force = np.array([2.0, 0.0, 9.81])
+    assert accel == pytest.approx([force @ forward, 0.0, force @ down], abs=1e-9)
+    assert gyro == pytest.approx([0.0, -0.7, 0.0], abs=1e-9)
+    assert true_tilt(data.site_xmat[0].reshape(3, 3)) == pytest.approx([0.0, -0.3])
+
+
+RIDES = (
+    (tilt_drifting, "gyro_alone_rms", 3.0), (tilt_shaken, "accel_alone_rms", 1.5), (tilt_steep, "accel_alone_rms", 1.5),
+    (tilt_steep, "gyro_alone_rms", 1.5),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("ride", "single", "factor"), RIDES)
+def test_on_any_hidden_motion_the_sheets_filter_is_far_above_the_limit(
+    ride: Callable[..., Recording], single: str, factor: float, truth: traces.Traces
+) -> None:
+    """Eight motions each; the logarithms of the margins lie six of their deviations or more above zero."""
+    gimbal = mujoco.MjModel.from_xml_string(truth.models["gimbal"])
+    margins = []
+    for seed in range(8):
+        scene = SimpleNamespace(rng=generator("hidden", str(seed), ride.__name__), gimbal=gimbal)
+        recording = ride(scene)
+        attitude = ComplementaryFilter(recording.scalars["dt"])
+        rows = zip(recording.arrays["acceleration"], recording.arrays["angular_velocity"], strict=True)
+        estimate = np.array([attitude.update(*row) for row in rows])
+        error = np.angle(np.exp(1j * (estimate - recording.arrays["tilt"])))[len(estimate) // 2 :]
+        margins.append(math.log(recording.scalars[single] / factor / np.sqrt(np.mean(error**2))))
+    assert min(margins) > math.log(2.0)
+    assert np.mean(margins) > 5.0 * np.std(margins)
+
+
+# --- the reference: Allan deviation ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["white", "walk", "quantised", "drift", "mixed"])
+def test_the_allan_deviation_is_that_of_an_independent_program(kind: str, truth: traces.Traces) -> None:
+    scenario = truth["allan"]
+    rate = scenario.scalars["sample_rate_hz"]
+    taus, adev = allan_deviation(scenario[kind], rate)
+    theirs_taus, theirs, _, _ = allantools.oadev(
+        scenario[kind], rate=rate, data_type="freq", taus=taus[: len(taus) - 2]
+    )
+    ours = dict(zip(taus.round(9), adev, strict=True))
+    assert len(theirs_taus) >= len(taus) - 4
+    # Both sum 4,000 numbers in double precision, one of them after integrating: 1e-12 of the largest second difference.
+    np.testing.assert_allclose([ours[tau] for tau in theirs_taus.round(9)], theirs, rtol=1e-8)
+    np.testing.assert_allclose(scenario[f"{kind}_adev"], adev, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["white", "walk"])
+def test_the_graders_own_formulas_agree_with_the_independent_program(kind: str, truth: traces.Traces) -> None:
+    samples = truth["allan"][kind]
+    for m in (1, 2, 7, 64, 500):
+        _, (overlapping,), _, _ = allantools.oadev(samples, rate=1.0, data_type="freq", taus=[m])
+        _, (separate,), _, _ = allantools.adev(samples, rate=1.0, data_type="freq", taus=[m])
+        assert allan_diagnosis.overlapping(samples, m) == pytest.approx(overlapping, rel=1e-9)
+        assert allan_diagnosis.separate(samples, m) == pytest.approx(separate, rel=1e-9)
+
+
+def test_a_ramp_has_its_deviation_in_closed_form() -> None:
+    taus, adev = allan_deviation(0.3 * np.arange(1000) / 50.0, 50.0)
+    np.testing.assert_allclose(adev, 0.3 * taus / math.sqrt(2.0), rtol=1e-9)
+
+
+def test_white_noise_has_the_density_that_its_standard_deviation_and_rate_give() -> None:
+    samples = np.random.default_rng(1).normal(0.0, 0.05, 100_000)
+    taus, adev = allan_deviation(samples, 500.0)
+    assert noise_density(taus, adev) == pytest.approx(0.05 / math.sqrt(500.0), rel=0.02)
+
+
+def test_flicker_noise_is_flat() -> None:
+    taus, adev = allan_deviation(flicker(np.random.default_rng(2), 1 << 16), 1.0)
+    middle = (taus >= 16) & (taus <= 2048)
+    assert abs(np.polyfit(np.log(taus[middle]), np.log(adev[middle]), 1)[0]) < 0.1
+
+
+def test_three_axes_are_three_curves() -> None:
+    samples = np.random.default_rng(3).normal(size=(500, 3))
+    taus, adev = allan_deviation(samples, 10.0)
+    assert adev.shape == (len(taus), 3)
+    np.testing.assert_allclose(adev[:, 2], allan_deviation(samples[:, 2], 10.0)[1], rtol=1e-12)
+
+
+def test_cluster_sizes_rise_from_one_sample_to_half_the_record() -> None:
+    for n in (2, 3, 10, 4001):
+        sizes = cluster_sizes(n)
+        assert (sizes[0], sizes[-1]) == (1, n // 2)
+        assert np.all(np.diff(sizes) > 0)
+
+
+@pytest.mark.parametrize(("samples", "rate"), [([1.0], 10.0), ([1.0, 2.0], 0.0), ([1.0, 2.0], float("nan"))])
+def test_a_record_that_has_no_allan_deviation_is_refused(samples: list[float], rate: float) -> None:
+    with pytest.raises(ValueError, match="two samples or more, and a positive sample rate"):
+        allan_deviation(samples, rate)
+
+
+# --- the reference: many IMUs, and the hidden model -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["reading_lab", "reading_many"])
+def test_the_reference_reads_every_imu_and_magnetometer_of_a_model(name: str, truth: traces.Traces) -> None:
+    scenario = truth[name]
+    model = mujoco.MjModel.from_xml_string(truth.models[scenario.model or ""])
+    data = mujoco.MjData(model)
+    data.sensordata[:] = scenario.sensordata[1]
+    readings = read_all_imus(model, data)
+    assert list(readings) == places(model)
+    compasses = set(scenario.scalars.get("compasses", ["torso"]))
+    for place, parts in readings.items():
+        kinds = ["accelerometer", "gyroscope", *(["magnetometer"] if place in compasses else [])]
+        assert len(parts) == len(kinds), place
+        for part, kind in zip(parts, kinds, strict=True):
+            np.testing.assert_array_equal(part, data.sensor(f"{place}_{kind}").data)
+
+
+def test_a_lone_accelerometer_is_no_imu(truth: traces.Traces) -> None:
+    scenario = truth["reading_many"]
+    names = scenario.scalars["sensor_names"]
+    with_accelerometer = {name.removesuffix("_accelerometer") for name in names if name.endswith("_accelerometer")}
+    assert len(with_accelerometer - set(scenario.scalars["places"])) == 1
+
+
+# --- what only a hostile program returns ------------------------------------------------------------------------------
+
+ODD = [np.nan, np.inf, -np.inf, 0.0, -1.0, 1e308, 5e-324]
+
+
+@pytest.mark.parametrize("odd", ODD)
+def test_numbers_of_no_sense_are_judged_without_an_exception(odd: float, truth: traces.Traces) -> None:
+    samples, watched = truth["allan"]["white"], truth["watched"]
+    with np.errstate(all="ignore"):
+        for taus, curve in ((np.full(20, odd), np.ones(20)), (np.arange(1.0, 21.0), np.full(20, odd))):
+            assert allan_diagnosis.unit_of_times([(taus, curve, samples)], 50.0) is None
+            allan_diagnosis.slope(taus, curve, np.full(20, 100.0))
+            assert allan_diagnosis.mistakes([(taus, curve, samples)], 50.0) == []
+        for x, y in ((np.full(30, odd), np.arange(30.0)), (np.arange(30.0), np.full(30, odd) + np.arange(30.0))):
+            assert not liveplot.shows(x, y, watched["pushed"], 0.004)
+        events = np.full((5, 3), odd)
+        assert liveplot.updates(events) <= 1
+        liveplot.span(events), liveplot.changes_after(events)
+        outputs = [np.full((tilting.BEFORE + tilting.AFTER, 2), odd)] * 3
+        seen = tilting.response(outputs)
+        assert seen is None or tilting.mistakes(seen) == []
+
+
+def test_a_curve_of_half_a_million_points_is_judged_by_a_few_hundred() -> None:
+    taus, curve = allan_diagnosis.thinned(np.arange(500_000.0), np.ones(500_000))
+    assert len(taus) == len(curve) == 200
+    assert (taus[0], taus[-1]) == (0.0, 499_999.0)
+
+
+@pytest.mark.parametrize("stride", [1, 7])
+def test_a_curve_over_anything_is_known_by_the_order_of_its_readings(stride: int, truth: traces.Traces) -> None:
+    channels = truth["watched"]["pushed"]
+    readings = channels[stride - 1 :: stride, 4]
+    filled = np.concatenate([np.zeros(10), readings])
+    assert liveplot.shows(np.arange(len(readings)) + 1e5, readings, channels, 0.004)
+    assert liveplot.shows(np.arange(len(filled)) + 1e5, np.degrees(filled), channels, 0.004)
+    assert not liveplot.shows(np.arange(len(readings)) + 1e5, readings[::-1].copy(), channels, 0.004)
+
+
+# --- chance ---------------------------------------------------------------------------------------------------------
+
+
+def test_sound_estimates_that_agree_with_no_known_form_pass_by_a_wide_margin() -> None:
+    """A hundred records of each kind, estimated from every third cluster: what is stated about chance is measured."""
+
+    def thinned(samples: FloatArray, m: int) -> float:
+        total = np.concatenate([[0.0], np.cumsum(samples)])
+        starts = np.arange(0, len(samples) - 2 * m + 1, max(1, m // 3))
+        second = (total[starts + 2 * m] - 2 * total[starts + m] + total[starts]) / m
+        return float(np.sqrt(np.mean(second**2) / 2.0))
+
+    rng = np.random.default_rng(4)
+    sizes = np.unique(np.geomspace(1, 150, 15).round())
+    for _ in range(25):
+        white = rng.normal(size=4000)
+        for samples in (white, np.cumsum(white), np.diff(white, prepend=0.0), flicker(rng, 4000)):
+            curve = np.array([thinned(samples, int(m)) for m in sizes])
+            assert allan_diagnosis.fits(sizes, curve, samples)
+            assert not allan_diagnosis.fits(sizes, 2**0.5 * curve, samples)
+            assert not allan_diagnosis.fits(sizes, 1.2 * curve, samples)

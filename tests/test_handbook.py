@@ -1,0 +1,109 @@
+"""The handbook is what the code says today, and what it names exists."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+import typer
+import yaml
+
+from grader import cli
+from grader.feedback import catalogue
+from grader.formats.platforms import NAMES
+from grader.handbook import flow, pages, rubric_keys
+from grader.rubric import load, shipped
+
+SVG = "{http://www.w3.org/2000/svg}"
+MADE = pages.pages(cli.app)
+
+
+@pytest.mark.parametrize("name", sorted(MADE))
+def test_each_page_is_current(name: str) -> None:
+    kept = (pages.FOLDER / name).read_text(encoding="utf-8")
+    assert kept == MADE[name], f"{name} is not current; run python -m grader.handbook and commit it"
+
+
+def test_no_page_is_left_over() -> None:
+    assert {path.name for path in pages.FOLDER.iterdir() if path.suffix in (".md", ".svg")} == set(MADE)
+
+
+def test_making_the_pages_anew_changes_nothing_where_they_are_current() -> None:
+    done = subprocess.run([sys.executable, "-m", "grader.handbook"], capture_output=True, text=True, check=True)
+    assert done.stdout == ""
+
+
+def test_every_link_leads_to_a_page() -> None:
+    for name, text in MADE.items():
+        for target in re.findall(r"\]\(([^)]+)\)", text) if name.endswith(".md") else []:
+            assert target in MADE, f"{name} links to {target}"
+
+
+def documented() -> list[tuple[str, ...]]:
+    """Every `imugrade …` in a line of code or between backticks."""
+    found = set()
+    for name, text in MADE.items():
+        spans = re.findall(
+            r"`((?:[A-Z_]+=\S+ )?imugrade [^`\n]+)`|^(?: {2,}|- )*((?:[A-Z_]+=\S+ )?imugrade [^\n`]+)$", text, re.M
+        )
+        if name.endswith(".md"):
+            found |= {tuple(re.sub(r"^[A-Z_]+=\S+ ", "", a or b).split()) for a, b in spans}
+    return sorted(found)
+
+
+@pytest.mark.parametrize("words", documented(), ids=" ".join)
+def test_every_command_that_is_named_exists_with_its_options(words: tuple[str, ...]) -> None:
+    command: Any = typer.main.get_command(cli.app)
+    rest = list(words[1:])
+    while rest and hasattr(command, "commands"):
+        command = command.commands[rest.pop(0)]
+    options = {option for parameter in command.params for option in parameter.opts}
+    assert {word for word in rest if word.startswith("-") and len(word) > 1} <= options
+
+
+def test_the_pages_name_commands_at_all() -> None:
+    assert ("imugrade", "check", "--only", "filtering") in documented()
+    assert ("imugrade", "kit", "--gradescope", "autograder.zip") in documented()
+    assert len(documented()) > 15
+
+
+def test_every_mistake_check_and_format_stands_in_its_page() -> None:
+    assert [id_ for id_ in catalogue() if f"### {id_}\n" not in MADE["mistakes.md"]] == []
+    assert [c.id for c in load().checks if f"| `{c.id.partition('.')[2]}` |" not in MADE["checks.md"]] == []
+    assert [name for name in NAMES if f"`{name}`" not in MADE["platforms.md"] and name != "auto"] == []
+
+
+def keys(node: object, prefix: str = "") -> set[str]:
+    """The keys of the shipped rubric, with dots; the names of checks are not keys."""
+    if isinstance(node, list):
+        return set().union(*(keys(item, prefix) for item in node))
+    if not isinstance(node, dict) or prefix.endswith("checks."):
+        return set()
+    return {prefix + key for key in node} | set().union(
+        *(keys(value, f"{prefix}{key}.") for key, value in node.items())
+    )
+
+
+def test_every_key_of_the_rubric_is_told() -> None:
+    used = keys(yaml.safe_load(shipped().read_text(encoding="utf-8")))
+    assert used - set(rubric_keys.KEYS) == set()
+    assert set(rubric_keys.KEYS) - used <= {"model.path", "extensions.points"}  # these may be left out
+
+
+def test_the_picture_is_whole_and_no_text_runs_out_of_its_box() -> None:
+    root = ElementTree.fromstring(flow.picture())
+    widths = {(box.get("x"), box.get("y")): int(box.get("width", 0)) for box in root.iter(f"{SVG}rect")}
+    assert len(widths) == 11
+    for text in root.iter(f"{SVG}text"):
+        x, y, small = int(text.get("x", 0)), int(text.get("y", 0)), text.get("class") == "small"
+        room = widths[(str(x - 14), str(y - (47 if small else 27)))]
+        assert len(text.text or "") * (6.7 if small else 8.5) <= room - 20, text.text
+
+
+def test_the_pages_ship_inside_the_package() -> None:
+    assert Path(cli.__file__).parent / "handbook" == pages.FOLDER

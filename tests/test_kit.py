@@ -1,0 +1,277 @@
+"""The kits: what is in them, what is not, and that they work where they are unpacked."""
+
+from __future__ import annotations
+
+import ast
+import base64
+import csv
+import hashlib
+import io
+import json
+import os
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+from grader import traces
+from grader.errors import RequestError
+from grader.kit import give, wheel
+from grader.traces import Traces
+from tests.corpus.sheet import VERBATIM
+
+ROOT = Path(__file__).parent.parent
+REFERENCE = ROOT / "reference"
+SEED = "a secret that must not leave 4711"
+
+
+@pytest.fixture(scope="module")
+def students(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The students' kit, written once."""
+    out = tmp_path_factory.mktemp("kit") / "lab"
+    give.student(out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def hidden(tmp_path_factory: pytest.TempPathFactory) -> Traces:
+    """Hidden traces, recorded once."""
+    return traces.obtain(SEED, tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="module")
+def autograder(tmp_path_factory: pytest.TempPathFactory, hidden: Traces) -> Path:
+    """An autograder.zip with hidden traces."""
+    out = tmp_path_factory.mktemp("gradescope") / "autograder.zip"
+    give.gradescope(out, hidden=hidden)
+    return out
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory, students: Path) -> Path:
+    """A virtual environment with the students' wheel in it, by pip; what it needs is looked up where the tests run."""
+    folder = tmp_path_factory.mktemp("venv")
+    venv.create(folder, with_pip=False)
+    python = folder / "bin" / "python"
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", str(python)]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", str(students / wheel.name())], check=True)
+    libraries = [path for path in sys.path if path.endswith("site-packages")]
+    next(folder.glob("lib/python*/site-packages")).joinpath("needs.pth").write_text("\n".join(libraries) + "\n")
+    return folder
+
+
+def unpacked(content: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def everything(place: Path) -> dict[str, bytes]:
+    """All files of a kit, those inside of archives too."""
+    paths = [path for path in place.rglob("*") if path.is_file()] if place.is_dir() else [place]
+    found = {str(path): path.read_bytes() for path in paths}
+    for name in [name for name in found if name.endswith((".whl", ".zip"))]:
+        inner = unpacked(found[name])
+        found |= {f"{name}/{path}": content for path, content in inner.items()}
+        for path in [path for path in inner if path.endswith(".whl")]:
+            found |= {f"{name}/{path}/{deep}": content for deep, content in unpacked(inner[path]).items()}
+    return found
+
+
+# --- what is in them, and what is not ---------------------------------------------------------------------------------
+
+
+def test_students_get_starter_files_the_model_at_the_sheets_path_a_readme_and_the_wheel(students: Path) -> None:
+    found = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
+    model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
+    assert found == {"imu_reader.py", "noisy_imu.py", "filters.py", "README.md", model, wheel.name()}
+    assert (students / model).read_bytes() == traces.lab_model().read_bytes()
+
+
+def test_no_kit_holds_a_piece_of_the_reference(students: Path, autograder: Path) -> None:
+    solution = [path for path in REFERENCE.rglob("*") if path.is_file() and path.suffix in (".py", ".png")]
+    contents = {path.read_bytes() for path in solution if path.stat().st_size}
+    # traces.py shares the fingerprint of a bundle with its reader, word for word
+    programs = [p.read_text(encoding="utf-8") for p in solution if p.suffix == ".py" and p.name != "traces.py"]
+    telling = {line.strip() for text in programs for line in text.splitlines() if len(line.strip()) >= 50}
+    telling -= {line.strip() for line in "\n".join(VERBATIM.values()).splitlines()}
+    assert len(telling) > 200
+    for name, content in {**everything(students), **everything(autograder)}.items():
+        assert "/reference/" not in name
+        assert content not in contents, name
+        if name.endswith((".py", ".txt")) and "/standins/" not in name:  # stand-ins say what the sheet says
+            shared = telling & {line.strip() for line in content.decode().splitlines()}
+            assert {line for line in shared if not _is_shared_with_the_grader(line)} == set(), name
+
+
+def _is_shared_with_the_grader(line: str) -> bool:
+    """Imports and recording are not the solution of anything."""
+    return line.startswith(("from ", "import ", "#"))
+
+
+def test_no_kit_holds_a_seed_and_only_gradescope_holds_hidden_traces(students: Path, autograder: Path) -> None:
+    for place in (students, autograder):
+        for name, content in everything(place).items():
+            assert SEED.encode() not in content, name
+    held = [name for name in everything(autograder) if name.endswith(".npz")]
+    assert sorted(Path(name).name for name in held) == ["hidden.npz", "public.npz"]
+    assert [Path(name).name for name in everything(students) if name.endswith(".npz")] == ["public.npz"]
+
+
+@pytest.mark.parametrize("stray", ["hidden.npz", "hidden.json", "class.npz", "secret.env", "results.sqlite"])
+def test_a_bundle_that_an_instructor_left_in_the_package_is_not_packed(stray: str) -> None:
+    assert not wheel._belongs(Path("data", stray))
+    assert wheel._belongs(Path("data", "public.npz"))
+
+
+def test_the_wheel_is_as_pip_wants_it_and_the_same_each_time(students: Path) -> None:
+    content = (students / wheel.name()).read_bytes()
+    packed = unpacked(content)
+    info = wheel.name().replace("-py3-none-any.whl", ".dist-info")
+    rows = list(csv.reader(io.StringIO(packed[f"{info}/RECORD"].decode())))
+    assert {row[0] for row in rows} == set(packed)
+    for name, digest, size in rows[:-1]:
+        sha = base64.urlsafe_b64encode(hashlib.sha256(packed[name]).digest()).rstrip(b"=").decode()
+        assert (digest, size) == (f"sha256={sha}", str(len(packed[name])))
+    assert b"extra ==" not in packed[f"{info}/METADATA"]
+    assert b"Requires-Dist: mujoco>=3.0" in packed[f"{info}/METADATA"]
+    assert b"MIT License" in packed[f"{info}/licenses/LICENSE"]
+    assert wheel.build() == content
+
+
+def test_the_wheel_carries_the_rubric_that_is_named(tmp_path: Path) -> None:
+    other = tmp_path / "rubric.yaml"
+    other.write_text((ROOT / "rubric.yaml").read_text().replace("matches_truth: 6", "matches_truth: 7", 1))
+    give.classroom50(tmp_path / "kit", other)
+    packed = unpacked((tmp_path / "kit" / wheel.name()).read_bytes())
+    assert packed["grader/data/rubric.yaml"] == other.read_bytes()
+
+
+# --- starter files ----------------------------------------------------------------------------------------------------
+
+
+def signatures(source: str) -> dict[str, str]:
+    """Functions, classes and methods with their parameters."""
+    found = {}
+    for node in ast.parse(source).body:
+        members = node.body if isinstance(node, ast.ClassDef) else [node]
+        prefix = f"{node.name}." if isinstance(node, ast.ClassDef) else ""
+        found |= {f"{prefix}{m.name}": ast.unparse(m.args) for m in members if isinstance(m, ast.FunctionDef)}
+    return found
+
+
+@pytest.mark.parametrize("name", sorted(VERBATIM))
+def test_the_starter_files_have_the_sheets_signatures_and_say_what_is_to_do(students: Path, name: str) -> None:
+    source = (students / name).read_text(encoding="utf-8")
+    assert signatures(source) == signatures(VERBATIM[name])
+    assert source.count("TODO Step") >= len(signatures(source))
+
+
+def test_the_readme_names_commands_and_ids_that_exist(students: Path) -> None:
+    from grader.feedback import catalogue
+
+    text = (students / "README.md").read_text(encoding="utf-8")
+    assert f"python -m pip install {wheel.name()}" in text
+    assert "imugrade explain view-not-copy" in text
+    assert "view-not-copy" in catalogue()
+
+
+# --- what is not overwritten ------------------------------------------------------------------------------------------
+
+
+def test_a_folder_with_something_in_it_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "filters.py").write_text("my work\n")
+    with pytest.raises(RequestError, match="the folder is not empty; choose a new one"):
+        give.student(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["filters.py"]
+
+
+def test_an_autograder_or_a_workflow_that_is_there_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "a.zip").write_text("")
+    with pytest.raises(RequestError, match="it is there already"):
+        give.gradescope(tmp_path / "a.zip")
+    give.github(tmp_path / "repository")
+    with pytest.raises(RequestError, match=r"imugrade\.yml: it is there already"):
+        give.github(tmp_path / "repository")
+
+
+def test_a_kit_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RequestError, match="cannot write it: Not a directory; choose another place"):
+        give.github(tmp_path / "file" / "below")
+
+
+def test_a_rubric_with_a_model_of_its_own_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "mine.xml").write_bytes(traces.lab_model().read_bytes())
+    text = (ROOT / "rubric.yaml").read_text().replace("  # path: my-humanoid.xml", "  path: mine.xml")
+    (tmp_path / "rubric.yaml").write_text(text)
+    with pytest.raises(RequestError, match="it names a model of its own, which a kit cannot carry"):
+        give.student(tmp_path / "kit", tmp_path / "rubric.yaml")
+
+
+# --- platforms --------------------------------------------------------------------------------------------------------
+
+
+def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(tmp_path: Path) -> None:
+    give.github(tmp_path)
+    workflow = yaml.safe_load((tmp_path / ".github/workflows/imugrade.yml").read_text())
+    steps = [step["run"] for step in workflow["jobs"]["check"]["steps"] if "run" in step]
+    assert workflow["permissions"] == {"contents": "read"}
+    assert steps[-1] == "imugrade ci --format github"
+    assert (tmp_path / steps[0].split()[-1]).is_file()
+
+
+def test_the_classroom_50_autograder_installs_the_wheel_beside_it(tmp_path: Path) -> None:
+    give.classroom50(tmp_path / "kit")
+    program = (tmp_path / "kit" / "autograder.py").read_text()
+    compile(program, "autograder.py", "exec")
+    assert f'HERE / "{wheel.name()}"' in program
+    assert "min-score" not in program  # it exits 0 when it ran
+
+
+def test_gradescope_finds_both_programs_at_the_root_and_executable(autograder: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(autograder) as archive:
+        modes = {entry.filename: entry.external_attr >> 16 & 0o777 for entry in archive.infolist()}
+        archive.extractall(tmp_path)
+    assert (modes["setup.sh"], modes["run_autograder"]) == (0o755, 0o755)
+    for name in ("setup.sh", "run_autograder"):
+        assert b"\r" not in (tmp_path / name).read_bytes()
+        subprocess.run(["bash", "-n", name], cwd=tmp_path, check=True)
+
+
+def test_the_gradescope_layout_grades_a_submission_on_hidden_scenarios(
+    autograder: Path, installed: Path, tmp_path: Path
+) -> None:
+    for folder in ("source", "submission", "results"):
+        (tmp_path / folder).mkdir()
+    with zipfile.ZipFile(autograder) as archive:
+        archive.extractall(tmp_path / "source")
+    for name, text in VERBATIM.items():
+        (tmp_path / "submission" / name).write_text(text, encoding="utf-8")
+    (tmp_path / "venv").symlink_to(installed)
+    environ = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "IMUGRADE"))}
+    command = ["bash", str(tmp_path / "source" / "run_autograder")]
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env={**environ, "AUTOGRADER_ROOT": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    record = json.loads((tmp_path / "results" / "results.json").read_text(encoding="utf-8"))
+    assert record["score"] == 100.0
+    assert "hidden scenarios" in record["output"]
+    assert sum(test.get("max_score", 0.0) for test in record["tests"]) == 100.0
+
+
+def test_an_installed_wheel_makes_the_same_kit_again(installed: Path, students: Path, tmp_path: Path) -> None:
+    command = [installed / "bin" / "imugrade", "kit", tmp_path / "again"]
+    subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+    again = tmp_path / "again"
+    assert unpacked((again / wheel.name()).read_bytes()) == unpacked((students / wheel.name()).read_bytes())
+    assert (again / "filters.py").read_bytes() == (students / "filters.py").read_bytes()

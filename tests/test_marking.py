@@ -1,0 +1,127 @@
+"""One submission and its marks: nothing is gained by tricks, nothing is told that is hidden, no fault of ours is a zero."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader import plugin, rubric, traces
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.results import Result
+from tests.corpus.sound import SOUND
+from tests.corpus.writing import as_bytes, write
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+_ZERO_READER = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    return np.zeros(3), np.zeros(3)\n"
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(), traces.shipped()) as opened:
+        yield opened
+
+
+def _mark(marker: Marker, folder: Path, **changed: str) -> Result:
+    base = {
+        name: as_bytes(content) for name, content in SOUND["tidy_functions"].items() if isinstance(content, str | bytes)
+    }
+    more = {name.replace("__", "."): as_bytes(text) for name, text in changed.items()}
+    return marker.mark(read_submission(write({**base, **more}, folder)))
+
+
+def _source(name: str) -> str:
+    content = SOUND["tidy_functions"][name]
+    assert isinstance(content, str | bytes)
+    return as_bytes(content).decode()
+
+
+def test_the_reference_handed_in_scores_100(marker: Marker) -> None:
+    result = marker.mark(read_submission(REPOSITORY / "reference"))
+    assert (result.status, result.score, result.misconceptions) == ("graded", 100.0, ())
+
+
+@pytest.mark.parametrize(
+    "trick",
+    [
+        "np.allclose = np.array_equal = lambda *a, **k: True\nnp.abs = lambda *a, **k: 0.0\n",
+        "import json\njson.dumps = lambda *a, **k: '{}'\n",
+        "class Yes(float):\n    __eq__ = __le__ = __ge__ = lambda *a: True\n    __sub__ = __rsub__ = lambda *a: Yes(0)\n"
+        "def get_imu_readings(m, d, a, g):\n    return [Yes(0)] * 3, [Yes(0)] * 3\n",
+        "import pytest\n",
+        "import sys\nsys.modules['pytest'] = sys\nsys.exit = lambda *a: None\n",
+    ],
+    ids=["patches numpy", "patches json", "always equal", "wants pytest", "shadows pytest"],
+)
+def test_a_wrong_reader_gains_nothing_by_a_trick(marker: Marker, tmp_path: Path, trick: str) -> None:
+    honest = _mark(marker, tmp_path / "honest", imu_reader__py=_source("imu_reader.py") + _ZERO_READER)
+    forged = _mark(marker, tmp_path / "forged", imu_reader__py=_source("imu_reader.py") + _ZERO_READER + trick)
+    assert honest.score < 100
+    assert forged.score <= honest.score
+
+
+def test_a_conftest_and_a_site_customisation_are_not_run(marker: Marker, tmp_path: Path) -> None:
+    bomb = "import os\nos._exit(0)\n"
+    result = _mark(
+        marker, tmp_path / "s", conftest__py=bomb, sitecustomize__py=bomb, pytest__ini="[pytest]\naddopts = -x\n"
+    )
+    assert result.score == 100
+
+
+def test_leaving_without_an_answer_is_a_lost_check(marker: Marker, tmp_path: Path) -> None:
+    leaving = _source("filters.py").replace(
+        "def update(self", "def update(self, *a):\n        import os\n        os._exit(0)\n\n    def _old(self"
+    )
+    result = _mark(marker, tmp_path / "s", filters__py=leaving)
+    points = {criterion.id: criterion.points for criterion in result.criteria}
+    assert points == {
+        "sensor_access": 20,
+        "data_collection": 20,
+        "visualization": 20,
+        "noise_model": 20,
+        "filtering": 0,
+    }
+    assert result.misconceptions == ("kills-its-process",)
+
+
+def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(
+    marker: Marker, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> bool:
+        raise ZeroDivisionError("a fault of ours")
+
+    monkeypatch.setattr("grader.diagnosis.filtering.noise_gain", broken)
+    result = _mark(marker, tmp_path / "s")
+    row = next(
+        check for criterion in result.criteria for check in criterion.checks if check.id == "filtering.reduces_noise"
+    )
+    assert (result.status, row.outcome, row.points) == ("incomplete", "not_judged", None)
+    assert row.message == "Not judged, through a fault of the grader: ZeroDivisionError: a fault of ours"
+
+
+def test_checks_and_rubric_hold_the_same_ids() -> None:
+    known = plugin.known_checks()
+    listed = [weight.id for part in (*rubric.load().criteria, *rubric.load().extensions) for weight in part.checks]
+    assert sorted(known) == sorted(listed)
+    assert len([check_id for check_id in listed if check_id.split(".")[0] in rubric.CRITERIA]) == 30
+
+
+def test_hidden_data_is_not_told(tmp_path: Path) -> None:
+    hidden = traces.obtain("a seed of the tests", tmp_path / "cache")
+    spy = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    raise ValueError(str(list(data.qpos)))\n"
+    leaky = "\nclass LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        pass\n    def update(self, x):\n        return str(list(x))\n"
+    with Marker(rubric.load(), hidden) as marker:
+        sound = _mark(marker, tmp_path / "sound")
+        result = _mark(
+            marker,
+            tmp_path / "spy",
+            imu_reader__py=_source("imu_reader.py") + spy,
+            filters__py=_source("filters.py") + leaky,
+        )
+    assert sound.score == 100
+    said = "\n".join(check.message for criterion in result.criteria for check in criterion.checks)
+    for secret in (hidden["reading_lab"]["qpos"][0], hidden["filter"]["input"][0]):
+        assert not any(f"{number:.3f}"[:-1] in said for number in secret if abs(number) > 1e-3)
+    assert "ValueError at line" in said

@@ -1,0 +1,168 @@
+"""What the lab sheet promises of its model, and what the grader needs of it."""
+
+from __future__ import annotations
+
+import re
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from grader.traces import lab_model
+from reference import balance, worlds
+from reference.imu_reader import sensor_id, simulate_and_collect
+from reference.scenarios import roll
+
+FloatArray = NDArray[np.float64]
+STANDING = [0.0, 0.0, -9.81]
+
+
+@pytest.fixture
+def model() -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_path(str(lab_model()))
+
+
+@pytest.fixture(scope="module")
+def push() -> dict[str, FloatArray]:
+    """The sheet's Step 3, five seconds of it."""
+    model = mujoco.MjModel.from_xml_path(str(lab_model()))
+    return simulate_and_collect(model, mujoco.MjData(model), duration_seconds=5.0)
+
+
+def imus(model: mujoco.MjModel) -> list[tuple[int, int]]:
+    """Ids of accelerometer and gyroscope, place by place."""
+    return [
+        (sensor_id(model, f"{place}_accelerometer"), sensor_id(model, f"{place}_gyroscope"))
+        for place in worlds.LAB_PLACES
+    ]
+
+
+def test_the_sheet_finds_the_sensors_that_it_expects(model: mujoco.MjModel) -> None:
+    for accel, gyro in imus(model):
+        assert (model.sensor_type[accel], model.sensor_dim[accel]) == (mujoco.mjtSensor.mjSENS_ACCELEROMETER, 3)
+        assert (model.sensor_type[gyro], model.sensor_dim[gyro]) == (mujoco.mjtSensor.mjSENS_GYRO, 3)
+    assert len({model.sensor_objid[accel] for accel, _ in imus(model)}) == 4
+
+
+def test_the_robot_is_free_and_has_more_than_twenty_joints_and_no_controller(model: mujoco.MjModel) -> None:
+    kinds = list(model.jnt_type)
+    assert kinds[0] == mujoco.mjtJoint.mjJNT_FREE
+    assert kinds[1:].count(mujoco.mjtJoint.mjJNT_HINGE) >= 20
+    assert model.nu == 0
+
+
+def test_the_model_needs_no_other_file() -> None:
+    assert not re.search(r"\bfile\s*=|<include|<mesh|<texture", lab_model().read_text(encoding="utf-8"))
+
+
+def test_for_every_imu_sensor_the_id_is_not_its_address(model: mujoco.MjModel) -> None:
+    assert all(model.sensor_adr[sensor] != sensor for pair in imus(model) for sensor in pair)
+
+
+def test_no_gyroscope_follows_its_accelerometer_directly(model: mujoco.MjModel) -> None:
+    assert all(model.sensor_adr[gyro] != model.sensor_adr[accel] + 3 for accel, gyro in imus(model))
+
+
+def test_accelerometer_and_gyroscope_come_in_both_orders(model: mujoco.MjModel) -> None:
+    assert {accel < gyro for accel, gyro in imus(model)} == {True, False}
+
+
+def test_sensors_of_other_sizes_lie_before_and_between(model: mujoco.MjModel) -> None:
+    assert {1, 3, 4} <= set(model.sensor_dim)
+    first, last = min(min(pair) for pair in imus(model)), max(max(pair) for pair in imus(model))
+    assert first > 0
+    assert any(model.sensor_dim[i] != 3 for i in range(first, last))
+
+
+def test_the_generators_know_where_the_lab_model_keeps_its_imus(model: mujoco.MjModel) -> None:
+    assert {int(model.sensor_adr[sensor]) for pair in imus(model) for sensor in pair} == worlds.LAB_ADDRESSES
+
+
+def test_the_initial_pose_is_the_equilibrium(model: mujoco.MjModel) -> None:
+    assert np.abs(balance.missing_forces(model)).max() < 1e-3  # N or N m, of a weight of 350 N
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert np.abs(data.qacc).max() < 1e-2
+
+
+def test_solving_for_the_balance_again_changes_nothing_that_matters() -> None:
+    text = lab_model().read_text(encoding="utf-8")
+    before, after = (mujoco.MjModel.from_xml_string(one) for one in (text, balance.balanced(text)))
+    np.testing.assert_allclose(after.qpos0, before.qpos0, atol=1e-7)
+    np.testing.assert_allclose(after.qpos_spring, before.qpos_spring, atol=1e-6)
+    np.testing.assert_allclose(after.geom_pos, before.geom_pos, atol=1e-6)
+
+
+def test_solving_for_the_balance_recovers_from_a_change() -> None:
+    text = lab_model().read_text(encoding="utf-8").replace('size="0.018" mass="1"', 'size="0.018" mass="1.2"')
+    lost = np.abs(balance.missing_forces(mujoco.MjModel.from_xml_string(text))).max()
+    for _ in range(6):
+        text = balance.balanced(text)
+    assert lost > 0.4
+    assert np.abs(balance.missing_forces(mujoco.MjModel.from_xml_string(text))).max() < 0.02
+
+
+@pytest.mark.parametrize("timestep", [0.002, 0.001, 0.0025, 0.004])
+def test_standing_reads_gravity_from_the_first_step_on_for_five_seconds(model: mujoco.MjModel, timestep: float) -> None:
+    model.opt.timestep = timestep
+    trace = roll(model, mujoco.MjData(model), round(5.0 / timestep))
+    assert np.abs(trace["acceleration"] - STANDING).max() < 1e-3  # promised: 0.1
+    assert np.abs(trace["angular_velocity"]).max() < 1e-5
+
+
+def test_the_push_makes_it_sway(push: dict[str, FloatArray]) -> None:
+    assert np.abs(push["angular_velocity"][:, 1]).max() > 0.3
+    assert np.ptp(push["acceleration"][:, 0]) > 1.0
+
+
+def test_no_channel_is_idle_after_the_push(push: dict[str, FloatArray]) -> None:
+    assert (push["acceleration"][:1500].std(axis=0) > 0.1).all()
+    assert (push["angular_velocity"][:1500].std(axis=0) > 0.01).all()
+
+
+def test_over_the_three_seconds_of_the_sheet_z_hovers_around_gravity(push: dict[str, FloatArray]) -> None:
+    assert push["acceleration"][:1500, 2].mean() == pytest.approx(-9.81, abs=0.1)
+
+
+def test_after_the_push_it_settles(push: dict[str, FloatArray]) -> None:
+    late = slice(2250, None)  # the last half second
+    np.testing.assert_allclose(push["acceleration"][late].mean(axis=0), STANDING, atol=0.05)
+    assert np.abs(push["angular_velocity"][late]).max() < 0.01
+
+
+def test_after_the_push_it_stays_up(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    height, up = float(model.qpos0[2]), []
+    data.qvel[0] = 0.5
+    for _ in range(4000):
+        mujoco.mj_step(model, data)
+        up.append(data.qpos[2])
+    assert min(up) > 0.95 * height
+    assert data.qpos[2] == pytest.approx(height, abs=1e-3)
+    assert np.abs(data.qvel).max() < 0.01
+
+
+def test_the_torso_imu_looks_forward_right_down(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    axes = data.site("torso_imu").xmat.reshape(3, 3).T
+    np.testing.assert_allclose(axes, [[1, 0, 0], [0, -1, 0], [0, 0, -1]], atol=1e-12)
+
+
+def test_the_four_imus_are_mounted_in_four_ways(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mounted = [data.site(f"{place}_imu").xmat.reshape(3, 3) for place in worlds.LAB_PLACES]
+    apart = [np.abs(a - b).max() for i, a in enumerate(mounted) for b in mounted[:i]]
+    assert min(apart) > 0.3
+    assert min(np.abs(one - np.eye(3)).max() for one in mounted) > 0.3  # none is the world's frame
+
+
+def test_the_magnetometer_reads_the_world_field_in_the_torso_frame(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    data.qpos[3:7] = [0.9, 0.1, -0.3, 0.2]
+    mujoco.mj_normalizeQuat(model, data.qpos)
+    mujoco.mj_forward(model, data)
+    attitude = data.site("torso_imu").xmat.reshape(3, 3)
+    np.testing.assert_allclose(data.sensor("torso_magnetometer").data, attitude.T @ model.opt.magnetic, atol=1e-12)

@@ -1,0 +1,245 @@
+"""What the sensors must read, worked out by hand, then checked against the motion of the site itself."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from grader.traces import Scenario, Traces, shipped
+from reference.imu_reader import get_imu_readings, sensor_id
+from reference.scenarios import at_state
+
+G = 9.81
+FloatArray = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def truth() -> Traces:
+    return shipped()
+
+
+def world(body: str, options: str = "") -> mujoco.MjModel:
+    """A model with one IMU at the site `imu` of the given body."""
+    return mujoco.MjModel.from_xml_string(
+        f"""<mujoco><option gravity="0 0 -{G}" {options}/><worldbody>{body}</worldbody>
+        <sensor><accelerometer name="accel" site="imu"/><gyro name="gyro" site="imu"/></sensor></mujoco>"""
+    )
+
+
+def read(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+    mujoco.mj_forward(model, data)
+    return get_imu_readings(model, data, sensor_id(model, "accel"), sensor_id(model, "gyro"))
+
+
+BOARD = '<body><geom size="0.1" mass="1"/><site name="imu" {mounting}/></body>'
+
+
+@pytest.mark.parametrize(
+    ("mounting", "expected"),
+    [
+        ("", [0, 0, G]),
+        ('quat="0 1 0 0"', [0, 0, -G]),  # forward-right-down, as the lab's torso
+        ('quat="0.7071067811865476 0.7071067811865476 0 0"', [0, G, 0]),  # y turned up
+        ('quat="0.7071067811865476 0 -0.7071067811865476 0"', [G, 0, 0]),  # x turned up
+    ],
+)
+def test_a_board_at_rest_reads_the_push_that_holds_it_up_along_the_axis_that_points_up(
+    mounting: str, expected: list[float]
+) -> None:
+    model = world(BOARD.format(mounting=mounting))
+    accel, gyro = read(model, mujoco.MjData(model))
+    np.testing.assert_allclose(accel, expected, atol=1e-12)
+    np.testing.assert_allclose(gyro, 0.0, atol=1e-15)
+
+
+def test_in_free_fall_all_channels_read_zero(truth: Traces) -> None:
+    np.testing.assert_allclose(truth["free_fall"].acceleration, 0.0, atol=1e-12)
+    np.testing.assert_allclose(truth["free_fall"].angular_velocity, 0.0, atol=1e-12)
+
+
+def test_a_site_off_the_axis_of_a_constant_spin_reads_the_centripetal_acceleration_inward(truth: Traces) -> None:
+    spin = truth["constant_spin"]
+    omega, radius = spin.scalars["angular_velocity_rad_s"], spin.scalars["radius_m"]
+    inward = [-(omega**2) * radius, 0.0, G]  # x points away from the axis
+    np.testing.assert_allclose(spin.acceleration, np.tile(inward, (len(spin.time), 1)), atol=1e-9)
+    np.testing.assert_allclose(spin.angular_velocity, np.tile([0.0, 0.0, omega], (len(spin.time), 1)), atol=1e-12)
+
+
+def test_the_acceleration_of_a_spin_grows_with_the_square_of_the_rate_and_not_with_its_sign() -> None:
+    model = world('<body><joint axis="0 0 1"/><geom size="0.1" mass="1"/><site name="imu" pos="0.4 0 0"/></body>')
+    data = mujoco.MjData(model)
+    readings = []
+    for omega in (1.0, 2.0, -2.0):
+        data.qvel[0] = omega
+        readings.append(read(model, data)[0][0])
+    np.testing.assert_allclose(readings, [-0.4, -1.6, -1.6], atol=1e-12)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_force_along_one_axis_shows_on_that_axis_alone(axis: int) -> None:
+    direction = np.eye(3)[axis]
+    joint = f'<joint type="slide" axis="{" ".join(map(str, direction))}"/>'
+    model = world(f'<body>{joint}<geom size="0.1" mass="2"/><site name="imu"/></body>')
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = 3.0
+    accel, gyro = read(model, data)
+    # Along the joint the force alone counts (gravity acts on sensor and body alike); across it the bearing holds it up.
+    held = np.array([0.0, 0.0, G]) * (1 - direction)
+    np.testing.assert_allclose(accel, held + direction * 3.0 / 2.0, atol=1e-12)
+    np.testing.assert_allclose(gyro, 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_turning_about_one_axis_shows_on_that_gyroscope_axis_alone(axis: int) -> None:
+    direction = np.eye(3)[axis]
+    joint = f'<joint type="hinge" axis="{" ".join(map(str, direction))}"/>'
+    model = world(f'<body>{joint}<geom size="0.1" mass="2"/><site name="imu"/></body>')
+    data = mujoco.MjData(model)
+    data.qvel[0] = 0.7
+    np.testing.assert_allclose(read(model, data)[1], 0.7 * direction, atol=1e-12)
+
+
+def test_a_turned_site_reads_the_same_rotation_in_its_own_frame() -> None:
+    # The site's x axis is the world's y axis, its y the world's −x.
+    mounting = 'quat="0.7071067811865476 0 0 0.7071067811865476"'
+    model = world(f'<body><freejoint/><geom size="0.1" mass="2"/><site name="imu" {mounting}/></body>')
+    data = mujoco.MjData(model)
+    data.qvel[3:] = [0.2, 0.5, -0.3]
+    np.testing.assert_allclose(read(model, data)[1], [0.5, -0.2, -0.3], atol=1e-12)
+
+
+PENDULUM = """<body><joint axis="0 1 0"/><geom type="sphere" pos="0 0 -0.8" size="0.001" mass="1.5"/>
+<site name="imu" pos="0 0 -0.8"/></body>"""
+
+
+def test_a_pendulum_at_its_lowest_point_feels_gravity_and_the_centripetal_term() -> None:
+    model = world(PENDULUM)
+    data = mujoco.MjData(model)
+    data.qvel[0] = 2.0
+    accel, gyro = read(model, data)
+    np.testing.assert_allclose(accel, [0.0, 0.0, G + 2.0**2 * 0.8], atol=1e-9)
+    np.testing.assert_allclose(gyro, [0.0, 2.0, 0.0], atol=1e-12)
+
+
+def test_a_pendulum_released_at_an_angle_feels_the_pull_of_its_rod_and_nothing_across() -> None:
+    model = world(PENDULUM)
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.6
+    accel, _ = read(model, data)
+    # A tiny sphere's own inertia takes 2/5 (r/l)² of the swing, about 6e-7.
+    np.testing.assert_allclose(accel, [0.0, 0.0, G * np.cos(0.6)], atol=1e-5)
+
+
+# --- finite differences ---------------------------------------------------------------------------------------------
+
+
+def pose_after(model: mujoco.MjModel, scenario: Scenario, state: int, h: float) -> tuple[FloatArray, FloatArray]:
+    """Positions (p, 3) and attitudes (p, 3, 3) of the IMU sites `h` seconds on, to second order in `h`.
+
+    Only kinematics: the state's position is moved along its velocity and acceleration, forward or back in time.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = scenario.qpos[state]
+    mujoco.mj_integratePos(model, data.qpos, scenario.qvel[state] + h / 2 * scenario.qacc[state], h)
+    mujoco.mj_kinematics(model, data)
+    sites = model.sensor_objid[scenario.pairs[:, 0]]
+    return np.array(data.site_xpos[sites]), np.array(data.site_xmat[sites]).reshape(-1, 3, 3)
+
+
+def felt_by_differences(
+    model: mujoco.MjModel, scenario: Scenario, state: int, h: float
+) -> tuple[FloatArray, FloatArray]:
+    """Specific force and angular rate (p, 3) of every site in its own frame, from three poses `h` apart."""
+    (before, turned_back), (now, attitude), (after, turned_on) = (
+        pose_after(model, scenario, state, step) for step in (-h, 0.0, h)
+    )
+    pull = np.array(scenario.scalars["gravity"])
+    force = np.einsum("pji,pj->pi", attitude, (after - 2 * now + before) / h**2 - pull)
+    return force, np.array([rotation_vector(a.T @ b) / (2 * h) for a, b in zip(turned_back, turned_on, strict=True)])
+
+
+def rotation_vector(rotation: FloatArray) -> FloatArray:
+    """Axis times angle, for a small rotation."""
+    axis = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
+    sine = np.linalg.norm(axis) / 2
+    return np.asarray(axis / 2 if sine == 0 else axis / 2 * (np.arcsin(sine) / sine), dtype=np.float64)
+
+
+def stored(scenario: Scenario, state: int) -> tuple[FloatArray, FloatArray]:
+    """The readings in the bundle, (p, 3) each."""
+    starts = scenario.sensor_adr[scenario.pairs]
+    rows = scenario.sensordata[state][starts[..., None] + np.arange(3)]
+    return rows[:, 0], rows[:, 1]
+
+
+def largest_difference(truth: Traces, name: str, h: float) -> FloatArray:
+    """Over all states and sites: of the specific force and of the angular rate."""
+    scenario, model = truth[name], mujoco.MjModel.from_xml_string(truth.models[truth[name].model or ""])
+    worst = np.zeros(2)
+    for state in range(len(scenario.qpos)):
+        pairs = zip(stored(scenario, state), felt_by_differences(model, scenario, state, h), strict=True)
+        worst = np.maximum(worst, [np.abs(read - differenced).max() for read, differenced in pairs])
+    return worst
+
+
+@pytest.mark.parametrize("name", ["reading_lab", "reading_shuffled"])
+def test_every_reading_is_the_second_difference_of_its_site_and_the_rate_of_its_attitude(
+    truth: Traces, name: str
+) -> None:
+    # The error of the differences falls with the square of the step until round-off, about 1e-16 · 4 m / h², is larger.
+    coarse, fine = (largest_difference(truth, name, h) for h in (4e-4, 1e-4))
+    assert (fine < [5e-3, 1e-4]).all(), fine
+    np.testing.assert_allclose(coarse / fine, 16.0, rtol=0.05)
+
+
+def test_what_the_differences_find_would_not_pass_for_another_site(truth: Traces) -> None:
+    scenario = truth["reading_lab"]
+    model = mujoco.MjModel.from_xml_string(truth.models["lab"])
+    force, rate = felt_by_differences(model, scenario, 0, 1e-4)
+    read_force, read_rate = stored(scenario, 0)
+    assert np.abs(np.roll(force, 1, axis=0) - read_force).min(axis=1).max() > 0.1
+    assert np.abs(np.roll(rate, 1, axis=0) - read_rate).max() > 0.1
+
+
+def test_the_recorded_rows_are_the_states_before_each_integration(truth: Traces) -> None:
+    tumbling, model = truth["tumbling"], mujoco.MjModel.from_xml_string(truth.models["lab"])
+    data = at_state(model, tumbling.start_qpos, tumbling.start_qvel)
+    pair = sensor_id(model, "torso_accelerometer"), sensor_id(model, "torso_gyroscope")
+    for row in range(3):
+        mujoco.mj_forward(model, data)
+        accel, gyro = get_imu_readings(model, data, *pair)
+        np.testing.assert_allclose(tumbling.acceleration[row], accel, atol=1e-5)
+        np.testing.assert_allclose(tumbling.angular_velocity[row], gyro, atol=1e-6)
+        mujoco.mj_step(model, data)
+        assert tumbling.time[row] == pytest.approx(data.time, abs=1e-12)
+
+
+def test_the_tumble_agrees_with_the_motion_of_the_torso_over_time(truth: Traces) -> None:
+    # Positions along a run, differenced: the integrator's error is of the order of the step, and halves with it.
+    coarse, fine = (tumble_error(truth, h) for h in (1e-3, 5e-4))
+    assert fine < 0.02
+    assert coarse / fine == pytest.approx(2.0, rel=0.2)
+
+
+def tumble_error(truth: Traces, h: float) -> float:
+    """RMS in m/s² of the accelerometer against the second differences of its site's positions, from 0.1 s to 0.3 s.
+
+    The first tenth is left out: joints with little inertia and much damping settle there within less than a step.
+    """
+    tumbling, model = truth["tumbling"], mujoco.MjModel.from_xml_string(truth.models["lab"])
+    model.opt.timestep = h
+    data = at_state(model, tumbling.start_qpos, tumbling.start_qvel)
+    site = model.site("torso_imu").id
+    pair = sensor_id(model, "torso_accelerometer"), sensor_id(model, "torso_gyroscope")
+    places, attitudes, readings = [], [], []
+    for _ in range(round(0.3 / h)):
+        mujoco.mj_step(model, data)
+        readings.append(get_imu_readings(model, data, *pair)[0])
+        places.append(np.array(data.site_xpos[site]))
+        attitudes.append(np.array(data.site_xmat[site]).reshape(3, 3))
+    moved = np.diff(np.array(places), n=2, axis=0) / h**2 - model.opt.gravity
+    felt = np.einsum("nji,nj->ni", np.array(attitudes)[1:-1], moved)
+    late = slice(round(0.1 / h), None)
+    return float(np.sqrt(np.mean((felt - np.array(readings)[1:-1])[late] ** 2)))

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+import grader
+from grader.results import Result, from_dict, to_dict, to_json
+from tests.made_up import check, lost, result
+
+SCHEMA = json.loads((Path(grader.__file__).parent / "data" / "result.schema.json").read_text(encoding="utf-8"))
+VALID = jsonschema.Draft202012Validator(SCHEMA)
+
+EVERY_OUTCOME = (
+    check(),
+    check("partial", 3.0),
+    lost(),
+    check("error", 0.0),
+    check("timeout", 0.0),
+    check("crashed", 0.0),
+    check("skipped", 0.0),
+)
+RESULTS = [
+    result(*EVERY_OUTCOME),
+    result(check("not_judged", None), status="incomplete"),
+    result(lost(), status="empty", notes=("nothing",)),
+    result(lost(), status="unreadable"),
+    Result("nothing", "graded", ()),
+]
+
+
+def test_the_schema_is_a_schema() -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+
+
+@pytest.mark.parametrize("made", RESULTS, ids=lambda made: made.status)
+def test_what_is_written_obeys_the_published_schema(made: Result) -> None:
+    VALID.validate(json.loads(to_json(made)))
+
+
+@pytest.mark.parametrize("made", RESULTS, ids=lambda made: made.status)
+def test_a_result_comes_back_from_its_json(made: Result) -> None:
+    assert from_dict(json.loads(to_json(made))) == made
+
+
+def changed(*path: str | int, to: object) -> dict[str, Any]:
+    record = to_dict(result(*EVERY_OUTCOME))
+    place: Any = record
+    for step in path[:-1]:
+        place = place[step]
+    place[path[-1]] = to
+    return record
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("surprise",), 1),
+        (("schema",), "imugrade/result/v2"),
+        (("status",), "fine"),
+        (("score",), "87"),
+        (("score",), -1),
+        (("misconceptions",), ["Not An Id"]),
+        (("provenance", "secret"), "x"),
+        (("provenance", "rubric_sha256"), "abc"),
+        (("provenance", "isolation"), "strong"),
+        (("criteria", 0, "surprise"), 1),
+        (("criteria", 0, "checks", 0, "surprise"), 1),
+        (("criteria", 0, "checks", 0, "outcome"), "won"),
+        (("criteria", 0, "checks", 0, "points"), None),
+        (("criteria", 0, "checks", 0, "outcome"), "not_judged"),
+        (("criteria", 0, "checks", 0, "lab_step"), 7),
+        (("extensions", 0, "title"), "no title here"),
+    ],
+)
+def test_the_schema_refuses_what_the_contract_does_not_name(path: tuple[str | int, ...], value: object) -> None:
+    assert list(VALID.iter_errors(changed(*path, to=value)))
+
+
+@pytest.mark.parametrize("field", sorted(to_dict(result())))
+def test_the_schema_asks_for_every_field(field: str) -> None:
+    record = to_dict(result())
+    del record[field]
+    assert list(VALID.iter_errors(record))
+
+
+def test_an_open_check_in_a_result_that_calls_itself_graded_is_refused() -> None:
+    record = to_dict(result(check("not_judged", None), status="incomplete"))
+    assert list(VALID.iter_errors({**record, "status": "graded"}))
+
+
+def test_hostile_text_is_written_as_text_that_every_reader_takes() -> None:
+    text = to_json(result(name="\ud800\x00\x1b[2J", notes=("\u202e",)))
+    assert json.loads(text.encode("utf-8"))["submission"] == "?\x00\x1b[2J"
+
+
+def test_another_schema_is_not_read() -> None:
+    with pytest.raises(ValueError, match="not an imugrade/result/v1 record: schema is 'v0'"):
+        from_dict({"schema": "v0"})

@@ -1,0 +1,333 @@
+"""The rubric is read whole or refused with every problem, each with its line."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from grader import rubric
+from grader.errors import RequestError
+from grader.rubric import CheckWeight, RubricError
+
+SHIPPED = rubric.shipped().read_bytes()
+SHEET = {
+    "sensor_access": "returns_two_vectors 3 matches_truth 6 follows_address 6 reading_is_a_copy 3"
+    " leaves_simulation_alone 2",
+    "data_collection": "returns_named_arrays 3 sample_count 2 time_axis 3 matches_truth 6 starts_from_reset 3"
+    " applies_push 3",
+    "visualization": "saves_image 3 two_labelled_panels 3 curves_match_data 6 axis_labels_with_units 3"
+    " legend_names_curves 2 titles 1 comparison_plot 2",
+    "noise_model": "noise_size 6 given_bias 4 default_bias 3 white_and_gaussian 3 axes_and_sensors_independent 2"
+    " leaves_simulation_alone 2",
+    "filtering": "follows_recursion 6 starts_from_first_measurement 3 passes_constant 3 reduces_noise 3"
+    " preserves_signal 2 instances_independent 3",
+}
+
+
+def problems(data: bytes | str) -> list[str]:
+    with pytest.raises(RubricError) as refusal:
+        rubric.parse(data.encode() if isinstance(data, str) else data)
+    return str(refusal.value).splitlines()
+
+
+def edited(old: str, new: str) -> str:
+    text = SHIPPED.decode()
+    assert old in text
+    return text.replace(old, new, 1)
+
+
+def line_of(text: str, part: str) -> int:
+    return text[: text.index(part)].count("\n") + 1
+
+
+def test_the_shipped_rubric_is_the_sheets() -> None:
+    shipped = rubric.load()
+    listed = {
+        c.id: " ".join(f"{check.id.removeprefix(c.id + '.')} {check.weight:g}" for check in c.checks)
+        for c in shipped.criteria
+    }
+    assert listed == SHEET
+    assert [(c.title, c.points) for c in shipped.criteria] == [
+        ("Sensor access", 20.0),
+        ("Data collection", 20.0),
+        ("Visualization", 20.0),
+        ("Noise model", 20.0),
+        ("Filtering", 20.0),
+    ]
+    assert sum(len(criterion.checks) for criterion in shipped.criteria) == 30
+    assert shipped.max_score == 100.0
+    assert [(e.id, e.file, e.points) for e in shipped.extensions] == [
+        ("complementary_filter", "complementary_filter.py", 0.0),
+        ("allan_variance", "allan_variance.py", 0.0),
+        ("multiple_imus", "multi_imu.py", 0.0),
+        ("realtime_visualization", "live_plot.py", 0.0),
+    ]
+    assert shipped.limits == rubric.Limits(call_cpu_s=10.0, submission_cpu_s=120.0)
+    assert shipped.model == rubric.Model(None, "torso_accelerometer", "torso_gyroscope")
+
+
+def test_the_hash_is_that_of_the_bytes() -> None:
+    assert rubric.load().sha256 == hashlib.sha256(SHIPPED).hexdigest()
+
+
+def test_a_check_knows_its_points_and_its_line() -> None:
+    check = rubric.load().check("sensor_access.follows_address")
+    line = line_of(SHIPPED.decode(), "follows_address")
+    assert check == CheckWeight("sensor_access.follows_address", 6.0, 6.0, line)
+
+
+def test_a_rubric_goes_to_another_process() -> None:
+    shipped = rubric.load()
+    assert pickle.loads(pickle.dumps(shipped)) == shipped
+    refusal = RubricError("rubric.yaml:1: wrong")
+    assert str(pickle.loads(pickle.dumps(refusal))) == str(refusal)
+    assert isinstance(refusal, RequestError)
+
+
+def test_the_order_in_the_file_is_free() -> None:
+    text = SHIPPED.decode()
+    start, second = text.index("  - id: sensor_access"), text.index("  - id: data_collection")
+    third = text.index("  - id: visualization")
+    swapped = text[:start] + text[second:third] + text[start:second] + text[third:]
+    assert [c.id for c in rubric.parse(swapped.encode()).criteria] == list(rubric.CRITERIA)
+
+
+def test_every_problem_is_told_at_once_with_its_line() -> None:
+    assert problems(
+        """\
+criteria:
+  - id: sensor_acess
+    titel: Sensor access
+    points: 20.123
+    checks:
+      a: -1
+      b: .nan
+      b: 3
+      c: 1e9
+      C-d: 2
+      sensor_access.x: "1"
+  - id: filtering
+    title: 3
+    points: 20
+    checks: {x: 0, y: 0}
+  - id: filtering
+    title: Filtering
+    points: 20
+    checks: []
+  - noise_model
+extensions: 3
+limits: {call_cpu_s: 10, submission_cpu_s: 5}
+modle:
+"""
+    ) == [
+        "rubric.yaml:2: unknown criterion 'sensor_acess' (did you mean sensor_access?);"
+        " the ids are sensor_access, data_collection, visualization, noise_model, filtering",
+        "rubric.yaml:2: the criterion data_collection is missing; add it",
+        "rubric.yaml:2: the criterion visualization is missing; add it",
+        "rubric.yaml:2: the criterion noise_model is missing; add it",
+        "rubric.yaml:3: unknown key 'titel' in this criterion (did you mean title?); correct or remove it",
+        "rubric.yaml:4: the points of sensor_access must have at most two decimals, not '20.123'; round it",
+        "rubric.yaml:6: the weight of a must be a number from 0 to 1000, not '-1'; correct it",
+        "rubric.yaml:7: the weight of b must be a number from 0 to 1000, not '.nan'; correct it",
+        "rubric.yaml:8: 'b' stands twice in the checks of sensor_access (first on line 7); remove one",
+        "rubric.yaml:9: the weight of c must be a number from 0 to 1000, not '1e9'; correct it",
+        "rubric.yaml:10: 'C-d' is no name of a check; write the part after `sensor_access.` alone",
+        "rubric.yaml:11: 'sensor_access.x' is no name of a check; write the part after `sensor_access.` alone",
+        "rubric.yaml:11: the weight of sensor_access.x must be a number from 0 to 1000, not '1'; correct it",
+        "rubric.yaml:13: the title of filtering must be text, not '3'; write it in quotes",
+        "rubric.yaml:15: the weights of filtering sum to 0; give at least one check a weight",
+        "rubric.yaml:16: the criterion filtering stands twice (first on line 12); remove one",
+        "rubric.yaml:20: this criterion must be `key: value` lines with the keys id, title, points, checks",
+        "rubric.yaml:21: this must be a list with one `- id: …` for each extension; see the shipped rubric.yaml",
+        "rubric.yaml:22: submission_cpu_s is less than call_cpu_s; no call could use its time up",
+        "rubric.yaml:23: unknown key 'modle' in the rubric (did you mean model?); correct or remove it",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("data", "problem"),
+    [
+        (b"", "1: the file is empty; start again from the shipped rubric.yaml"),
+        (b"a: 1\nb: \xff", "2: this is not UTF-8; save the file as UTF-8"),
+        (b"a: 1\nb: \x07", "2: the character U+0007 is not text; remove it"),
+        (b"x" * 1_000_001, "1: the file is larger than 1 MB; start again from the shipped rubric.yaml"),
+        (b"[" * 100_000, "1: this is nested too deeply; see the shipped rubric.yaml for the layout"),
+        (b"a: &x 1\nb: *x", "1: anchors and aliases (& and *) are not read; write the value out"),
+        (b"- a\n" * 30_000, "19999: the file says far too much; start again from the shipped rubric.yaml"),
+        (b'x: "\\UFFFFFFFF"', "1: the file is not YAML; start again from the shipped rubric.yaml"),
+        (b"a: 1\nb: [", "2: YAML cannot be read here: while parsing a flow node, expected the node content, but found"
+         " '<stream end>'; correct the line or the one before"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_no_tree_is_refused_in_one_line(data: bytes, problem: str) -> None:
+    assert problems(data) == [f"rubric.yaml:{problem}"]
+
+
+def test_a_list_is_no_rubric() -> None:
+    keys = "criteria, extensions, limits, model, extra_credit"
+    assert problems("- a") == [f"rubric.yaml:1: the rubric must be `key: value` lines with the keys {keys}"]
+
+
+def test_missing_keys_are_told() -> None:
+    assert problems("model: {}") == [
+        f"rubric.yaml:1: the rubric has no key `{key}`; add it" for key in ("criteria", "extensions", "limits")
+    ]
+
+
+@pytest.mark.parametrize(
+    "weight", ["inf", ".inf", "-0.1", "1000.1", "1e999", "0x10", "1_0", "1:30", "", "yes", "'6'", "[6]"]
+)
+def test_a_weight_is_a_plain_number(weight: str) -> None:
+    text = edited("follows_address: 6 #", f"follows_address: {weight} #")
+    shown = "a list or a mapping" if weight == "[6]" else f"'{weight.strip(chr(39))}'"
+    assert problems(text) == [
+        f"rubric.yaml:{line_of(text, 'follows_address')}: the weight of follows_address must be a number"
+        f" from 0 to 1000, not {shown}; correct it"
+    ]
+
+
+def test_a_leading_zero_is_no_octal_number() -> None:
+    assert rubric.parse(edited("call_cpu_s: 10", "call_cpu_s: 012").encode()).limits.call_cpu_s == 12.0
+
+
+def test_more_problems_than_a_screen_holds_are_counted() -> None:
+    told = problems("\n".join(f"key{n:03}: 1" for n in range(100)))
+    assert len(told) == 51
+    assert told[-1] == "rubric.yaml: and 53 more problems; correct these first"
+
+
+def test_criteria_that_are_worth_nothing_are_refused() -> None:
+    told = problems(SHIPPED.decode().replace("points: 20", "points: 0"))
+    assert [line.partition(": ")[2] for line in told] == [
+        "the criteria are worth 0 points together; give at least one of them points"
+    ]
+
+
+ONE_LINE = ("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 10}")
+
+
+def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone() -> None:
+    plain, granted = rubric.load(), rubric.parse(edited(*ONE_LINE).encode())
+    assert [extension.points for extension in granted.extensions] == [5.0] * 4
+    assert all(sum(c.max_points for c in e.checks) == pytest.approx(5.0) for e in granted.extensions if e.checks)
+    assert (plain.extra_credit_cap, granted.extra_credit_cap) == (None, 10.0)
+    assert plain.max_score == granted.max_score == 100.0
+    assert all(check.max_points == 0.0 for extension in plain.extensions for check in extension.checks)
+
+
+def test_an_extension_can_be_worth_points_of_its_own() -> None:
+    text = edited("    file: allan_variance.py\n", "    file: allan_variance.py\n    points: 7\n")
+    alone, beside = rubric.parse(text.encode()), rubric.parse(text.replace(*ONE_LINE).encode())
+    assert [extension.points for extension in alone.extensions] == [0.0, 7.0, 0.0, 0.0]
+    assert alone.extra_credit_cap == 7.0
+    assert [extension.points for extension in beside.extensions] == [5.0, 7.0, 5.0, 5.0]
+    assert beside.extra_credit_cap == 10.0
+
+
+def test_extra_credit_without_a_cap_is_capped_by_what_there_is() -> None:
+    assert rubric.parse(edited(ONE_LINE[0], "extra_credit: {each: 5}").encode()).extra_credit_cap == 20.0
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("extra_credit: {cap: 10}", "extra_credit has no key `each`; add it"),
+        ("extra_credit: {each: 5, top: 1}", "unknown key 'top' in extra_credit; correct or remove it"),
+        ("extra_credit: 5", "extra_credit must be `key: value` lines with the keys each, cap"),
+        ("extra_credit: {each: 5.125}", "each must have at most two decimals, not '5.125'; round it"),
+    ],
+)
+def test_a_slip_in_extra_credit_is_told_with_its_line(line: str, told: str) -> None:
+    text = edited(ONE_LINE[0], line)
+    assert problems(text) == [f"rubric.yaml:{line_of(text, line)}: {told}"]
+
+
+def test_extra_credit_without_a_check_is_refused() -> None:
+    text = edited(
+        "    file: allan_variance.py\n    checks:\n",
+        "    file: allan_variance.py\n    points: 5\n    checks: []\n    was:\n",
+    )
+    line = line_of(text, "id: allan_variance")
+    assert f"rubric.yaml:{line}: allan_variance has points but no checks to earn them; set its points to 0" in problems(
+        text
+    )
+
+
+def test_a_model_is_looked_for_beside_the_rubric(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    text = edited("  # path: my-humanoid.xml", "  path: my-humanoid.xml")
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(RubricError) as refusal:
+        rubric.load(file)
+    line = line_of(text, "path: my-humanoid")
+    assert str(refusal.value) == (
+        f"{file}:{line}: there is no model 'my-humanoid.xml'; the path is relative to this file"
+    )
+    (tmp_path / "my-humanoid.xml").write_text("<mujoco/>")
+    assert rubric.load(file).model.path == tmp_path / "my-humanoid.xml"
+
+
+def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "none.yaml", Path("a\0b")):
+        with pytest.raises(RubricError, match=r"there is no such file; give the path of a rubric\.yaml$"):
+            rubric.load(path)
+
+
+def test_checks_and_rubric_must_match() -> None:
+    shipped = rubric.load()
+    known = {check.id: "a title" for check in shipped.checks}
+    rubric.match_checks(shipped, known)
+    del known["filtering.passes_constant"]
+    known |= {"filtering.pass_constant": "Passes\x1b a constant", "magic.works": "Works"}
+    text = SHIPPED.decode()
+    with pytest.raises(RubricError) as refusal:
+        rubric.match_checks(shipped, known)
+    assert str(refusal.value).splitlines() == [
+        "rubric.yaml:1: the check magic.works (Works) has no weight under magic; add the line `works: WEIGHT` to its"
+        " checks",
+        f"rubric.yaml:{line_of(text, 'id: filtering')}: the check filtering.pass_constant (Passes\\x1b a constant) has"
+        " no weight under filtering; add the line `pass_constant: WEIGHT` to its checks",
+        f"rubric.yaml:{line_of(text, 'passes_constant')}: there is no check filtering.passes_constant (did you mean"
+        " filtering.pass_constant?); correct the name or remove the line",
+    ]
+
+
+@given(
+    st.integers(0, 100_000).map(lambda hundredths: hundredths / 100),
+    st.lists(st.integers(0, 100_000).map(lambda n: n / 100), min_size=1, max_size=12).filter(any),
+)
+def test_the_points_of_checks_sum_to_the_criterions(points: float, weights: list[float]) -> None:
+    shares = rubric._shares(points, weights)
+    assert round(sum(shares), 2) == points
+    for share, weight in zip(shares, weights, strict=True):
+        assert abs(share - points * weight / sum(weights)) <= 0.010001
+        assert round(share, 2) == share
+
+
+LINES = SHIPPED.decode().splitlines(keepends=True)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.one_of(
+        st.binary(max_size=300),
+        st.text(alphabet="{}[]:-,&*!|>'\"%@#?\n\t abé0\\U", max_size=100).map(lambda text: text.encode()),
+        st.tuples(st.integers(0, len(SHIPPED)), st.binary(max_size=4)).map(
+            lambda at: SHIPPED[: at[0]] + at[1] + SHIPPED[at[0] + len(at[1]) :]
+        ),
+        st.permutations(range(len(LINES))).map(lambda order: "".join(LINES[i] for i in order[:40]).encode()),
+    )
+)
+def test_any_bytes_are_a_rubric_or_a_refusal(data: bytes) -> None:
+    told = ""
+    try:
+        rubric.parse(data)
+    except RubricError as refusal:
+        told = str(refusal)
+        assert told
+    assert all(line.startswith("rubric.yaml:") for line in told.splitlines())

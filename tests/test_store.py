@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+import dataclasses
+import os
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.errors import RequestError
+from grader.store import FILE_NAME, Key, Store
+from tests.made_up import check, lost, result
+
+KEY = Key("alice", "s" * 64, "r" * 64, "t" * 64, "0.1.0")
+
+
+def test_a_result_comes_back_as_it_was_kept(tmp_path: Path) -> None:
+    kept = result(check(), lost(), name="Älice \ud800", notes=("<b>",))
+    with Store(tmp_path) as store:
+        store.keep(KEY, kept)
+    with Store(tmp_path) as store:
+        assert store.recall(KEY) == kept
+        assert store.present() == {"alice": kept}
+
+
+@pytest.mark.parametrize("part", [part.name for part in dataclasses.fields(Key)])
+def test_another_key_in_any_part_is_another_result(tmp_path: Path, part: str) -> None:
+    with Store(tmp_path) as store:
+        store.keep(KEY, result())
+        assert store.recall(dataclasses.replace(KEY, **{part: "other"})) is None
+
+
+def test_an_incomplete_result_is_present_but_not_recalled_so_it_is_graded_again(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.keep(KEY, result(check("not_judged", None), status="incomplete"))
+        assert store.recall(KEY) is None
+        assert store.present()["alice"].status == "incomplete"
+        store.keep(KEY, result())
+        assert store.recall(KEY) == result()
+
+
+def test_the_present_result_is_the_one_last_kept_or_recalled(tmp_path: Path) -> None:
+    second = dataclasses.replace(KEY, submission_sha256="z" * 64)
+    with Store(tmp_path) as store:
+        store.keep(KEY, result())
+        store.keep(second, result(lost()))
+        assert store.present()["alice"].score == 0.0
+        store.recall(KEY)
+        assert store.present()["alice"].score == 20.0
+
+
+def test_present_lists_the_class_by_id(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        for name in ("carol", "alice", "bob"):
+            store.keep(dataclasses.replace(KEY, id=name), result(name=name))
+        assert list(store.present()) == ["alice", "bob", "carol"]
+
+
+def test_what_was_kept_survives_a_process_that_is_killed(tmp_path: Path) -> None:
+    program = (
+        "import os, signal, sys, pathlib\n"
+        "from grader.store import Store\n"
+        "from tests.test_store import KEY\n"
+        "from tests.made_up import result\n"
+        "Store(pathlib.Path(sys.argv[1])).keep(KEY, result())\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=False, cwd=Path(__file__).parent.parent)
+    assert done.returncode != 0
+    with Store(tmp_path) as store:
+        assert store.recall(KEY) == result()
+
+
+def test_a_file_in_the_place_of_out_is_refused_in_one_line(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.write_text("not a folder")
+    with pytest.raises(RequestError) as refusal:
+        Store(out)
+    assert str(refusal.value) == f"{out}: cannot write there: File exists; choose another folder with -o"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_cannot_be_written_is_refused_in_one_line(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(RequestError, match=r"unable to open database file; free or repair it"):
+            Store(tmp_path)
+    finally:
+        tmp_path.chmod(0o700)
+
+
+def test_a_damaged_record_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_bytes(b"no database at all" * 100)
+    with pytest.raises(RequestError, match=r"file is not a database; free or repair it"):
+        Store(tmp_path)
+    assert (tmp_path / FILE_NAME).read_bytes() == b"no database at all" * 100
+
+
+def test_another_programs_database_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
+    with sqlite3.connect(tmp_path / FILE_NAME) as other:
+        other.execute("CREATE TABLE cookies (name)")
+    other.close()
+    before = (tmp_path / FILE_NAME).read_bytes()
+    with pytest.raises(RequestError, match="is not a record of imugrade; choose another folder with -o"):
+        Store(tmp_path)
+    assert (tmp_path / FILE_NAME).read_bytes() == before
+
+
+def test_a_record_of_another_layout_is_refused_with_both_numbers(tmp_path: Path) -> None:
+    Store(tmp_path).close()
+    newer = sqlite3.connect(tmp_path / FILE_NAME)
+    newer.execute("PRAGMA user_version = 7")
+    newer.close()
+    with pytest.raises(RequestError, match=r"another version of imugrade \(layout 7, this one reads 1\)"):
+        Store(tmp_path)
+
+
+def test_a_full_disk_is_one_line_and_what_was_recorded_stays(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.keep(KEY, result())
+        pages = store._db.execute("PRAGMA page_count").fetchone()[0]
+        store._db.execute(f"PRAGMA max_page_count = {pages}")  # SQLite then answers as on a full disk
+        with pytest.raises(RequestError, match="database or disk is full"):
+            store.keep(dataclasses.replace(KEY, id="bob"), result(notes=("x" * 100_000,)))
+        assert list(store.present()) == ["alice"]
+    with Store(tmp_path) as store:
+        assert store.recall(KEY) == result()
+
+
+def test_two_runs_may_write_the_same_record(tmp_path: Path) -> None:
+    with Store(tmp_path) as one, Store(tmp_path) as two:
+        one.keep(KEY, result())
+        two.keep(dataclasses.replace(KEY, id="bob"), result(name="bob"))
+        assert list(one.present()) == list(two.present()) == ["alice", "bob"]

@@ -1,0 +1,62 @@
+"""Text from strangers is safe to show."""
+
+from __future__ import annotations
+
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader.text import csv_cell, printable
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("plain, ümläut, 漢字, naïve m/s²", "plain, ümläut, 漢字, naïve m/s²"),
+        ("\x1b[31mred\x1b[0m", "\\x1b[31mred\\x1b[0m"),
+        ("a\nb\tc\rd", "a\\x0ab\\x09c\\x0dd"),
+        ("\x9b2J", "\\x9b2J"),
+        ("evil\u202egnp.py", "evil\\u202egnp.py"),
+        ("\u2066x\u2069", "\\u2066x\\u2069"),
+        ("zero\u200bwidth\ufeff", "zero\\u200bwidth\\ufeff"),
+        ("\udcff", "\\udcff"),
+        ("\U000e0041tag", "\\U000e0041tag"),
+        ("\ufffe\uffff", "\\ufffe\\uffff"),
+        ("\u2028\u2029", "\\u2028\\u2029"),
+        ("👩\u200d🔬", "👩\u200d🔬"),
+    ],
+)
+def test_what_a_terminal_would_obey_or_hide_is_written_out(text: str, shown: str) -> None:
+    assert printable(text) == shown
+
+
+def test_line_ends_and_tabs_stay_only_if_asked_for() -> None:
+    assert printable("a\r\nb\rc\n\td\x07", newlines=True) == "a\nb\nc\n\td\\x07"
+
+
+def test_a_long_text_ends_in_an_ellipsis_at_the_limit() -> None:
+    assert printable("x" * 11, 10) == "x" * 9 + "…"
+    assert printable("x" * 10, 10) == "x" * 10
+    assert printable("abc", 1) == "…"
+    assert printable("abc", 0) == ""
+
+
+@given(st.text(alphabet=st.characters(exclude_categories=[])), st.integers(0, 50), st.booleans())
+def test_no_text_brings_a_control_through_or_exceeds_the_limit(text: str, limit: int, newlines: bool) -> None:
+    shown = printable(text, limit, newlines=newlines)
+    assert len(shown) <= limit
+    shown.encode()
+    assert not any(unicodedata.category(c) in {"Cc", "Cs"} for c in shown.replace("\n", "").replace("\t", ""))
+    assert newlines or not set("\n\t") & set(shown)
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "＝1"])
+def test_no_cell_is_a_formula(text: str) -> None:
+    assert csv_cell(text) == "'" + text
+
+
+@pytest.mark.parametrize("text", ["", "alice", "1-2", " =1", "'=1", "O'Neill"])
+def test_other_cells_stay_as_they_are(text: str) -> None:
+    assert csv_cell(text) == text

@@ -1,0 +1,468 @@
+"""Trace bundles: recorded the same way twice, checked when they are read, obtained where they can be."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from grader import traces as truth
+from grader.errors import GraderError, RequestError
+from reference import traces as recorder
+from reference.scenarios import PUBLIC_SEED, drawn_settings, generator
+
+SHIPPED = Path(truth.__file__).parent / "data" / "public.npz"
+SECRET = "correct horse ✓"
+
+#: Between MuJoCo 3.0.0 and 4.0.0 the largest difference in the public bundle is 2e-8 of an array's largest number
+#: (measured; summation order, amplified where feet strike the floor). Other processors round differently as well.
+#: A hundred times that is allowed.
+ROUND_OFF = 2e-6
+
+
+@pytest.fixture(scope="module")
+def public(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorder.record(tmp_path_factory.mktemp("public"))
+
+
+@pytest.fixture(scope="module")
+def hidden(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorder.record(tmp_path_factory.mktemp("hidden"), SECRET, "hidden")
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """The shipped bundle, to be damaged."""
+    for source in (SHIPPED, SHIPPED.with_suffix(".json")):
+        shutil.copy(source, tmp_path / source.name)
+    return tmp_path / SHIPPED.name
+
+
+def test_the_same_seed_gives_the_same_bytes(public: Path, hidden: Path, tmp_path: Path) -> None:
+    again = recorder.record(tmp_path), recorder.record(tmp_path, SECRET, "hidden")
+    for first, second in zip((public, hidden), again, strict=True):
+        assert first.read_bytes() == second.read_bytes()
+        assert first.with_suffix(".json").read_bytes() == second.with_suffix(".json").read_bytes()
+
+
+def test_another_seed_gives_other_numbers_under_the_same_names(hidden: Path, tmp_path: Path) -> None:
+    one, other = truth.load(hidden), truth.load(recorder.record(tmp_path, SECRET + " ", "hidden"))
+    assert one.arrays.keys() == other.arrays.keys()
+    assert one.sha256 != other.sha256
+    for key in ("tumbling/acceleration", "reading_lab/sensordata", "noise/accel_bias", "filter/input"):
+        assert np.abs(one.arrays[key] - other.arrays[key]).max() > 0.01, key
+    assert one.models["shuffled"] != other.models["shuffled"]
+
+
+def test_hidden_and_public_bundles_have_the_same_scenarios_and_arrays(public: Path, hidden: Path) -> None:
+    one, other = truth.load(public), truth.load(hidden)
+    assert one.arrays.keys() == other.arrays.keys()
+    for key, array in one.arrays.items():
+        assert (array.ndim, array.dtype) == (other.arrays[key].ndim, other.arrays[key].dtype), key
+    assert {name: set(s.scalars) for name, s in one.scenarios.items()} == {
+        name: set(s.scalars) for name, s in other.scenarios.items()
+    }
+
+
+def test_the_public_seed_as_a_secret_does_not_give_the_public_numbers(tmp_path: Path) -> None:
+    hidden = truth.load(recorder.record(tmp_path, PUBLIC_SEED, "hidden"))
+    assert np.abs(hidden.arrays["noise/accel_bias"] - truth.shipped().arrays["noise/accel_bias"]).max() > 0.01
+
+
+def test_the_secret_is_nowhere_in_the_hidden_bundle(hidden: Path) -> None:
+    manifest = hidden.with_suffix(".json").read_text(encoding="utf-8")
+    assert "seed" not in json.loads(manifest)
+    assert SECRET not in manifest
+    assert json.dumps(SECRET)[1:-1] not in manifest
+    assert SECRET.encode() not in hidden.read_bytes()
+
+
+def test_the_shipped_bundle_is_what_the_reference_records_now(public: Path) -> None:
+    ours, fresh = truth.shipped(), truth.load(public)
+    assert ours.arrays.keys() == fresh.arrays.keys()
+    assert ours.manifest["scenarios"] == fresh.manifest["scenarios"]
+    assert ours.models == fresh.models
+    for key, array in fresh.arrays.items():
+        if not key.endswith("sensor_type"):  # MuJoCo renumbers its sensor types between versions
+            limit = ROUND_OFF * max(1.0, float(np.abs(array).max()))
+            np.testing.assert_allclose(ours.arrays[key], array, rtol=0, atol=limit, err_msg=key)
+
+
+def test_the_shipped_bundle_is_small_and_says_where_it_comes_from() -> None:
+    manifest = truth.shipped().manifest
+    assert SHIPPED.stat().st_size < 1_500_000
+    assert manifest["seed"] == PUBLIC_SEED
+    assert manifest["versions"].keys() == {"python", "mujoco", "numpy"}
+    assert manifest["units"]["acceleration"] == "m/s²"
+
+
+def test_every_model_in_the_manifest_compiles_and_has_the_sensors_of_its_scenarios() -> None:
+    ours = truth.shipped()
+    for name in ("reading_lab", "reading_shuffled"):
+        scenario = ours[name]
+        model = mujoco.MjModel.from_xml_string(ours.models[scenario.model or ""])
+        assert scenario.sensordata.shape == (len(scenario.qpos), model.nsensordata)
+        assert len(scenario.scalars["sensor_names"]) == model.nsensor
+        np.testing.assert_array_equal(scenario.sensor_adr, model.sensor_adr)
+
+
+def test_the_lab_model_in_the_manifest_is_the_lab_model() -> None:
+    assert truth.shipped().models["lab"] == truth.lab_model().read_text(encoding="utf-8")
+
+
+# --- what the scenarios are good for --------------------------------------------------------------------------------
+
+
+def bundles(public: Path, hidden: Path) -> Iterator[truth.Traces]:
+    yield truth.load(public)
+    yield truth.load(hidden)
+
+
+def slices(row: NDArray[np.float64], start: int) -> NDArray[np.float64]:
+    found = row[start : start + 3]
+    assert len(found) == 3, "a mistaken address must be in range, or it would be noticed by its length alone"
+    return found
+
+
+@pytest.mark.parametrize("name", ["reading_lab", "reading_shuffled"])
+def test_no_mistaken_address_reads_the_right_numbers_by_luck(public: Path, hidden: Path, name: str) -> None:
+    for bundle in bundles(public, hidden):
+        s = bundle[name]
+        lab = bundle["reading_lab"]
+        for place, (accel, gyro) in enumerate(s.pairs):
+            learnt = lab.sensor_adr[lab.pairs[place % 4]]
+            for kind, sensor in enumerate((accel, gyro)):
+                right = s.sensor_adr[sensor]
+                wrong = {sensor, right - 1, right + 1, s.sensor_adr[(gyro, accel)[kind]]}
+                wrong |= {learnt[kind]} if name == "reading_shuffled" else set()
+                for address in wrong:
+                    apart = [np.abs(slices(row, address) - slices(row, right)).max() for row in s.sensordata[:12]]
+                    assert max(apart) > 0.5, (bundle.name, name, sensor, address)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_in_shuffled_models_no_id_is_an_address_and_no_gyroscope_follows_its_accelerometer(seed: int) -> None:
+    from reference.worlds import shuffled
+
+    world = shuffled(generator("hidden", str(seed), "shuffled"))
+    model = mujoco.MjModel.from_xml_string(world.xml)
+    assert len(world.imus) >= 3
+    for pair in world.imus:
+        accel, gyro = (model.sensor(name) for name in pair)
+        assert accel.adr[0] != accel.id
+        assert gyro.adr[0] != gyro.id
+        assert abs(gyro.adr[0] - accel.adr[0]) != 3
+
+
+def test_all_six_channels_of_the_tumble_are_alive_and_unlike_each_other(public: Path, hidden: Path) -> None:
+    for bundle in bundles(public, hidden):
+        tumble = bundle["tumbling"]
+        channels = np.hstack([tumble.acceleration, tumble.angular_velocity])
+        assert (np.sqrt((channels**2).mean(axis=0)) > 0.2).all()
+        apart = [np.sqrt(((channels[:, i] - channels[:, j]) ** 2).mean()) for i in range(6) for j in range(i)]
+        assert min(apart) > 0.1
+
+
+def test_other_pushes_can_be_told_from_the_right_one(public: Path, hidden: Path) -> None:
+    for bundle in bundles(public, hidden):
+        for name in ("push", "push_dirty"):
+            scenario, n = bundle[name], bundle[name].scalars["n_steps"]
+            others = [key for key in scenario if key.startswith("alt_") and key.endswith("_acceleration")]
+            assert len(others) == (7 if name == "push" else 2)
+            for key in others:
+                assert scenario[key].shape == (n, 3)
+                assert np.sqrt(((scenario[key] - scenario.acceleration[:n]) ** 2).mean()) > 0.1, key
+
+
+def test_rows_come_after_each_step_and_two_more_than_asked_for(public: Path, hidden: Path) -> None:
+    for bundle in bundles(public, hidden):
+        for name in ("push", "push_dirty"):
+            s = bundle[name]
+            n, timestep = s.scalars["n_steps"], s.scalars["timestep"]
+            assert n * timestep == pytest.approx(s.scalars["duration_s"])
+            np.testing.assert_allclose(s.time, timestep * np.arange(1, n + 3), atol=1e-9)
+            assert s.acceleration.shape == s.angular_velocity.shape == (n + 2, 3)
+
+
+def test_the_dirty_state_shows_where_the_clock_was_not_reset(public: Path) -> None:
+    s = truth.load(public)["push_dirty"]
+    assert float(s.dirty_time) > 0.05
+    np.testing.assert_allclose(s.alt_time_not_reset_time - s.time[: s.scalars["n_steps"]], s.dirty_time)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_drawn_settings_stay_within_what_the_sheet_would_ask(seed: int) -> None:
+    drawn = drawn_settings(generator("hidden", str(seed), "settings"))
+    assert 1.0 <= drawn.push_s <= 1.5
+    assert 0.4 <= drawn.dirty_s <= 0.8
+    for duration, timestep in ((drawn.push_s, 0.002), (drawn.dirty_s, drawn.dirty_timestep)):
+        assert round(duration / timestep) * timestep == pytest.approx(duration, abs=1e-12)
+    assert drawn.dirty_timestep != 0.002
+
+
+def test_noise_states_have_no_small_and_no_equal_channels_and_biases_stand_out(public: Path, hidden: Path) -> None:
+    for bundle in bundles(public, hidden):
+        s = bundle["noise"]
+        channels = np.hstack([s.acceleration, s.angular_velocity])
+        assert np.abs(channels).min() > 0.3
+        for sensor in ("accel", "gyro"):
+            sigmas = np.abs(s[f"{sensor}_bias"]) / s.scalars[f"{sensor}_noise_std"]
+            assert sigmas.min() >= 3.0
+            assert np.diff(np.sort(sigmas)).min() > 0.9
+
+
+# --- reading a bundle -----------------------------------------------------------------------------------------------
+
+
+def test_scenarios_are_read_by_key_and_by_attribute_and_cannot_be_changed() -> None:
+    push = truth.shipped()["push"]
+    assert push.acceleration is push["acceleration"]
+    assert "acceleration" in push
+    with pytest.raises(ValueError, match="read-only"):
+        push.acceleration[0] = 0.0
+    with pytest.raises(AttributeError, match="scenario 'push' has no array 'accelerations'"):
+        _ = push.accelerations
+
+
+def test_a_bundle_survives_the_way_to_another_process() -> None:
+    ours = truth.shipped()
+    other = pickle.loads(pickle.dumps(ours))
+    assert other.sha256 == ours.sha256
+    np.testing.assert_array_equal(other["push"].time, ours["push"].time)
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(RequestError) as error:
+        truth.load(path)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def test_a_changed_number_is_noticed(copy: Path) -> None:
+    with np.load(copy) as archive:
+        arrays = {key: archive[key] for key in archive.files}
+    arrays["push/acceleration"][3, 1] += 1e-12
+    recorder.write_npz(copy, arrays)
+    assert refusal(copy) == f"{copy}: the traces are not those of the manifest beside it; record them again"
+
+
+def test_a_changed_manifest_is_noticed(copy: Path) -> None:
+    manifest = copy.with_suffix(".json")
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(text.replace('"push_mps": 0.5', '"push_mps": 0.6'), encoding="utf-8")
+    assert "not those of the manifest" in refusal(copy)
+
+
+def test_other_versions_in_the_manifest_are_no_change_of_content(copy: Path) -> None:
+    manifest = copy.with_suffix(".json")
+    record = json.loads(manifest.read_text(encoding="utf-8"))
+    record["versions"]["python"] = "3.99.0"
+    manifest.write_text(json.dumps(record), encoding="utf-8")
+    assert truth.load(copy).sha256 == truth.shipped().sha256
+
+
+def test_a_missing_manifest_is_named(copy: Path) -> None:
+    copy.with_suffix(".json").unlink()
+    assert (
+        refusal(copy)
+        == f"{copy.with_suffix('.json')}: cannot read the manifest of the traces (No such file or directory)"
+    )
+
+
+def test_missing_arrays_are_named(copy: Path) -> None:
+    copy.unlink()
+    assert refusal(copy) == f"{copy}: cannot read the traces (No such file or directory)"
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not an archive", b"\x80\x04pickled", b"\x93NUMPY"])
+def test_what_is_no_bundle_is_refused_in_one_line(copy: Path, content: bytes) -> None:
+    copy.write_bytes(content)
+    assert refusal(copy) == f"{copy}: not a trace bundle, or a damaged one; record the traces again"
+
+
+def test_a_cut_off_bundle_is_refused(copy: Path) -> None:
+    copy.write_bytes(copy.read_bytes()[:100_000])
+    assert "not a trace bundle, or a damaged one" in refusal(copy)
+
+
+def test_pickled_objects_are_not_loaded(copy: Path) -> None:
+    np.savez(copy, **{"push/time": np.array([{"a": 1}], dtype=object)})
+    assert "not a trace bundle, or a damaged one" in refusal(copy)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("{", "the manifest is not JSON"),
+        ("[]", "its schema is None, this version reads 'imugrade/traces/v1'"),
+        ('{"schema": "imugrade/traces/v0"}', "its schema is 'imugrade/traces/v0'"),
+        ('{"schema": "imugrade/traces/v1", "name": "x", "sha256": ""}', "lacks models, scenarios, versions"),
+    ],
+)
+def test_a_broken_manifest_is_refused_in_one_line(copy: Path, text: str, complaint: str) -> None:
+    copy.with_suffix(".json").write_text(text, encoding="utf-8")
+    assert complaint in refusal(copy)
+
+
+def test_a_manifest_that_names_arrays_which_are_not_there_is_refused(copy: Path) -> None:
+    manifest = copy.with_suffix(".json")
+    record = json.loads(manifest.read_text(encoding="utf-8"))
+    record["scenarios"]["push"]["arrays"].append("nothing")
+    record["sha256"] = recorder.fingerprint(truth.shipped().arrays, record)
+    manifest.write_text(json.dumps(record), encoding="utf-8")
+    assert "incomplete manifest" in refusal(copy)
+
+
+# --- obtaining one --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def recordings(monkeypatch: pytest.MonkeyPatch, public: Path, hidden: Path) -> list[tuple[str, str]]:
+    """Recorder runs, as (name, seed); instead of running, it copies what was recorded above."""
+    calls: list[tuple[str, str]] = []
+
+    def copied(name: str, seed: str, out: Path) -> None:
+        calls.append((name, seed))
+        shutil.copytree({"public": public, "hidden": hidden}[name].parent, out)
+
+    monkeypatch.setattr(truth, "_record", copied)
+    return calls
+
+
+def with_mujoco(monkeypatch: pytest.MonkeyPatch, installed: str) -> None:
+    monkeypatch.setattr(truth, "version", lambda package: installed if package == "mujoco" else "1.0")
+
+
+def test_a_hidden_bundle_is_recorded_from_the_seed_in_a_process_of_its_own(hidden: Path, tmp_path: Path) -> None:
+    got = truth.obtain(SECRET, tmp_path / "cache")
+    assert got.name == "hidden"
+    assert got.sha256 == truth.load(hidden).sha256
+
+
+def test_a_hidden_bundle_is_recorded_once(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
+    bundles = [truth.obtain(SECRET, tmp_path) for _ in range(2)]
+    assert recordings == [("hidden", SECRET)]
+    assert bundles[0].sha256 == bundles[1].sha256
+    truth.obtain("another", tmp_path)
+    assert recordings[1:] == [("hidden", "another")]
+
+
+def test_cached_bundles_are_for_their_owner_only_and_do_not_tell_the_seed(
+    recordings: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    truth.obtain(SECRET, tmp_path)
+    (entry,) = (tmp_path / "traces").iterdir()
+    assert re.fullmatch("[0-9a-f]{32}", entry.name)
+    assert entry.stat().st_mode & 0o077 == 0
+
+
+def test_a_damaged_cache_entry_is_recorded_again(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
+    truth.obtain(SECRET, tmp_path)
+    next((tmp_path / "traces").glob("*/hidden.npz")).write_bytes(b"half of it")
+    assert truth.obtain(SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
+    truth.obtain(SECRET, tmp_path)
+    assert len(recordings) == 2
+
+
+def test_without_a_usable_cache_it_works_all_the_same(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
+    blocked = tmp_path / "a file"
+    blocked.write_text("in the way", encoding="utf-8")
+    assert truth.obtain(SECRET, blocked).name == "hidden"
+
+
+def test_a_changed_reference_or_simulator_makes_another_entry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    keys = {truth._cache_key("hidden", "a"), truth._cache_key("hidden", "b"), truth._cache_key("public", "a")}
+    with_mujoco(monkeypatch, "9.9.9")
+    keys.add(truth._cache_key("hidden", "a"))
+    copied = tmp_path / "reference"
+    shutil.copytree(Path(recorder.__file__).parent, copied)
+    (copied / "filters.py").write_text("# changed\n", encoding="utf-8")
+    monkeypatch.setattr(truth, "_reference", lambda: copied)
+    keys.add(truth._cache_key("hidden", "a"))
+    assert len(keys) == 5
+
+
+def test_public_traces_are_the_shipped_ones_on_the_simulator_that_recorded_them(
+    recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    with_mujoco(monkeypatch, truth.shipped().versions["mujoco"])
+    assert truth.obtain(None, tmp_path).sha256 == truth.shipped().sha256
+    assert recordings == []
+
+
+def test_public_traces_are_recorded_again_on_another_simulator(
+    recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    with_mujoco(monkeypatch, "9.9.9")
+    assert truth.obtain(None, tmp_path).name == "public"
+    assert recordings == [("public", PUBLIC_SEED)]
+
+
+def test_public_traces_are_the_shipped_ones_where_recording_is_impossible(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    with_mujoco(monkeypatch, "9.9.9")
+    monkeypatch.setattr(truth.sys, "executable", str(tmp_path / "no python here"))
+    assert truth.obtain(None, tmp_path).sha256 == truth.shipped().sha256
+    monkeypatch.setattr(truth, "_reference", lambda: None)
+    assert truth.obtain(None, tmp_path).sha256 == truth.shipped().sha256
+
+
+def test_hidden_traces_without_the_reference_are_a_wrong_request(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(truth, "_reference", lambda: None)
+    with pytest.raises(RequestError, match="hidden traces need the reference, which is not installed here"):
+        truth.obtain(SECRET, tmp_path)
+
+
+def test_an_empty_seed_is_a_wrong_request(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="the seed is empty"):
+        truth.obtain(" ", tmp_path)
+
+
+def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "reference").mkdir()
+    (tmp_path / "reference" / "__init__.py").touch()
+    (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
+    monkeypatch.setattr(truth, "_PACKAGE", tmp_path / "grader")
+    with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
+        truth.obtain(SECRET, tmp_path / "cache")
+
+
+def test_a_folder_called_reference_where_the_command_runs_is_not_run(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, hidden: Path
+) -> None:
+    (tmp_path / "reference").mkdir()
+    (tmp_path / "reference" / "__init__.py").touch()
+    (tmp_path / "reference" / "traces.py").write_text("raise SystemExit('a student was here')\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert truth.obtain(SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256
+
+
+def test_the_cache_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("IMUGRADE_CACHE", str(tmp_path))
+    assert truth.default_cache_dir() == tmp_path
+    monkeypatch.delenv("IMUGRADE_CACHE")
+    assert truth.default_cache_dir() != tmp_path
+
+
+# --- the recorder's command -----------------------------------------------------------------------------------------
+
+
+def test_the_command_prints_the_path_and_a_seed_of_its_own_is_hidden(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert recorder.main(["--out", str(tmp_path), "--seed", "spring term"]) == 0
+    assert capsys.readouterr().out.strip() == str(tmp_path / "hidden.npz")
+    assert truth.load(tmp_path / "hidden.npz").name == "hidden"
