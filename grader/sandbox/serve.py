@@ -30,10 +30,26 @@ _FIRST_HIGH_FD = 100  # above what a worker's own descriptors are moved to
 _LINE_FD = 3
 
 
+class _GraderGoneError(Exception):
+    """The other end of the control socket is closed: whatever the grader started has to end."""
+
+
 def main(control_fd: int) -> Callable[[], None] | None:
     """Serve until the grader hangs up; in a forked worker, return what it has to do."""
     control = socket.socket(fileno=_move_up(control_fd))
     plan = Plan.from_json(control.recv(_MAX_MESSAGE))
+    try:
+        return _live(control, plan)
+    except _GraderGoneError:
+        if plan.rung == "landlock":
+            with contextlib.suppress(OSError):  # the grader may have been faster
+                folder = os.path.dirname(plan.cache)
+                paths.empty(folder)
+                os.rmdir(folder)
+        os._exit(0)
+
+
+def _live(control: socket.socket, plan: Plan) -> Callable[[], None] | None:
     try:
         if plan.end_with_parent:
             namespaces.die_with_parent()
@@ -63,8 +79,8 @@ def _move_up(fd: int) -> int:
 def _tell(control: socket.socket, pidfd: int | None = None, **message: Any) -> None:
     try:
         socket.send_fds(control, [json.dumps(message).encode()], [] if pidfd is None else [pidfd])
-    except OSError:
-        os._exit(1)  # the grader has gone
+    except OSError as error:
+        raise _GraderGoneError from error
 
 
 def _words(error: BaseException) -> str:
@@ -219,17 +235,31 @@ class _Zygote:
         self._poll.register(control, select.POLLIN)
 
     def serve(self) -> Callable[[], None] | None:
+        try:
+            return self._serve()
+        except _GraderGoneError:
+            self._end_children()
+            raise
+
+    def _serve(self) -> Callable[[], None] | None:
         while True:
             for fd, _ in self._poll.poll():
                 if fd in self._children:
                     self._bury(self._children.pop(fd))
                     continue
-                message, fds, _, _ = socket.recv_fds(self._control, _MAX_MESSAGE, 2)
-                if not message:
-                    self._end()
+                message, fds = self._next()
                 work = self._spawn(json.loads(message)["spawn"], fds)
                 if work is not None:
                     return work
+
+    def _next(self) -> tuple[bytes, list[int]]:
+        try:
+            message, fds, _, _ = socket.recv_fds(self._control, _MAX_MESSAGE, 2)
+        except OSError as error:
+            raise _GraderGoneError from error
+        if not message:
+            raise _GraderGoneError
+        return message, list(fds)
 
     def _spawn(self, number: int, fds: list[int]) -> Callable[[], None] | None:
         """Fork a worker; return its work in the child, None here."""
@@ -270,17 +300,11 @@ class _Zygote:
         code = os.waitstatus_to_exitcode(status)
         _tell(self._control, ended=child.number, code=code, cpu_s=used.ru_utime + used.ru_stime)
 
-    def _end(self) -> None:
+    def _end_children(self) -> None:
         for child in self._children.values():
             with contextlib.suppress(ProcessLookupError):
                 signal.pidfd_send_signal(child.pidfd, signal.SIGKILL)
             os.waitpid(child.pid, 0)
-        if self._walls.rung == "landlock":
-            with contextlib.suppress(OSError):  # the grader may have been killed, or be faster
-                folder = os.path.dirname(self._plan.cache)
-                paths.empty(folder)
-                os.rmdir(folder)
-        os._exit(0)
 
 
 def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, answer: Any) -> None:
