@@ -37,7 +37,10 @@ def hand_in(folder: Path, *, full: bool) -> Path:
     for number in range(5):
         wrong = _FILTER.replace("self.alpha * (x", f"{0.5 + number / 10} * self.alpha * (x") if number else _FILTER
         write({"filters.py": wrong}, folder / f"student{number}")
-    write({"filters.py": _FILTER + "\n\nLowPassFilter.update = lambda self, m: __import__('os')._exit(0)\n"}, folder / "crashes")
+    write(
+        {"filters.py": _FILTER + "\n\nLowPassFilter.update = lambda self, m: __import__('os')._exit(0)\n"},
+        folder / "crashes",
+    )
     if full:
         write(tidy(), folder / "whole")
     return folder
@@ -48,7 +51,9 @@ def command(students: Path, out: Path) -> list[str]:
 
 
 def grade(students: Path, out: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command(students, out), cwd=ROOT, capture_output=True, text=True, check=False, timeout=_WITHIN_S)
+    return subprocess.run(
+        command(students, out), cwd=ROOT, capture_output=True, text=True, check=False, timeout=_WITHIN_S
+    )
 
 
 def results(out: Path) -> dict[str, Any]:
@@ -145,7 +150,9 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
         run.troubles.append(f"{run.recorded_before} results were on record, {run.resumed} were taken from there")
     found = results(out)
     if found != expected:
-        run.troubles.append(f"other results: {sorted(k for k in expected.keys() | found if found.get(k) != expected.get(k))}")
+        run.troubles.append(
+            f"other results: {sorted(k for k in expected.keys() | found if found.get(k) != expected.get(k))}"
+        )
     if recorded(out) != len(expected):
         run.troubles.append(f"{recorded(out)} results for {len(expected)} submissions")
     return run
@@ -191,7 +198,10 @@ def campaign(kills: int, seed: int, *, full: bool) -> list[Run]:
             run = disturb(students, folder / f"out{number}", expected, target, chance)
             runs.append(run)
             state = "; ".join(run.troubles) or ("as undisturbed" if run.hit else "as undisturbed (it was over before)")
-            print(f"{number + 1:>3} {target:<7} {run.recorded_before} on record, {run.resumed} taken from there: {state}", flush=True)
+            print(
+                f"{number + 1:>3} {target:<7} {run.recorded_before} on record, {run.resumed} taken from there: {state}",
+                flush=True,
+            )
     return runs
 
 

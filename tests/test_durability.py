@@ -61,9 +61,7 @@ def test_a_full_disk_is_told_in_one_line_and_the_record_goes_on_where_it_ended(t
 
 
 def test_a_read_only_folder_is_told_in_one_line_and_the_record_stays(tmp_path: Path) -> None:
-    done = in_a_small_disk(
-        tmp_path, size="20m", between='mount -o remount,ro "$1"', after='mount -o remount,rw "$1"'
-    )
+    done = in_a_small_disk(tmp_path, size="20m", between='mount -o remount,ro "$1"', after='mount -o remount,rw "$1"')
     assert "first: 0" in done.stdout, done.stdout + done.stderr
     assert "second: 2" in done.stdout
     told = [line for line in done.stderr.splitlines() if line.startswith("imugrade:") and "seed" not in line]
