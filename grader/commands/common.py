@@ -1,0 +1,38 @@
+"""What several commands share: options, and how they speak."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+RubricOption = Annotated[Path | None, typer.Option("--rubric", metavar="FILE", help="Another rubric.yaml.")]
+SeedOption = Annotated[
+    str | None,
+    typer.Option(
+        "--seed",
+        envvar="IMUGRADE_SEED",
+        show_envvar=False,
+        metavar="TEXT",
+        help="Hidden scenarios from this secret. Better set IMUGRADE_SEED: a command line is visible to other users.",
+    ),
+]
+RungOption = Annotated[str | None, typer.Option("--rung", hidden=True)]
+
+
+def say(line: str) -> None:
+    """One line on stderr, with the command's name in front."""
+    from grader.text import printable  # noqa: PLC0415
+
+    print(f"imugrade: {printable(line, 2000)}", file=sys.stderr, flush=True)
+
+
+def console() -> Console:
+    from rich.console import Console  # noqa: PLC0415
+
+    return Console(highlight=False, markup=False, emoji=False)

@@ -1,0 +1,14 @@
+"""`imugrade doctor`: what this machine can do."""
+
+from __future__ import annotations
+
+from grader.commands.common import console
+
+
+def doctor() -> int:
+    """Tell what this machine can isolate, and which versions are in use."""
+    from grader import doctor as doctors  # noqa: PLC0415
+    from grader.report import terminal  # noqa: PLC0415
+
+    terminal.show_findings(doctors.examine(), console())
+    return 0

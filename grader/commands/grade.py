@@ -1,0 +1,61 @@
+"""`imugrade grade`: an instructor marks a class."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grader.commands.common import RubricOption, RungOption, SeedOption, console, say
+
+
+def grade(
+    paths: Annotated[
+        list[Path], typer.Argument(metavar="PATH", help="A folder of submissions, submissions, or an LMS download.")
+    ],
+    *,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="OUT", help="Where results go; an earlier run is resumed.")
+    ],
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="Markers at work; one a core by default.")
+    ] = None,
+    rubric: RubricOption = None,
+    seed: SeedOption = None,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", metavar="ID", help="Grade this submission alone; repeatable.")
+    ] = None,
+    min_score: Annotated[
+        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if a submission has fewer points.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Grade again what is on record.")] = False,
+    trust: Annotated[
+        bool, typer.Option("--trust-submissions", help="Grade where nothing isolates students' code.")
+    ] = False,
+    rung: RungOption = None,
+) -> int:
+    """Grade a class. Killed or stopped, the same command goes on where it ended.
+
+    \b
+    Examples:
+      imugrade grade submissions -o out
+      IMUGRADE_SEED=... imugrade grade moodle.zip -o out --jobs 8
+      imugrade grade submissions -o out --only alice --force
+    """
+    from grader import classroom, traces  # noqa: PLC0415
+    from grader import rubric as rubrics  # noqa: PLC0415
+    from grader.report import progress, terminal  # noqa: PLC0415
+
+    bundle = traces.obtain(seed, None)
+    order = classroom.Order(
+        tuple(paths), out, rubrics.load(rubric), bundle, jobs, tuple(only or ()), force, trust, rung
+    )
+    if seed is None:
+        say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
+    screen = console()
+    with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
+        outcome = classroom.grade_class(order, audience)
+    terminal.show_class(outcome, str(out / "index.html"), screen)
+    below = min_score is not None and bool(outcome.below(min_score))
+    return 3 if outcome.incomplete else int(below)

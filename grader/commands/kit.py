@@ -1,0 +1,49 @@
+"""`imugrade kit`: what students and platforms get."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grader.commands.common import RubricOption, SeedOption
+from grader.errors import RequestError
+
+
+def kit(
+    out: Annotated[
+        Path | None, typer.Argument(metavar="OUT_DIR", help="A new folder for students.", show_default=False)
+    ] = None,
+    *,
+    gradescope: Annotated[
+        Path | None, typer.Option("--gradescope", metavar="FILE", help="Write an autograder.zip.")
+    ] = None,
+    classroom50: Annotated[
+        Path | None, typer.Option("--classroom50", metavar="DIR", help="Write an autograder for Classroom 50.")
+    ] = None,
+    github: Annotated[
+        Path | None, typer.Option("--github", metavar="DIR", help="Write a workflow into a repository.")
+    ] = None,
+    rubric: RubricOption = None,
+    seed: SeedOption = None,
+) -> int:
+    """Write what students and platforms get: no reference solution, no seed.
+
+    Hidden scenarios go to Gradescope alone, and only with a seed: everywhere else students could read them.
+
+    \b
+    Examples:
+      imugrade kit lab-04-01
+      IMUGRADE_SEED=... imugrade kit --gradescope autograder.zip
+      imugrade kit --github starter-repository
+    """
+    from grader import traces  # noqa: PLC0415
+    from grader.kit import give  # noqa: PLC0415
+
+    if out is None and gradescope is None and classroom50 is None and github is None:
+        raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50 or --github")
+    hidden = traces.obtain(seed, None) if gradescope and seed is not None else None
+    for each in give.kits(give.Wanted(out, gradescope, classroom50, github, rubric, hidden)):
+        print(f"{each.place}  for {each.title}; {each.scenarios}")
+    return 0
