@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Any
 
 from . import __version__
+from .conversation import SEED
 from .errors import GraderError
 from .intake import Submission
 from .noise_curve import noise_curve
@@ -18,7 +19,7 @@ from .plugin import Check, Examination, Judgement, known_checks, run_pytest
 from .results import CheckResult, CriterionResult, ExtensionResult, NoiseCurve, Result, Status
 from .rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from .sandbox.box import Box
-from .student import SEED, Student
+from .student import Student
 from .student_extensions import EXTENSIONS, attempts
 from .text import printable
 from .traces import Traces

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from .compare import Array
+from .conversation import Missing
 from .diagnosis.allan import overlapping
 from .errors import NoAnswer
 from .results import NoiseCurve
-from .student import Missing, Student
+from .student import Student
 from .traces import Traces
 
 _READS = 2000
