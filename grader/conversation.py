@@ -12,7 +12,7 @@ import numpy as np
 
 from . import standins
 from .answers import Drawing, Fault, drawing_of
-from .errors import Crashed, Malformed, NoAnswer, TimedOut
+from .errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from .replies import checked
 from .sandbox.box import Box, Worker
 from .sandbox.wire import Frame
@@ -197,12 +197,12 @@ class Conversation:
     def retried(self, ask: Callable[[], T]) -> T:
         """Ask; and once more in a new process where the first one ended.
 
-        A system that is short of memory ends processes, too, and another file in it may be to blame: who ends it by himself does so
-        twice.
+        A system that is short of memory ends processes, too, the box's among them, and another file in it may be to blame: who ends
+        it by himself does so twice.
         """
         try:
             return ask()
-        except (Crashed, Malformed):
+        except (Crashed, Malformed, GraderError):
             self.end_session()
             return ask()
 
