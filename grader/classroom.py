@@ -14,14 +14,13 @@ from typing import Protocol
 from grader import __version__, intake
 from grader.batch import OpenMarker, Unmarked, mark_all
 from grader.errors import RequestError
-from grader.files import write_whole
-from grader.formats.gradebook import gradebook
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.plugin import known_checks
-from grader.report.pages import index_page, report_page
-from grader.results import CheckResult, CriterionResult, ExtensionResult, Result, to_json
+from grader.publishing import publish, publish_class
+from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
 from grader.rubric import Criterion, Rubric
+from grader.standing import Standing
 from grader.store import Key, Store
 from grader.text import printable
 from grader.traces import Traces
@@ -98,29 +97,6 @@ def grade_class(order: Order, audience: Audience) -> Outcome:
     return outcome
 
 
-def publish_class(out: Path, store: Store) -> None:
-    """Write the gradebook and the index of everything on record."""
-    present = store.present()
-    write_whole(out / "gradebook.csv", gradebook(present))
-    write_whole(out / "index.html", index_page(present))
-
-
-def publish(out: Path, id_: str, result: Result) -> None:
-    """Write the two files of one submission, unless they are current; `result.json` comes last and vouches for both."""
-    folder = out / "submissions" / id_
-    text = to_json(result)
-    if not (folder / "report.html").is_file() or not _holds(folder / "result.json", text):
-        write_whole(folder / "report.html", report_page(result))
-        write_whole(folder / "result.json", text)
-
-
-def _holds(path: Path, text: str) -> bool:
-    try:
-        return path.read_bytes() == text.encode()
-    except OSError:
-        return False
-
-
 class _Run:
     """One pass over the class."""
 
@@ -154,7 +130,7 @@ class _Run:
         return Key(submission.id, submission.sha256, rubric, traces, __version__)
 
     def _tell(self, id_: str, result: Result, *, resumed: bool) -> None:
-        publish(self._order.out, id_, result)
+        publish(self._order.out, Standing(id_, result), self._store)
         self._outcome.results[id_] = result
         self._audience.done(id_, result, resumed=resumed)
 
