@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from grader import __version__, intake
+from grader import __version__, cluster, intake
 from grader.batch import OpenMarker, Unmarked, mark_all
 from grader.errors import RequestError
 from grader.intake import Submission
@@ -28,7 +28,7 @@ from grader.traces import Traces
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be graded, where to, and how. `only` empty means all; `jobs` None one a core."""
+    """What is to be graded, where to, and how. `only` empty means all; `jobs` None one a core; `cluster` None here."""
 
     paths: tuple[Path, ...]
     out: Path
@@ -39,6 +39,7 @@ class Order:
     force: bool = False
     trusted: bool = False
     rung: str | None = None
+    cluster: str | None = None
 
 
 class Audience(Protocol):
@@ -108,11 +109,16 @@ class _Run:
 
     def grade(self, entries: list[intake.Entry]) -> None:
         order = self._order
-        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
-        for submission, marked in mark_all(self._unrecorded(entries), opener(order), jobs):
+        for submission, marked in self._marked(entries):
             result = unjudged(submission, order, marked.reason) if isinstance(marked, Unmarked) else marked
             self._store.keep(self._key(submission), result)
             self._tell(submission.id, result, resumed=False)
+
+    def _marked(self, entries: list[intake.Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
+        order, submissions = self._order, self._unrecorded(entries)
+        if order.cluster is not None:
+            return cluster.mark_all(submissions, opener(order), order.cluster)
+        return mark_all(submissions, opener(order), min(order.jobs or os.cpu_count() or 1, len(entries)))
 
     def _unrecorded(self, entries: list[intake.Entry]) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
