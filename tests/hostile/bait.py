@@ -37,6 +37,7 @@ class Bait:
         self._open = ExitStack()
         self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
         os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the box, not of modes
+        self._abstract = f"{SECRET}-{os.getpid()}"
         self._lay_out()
         self._listeners = self._listen()
         program = "import signal; signal.sigwait([signal.SIGUSR2])"
@@ -73,7 +74,7 @@ class Bait:
             listener.setblocking(False)
         listeners["UDP"].bind(("127.0.0.1", 0))
         listeners["SOCKET"].bind(str(self.folder / "socket"))
-        listeners["ABSTRACT"].bind("\0" + SECRET)
+        listeners["ABSTRACT"].bind("\0" + self._abstract)
         for name in ("SOCKET", "ABSTRACT"):
             listeners[name].listen()
         os.chmod(self.folder / "socket", 0o777)
@@ -95,7 +96,7 @@ class Bait:
             "@NEIGHBOUR@": str(self.folder / "neighbour"),
             "@FOLDER@": str(self.folder),
             "@SOCKET@": str(self.folder / "socket"),
-            "@ABSTRACT@": SECRET,
+            "@ABSTRACT@": self._abstract,
             "@PORT@": str(self._listeners["PORT"].getsockname()[1]),
             "@UDP@": str(self._listeners["UDP"].getsockname()[1]),
             "@PID@": str(self._decoy.pid),
