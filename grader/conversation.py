@@ -194,6 +194,16 @@ class Conversation:
             raise answer.with_traceback(None)  # or it would grow with every time that it is raised
         return answer  # type: ignore[no-any-return]
 
+    def answered(self, key: Any) -> Any:
+        """An answer that has been given; None where there is none. Nothing is asked."""
+        answer = self._answers.get(key)
+        return None if isinstance(answer, Exception) else answer
+
+    def drawings(self) -> list[Drawing]:
+        """What the submission's files have drawn so far, imported or run."""
+        answers = (a.drawing if isinstance(a, Loaded) else a for a in self._answers.values())
+        return [answer for answer in answers if isinstance(answer, Drawing)]
+
     def retried(self, ask: Callable[[], T]) -> T:
         """Ask; and once more in a new process where the first one ended.
 

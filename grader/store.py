@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass
@@ -16,6 +17,7 @@ from pathlib import Path
 from types import TracebackType
 
 from grader.errors import RequestError
+from grader.evidence import Chart, unpacked
 from grader.results import Result, from_dict, to_dict
 from grader.standing import Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
 
@@ -33,6 +35,8 @@ CREATE TABLE IF NOT EXISTS results (
     grader TEXT NOT NULL,
     status TEXT NOT NULL,
     record TEXT NOT NULL,
+    charts BLOB NOT NULL,
+    fingerprint BLOB NOT NULL,
     UNIQUE (id, submission_sha256, rubric_sha256, traces_sha256, grader)
 );
 CREATE TABLE IF NOT EXISTS class (id TEXT PRIMARY KEY, seq INTEGER NOT NULL REFERENCES results (seq));
@@ -53,10 +57,10 @@ PRAGMA user_version = {version};
 COMMIT;
 """
 _KEEP = """
-INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record)
-VALUES (?, ?, ?, ?, ?, ?, ?)
+INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record, charts, fingerprint)
+VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader)
-DO UPDATE SET status = excluded.status, record = excluded.record
+DO UPDATE SET status = excluded.status, record = excluded.record, charts = excluded.charts, fingerprint = excluded.fingerprint
 """
 _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
@@ -100,7 +104,8 @@ class Store:
         """Commit one result and make it the submission's present one."""
         record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
         with self._told(), self._transaction():
-            self._db.execute(_KEEP, (*astuple(key), result.status, record))
+            evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
+            self._db.execute(_KEEP, (*astuple(key), result.status, record, *evidence))
             self._point_at(key)
 
     def recall(self, key: Key) -> Result | None:
@@ -117,6 +122,19 @@ class Store:
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
             return {id_: from_dict(json.loads(record)) for id_, record in self._db.execute(query)}
+
+    def charts(self, id_: str) -> tuple[Chart, ...]:
+        """The charts of a submission's present result."""
+        query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
+        with self._told():
+            row = self._db.execute(query, (id_,)).fetchone()
+        return () if row is None else unpacked(row[0])
+
+    def fingerprints(self) -> dict[str, tuple[int, ...]]:
+        """The fingerprint of every submission's code, by id."""
+        query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
+        with self._told():
+            return {id_: tuple(array("Q", record)) for id_, record in self._db.execute(query)}
 
     def standings(self) -> dict[str, Standing]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
