@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .sandbox.wire import Frame
+
 Array = NDArray[np.float64]
 Node = Mapping[str, Any]
 Arrays = Mapping[str, Array]
@@ -290,3 +292,13 @@ class Drawing:
     arrays: Arrays
     pictures: tuple[str, ...]
     fault: Fault | None = None
+
+
+def drawing_of(frame: Frame) -> Drawing:
+    """What an answer tells of figures and pictures."""
+    return Drawing(
+        tuple(frame.fields["figures"]),
+        frame.arrays,
+        tuple(frame.fields["pictures"]),
+        Fault.of(frame.fields.get("error")),
+    )

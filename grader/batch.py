@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from grader.intake import Submission
 
 ATTEMPTS = 2
+KILLED = "the marking process was killed"
 
 
 class Marking(Protocol):
@@ -44,9 +45,34 @@ class Unmarked:
 
 
 @dataclass
-class _Task:
+class Task:
+    """A submission that is to be marked, and why that failed so far."""
+
     submission: Submission
     reasons: list[str] = field(default_factory=list)
+
+
+class Backlog:
+    """What is still to be marked: first what failed once, then the submissions, taken one at a time."""
+
+    def __init__(self, submissions: Iterator[Submission]) -> None:
+        self._submissions = submissions
+        self._again: deque[Task] = deque()
+
+    def next(self) -> Task | None:
+        """The next task; None when there is none at present."""
+        if self._again:
+            return self._again.popleft()
+        submission = next(self._submissions, None)
+        return None if submission is None else Task(submission)
+
+    def failed(self, task: Task, reason: str) -> Unmarked | None:
+        """Take a task back, which has failed; the end of it if that was once too often."""
+        task.reasons.append(reason)
+        if len(task.reasons) < ATTEMPTS:
+            self._again.append(task)
+            return None
+        return Unmarked(reason)
 
 
 def mark_all(
@@ -83,11 +109,10 @@ class _Pool:
     def __init__(self, submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int) -> None:
         self._strangers = set(multiprocessing.active_children())
         self._desks: list[_Desk] = []
-        self._submissions = submissions
+        self._backlog = Backlog(submissions)
         self._open_marker = open_marker
         self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that was not needed so far
-        self._again: deque[_Task] = deque()
-        self._busy: dict[Future[Result], tuple[_Desk, _Task]] = {}
+        self._busy: dict[Future[Result], tuple[_Desk, Task]] = {}
 
     def run(self) -> Iterator[tuple[Submission, Result | Unmarked]]:
         while self._hand_out():
@@ -112,7 +137,7 @@ class _Pool:
 
     def _hand_out(self) -> bool:
         """Give every idle desk something to do; False when nothing is left to wait for."""
-        while self._idle and (task := self._next()) is not None:
+        while self._idle and (task := self._backlog.next()) is not None:
             desk = self._idle.popleft() or self._new_desk()
             self._busy[desk.mark(task.submission)] = (desk, task)
         return bool(self._busy)
@@ -121,13 +146,7 @@ class _Pool:
         self._desks = [desk for desk in self._desks if not desk.dismissed] + [_Desk(self._open_marker)]
         return self._desks[-1]
 
-    def _next(self) -> _Task | None:
-        if self._again:
-            return self._again.popleft()
-        submission = next(self._submissions, None)
-        return None if submission is None else _Task(submission)
-
-    def _outcome(self, future: Future[Result], desk: _Desk, task: _Task) -> Result | Unmarked | None:
+    def _outcome(self, future: Future[Result], desk: _Desk, task: Task) -> Result | Unmarked | None:
         """What came of a task; None if it is to be tried again."""
         problem = future.exception()
         if problem is None:
@@ -136,16 +155,11 @@ class _Pool:
         desk.check_opened()
         desk.dismiss()
         self._idle.append(None)
-        task.reasons.append(_words(problem))
-        if len(task.reasons) < ATTEMPTS:
-            self._again.append(task)
-            return None
-        return Unmarked(task.reasons[-1])
+        return self._backlog.failed(task, KILLED if isinstance(problem, BrokenProcessPool) else words(problem))
 
 
-def _words(problem: BaseException) -> str:
-    if isinstance(problem, BrokenProcessPool):
-        return "the marking process was killed"
+def words(problem: BaseException) -> str:
+    """What failed, on one line."""
     return " ".join(f"{type(problem).__name__}: {problem}".split())
 
 

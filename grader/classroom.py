@@ -11,17 +11,16 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from grader import __version__, intake
+from grader import __version__, cluster, intake
 from grader.batch import OpenMarker, Unmarked, mark_all
 from grader.errors import RequestError
-from grader.files import write_whole
-from grader.formats.gradebook import gradebook
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.plugin import known_checks
-from grader.report.pages import index_page, report_page
-from grader.results import CheckResult, CriterionResult, ExtensionResult, Result, to_json
+from grader.publishing import publish, publish_class
+from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
 from grader.rubric import Criterion, Rubric
+from grader.standing import Standing
 from grader.store import Key, Store
 from grader.text import printable
 from grader.traces import Traces
@@ -29,7 +28,7 @@ from grader.traces import Traces
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be graded, where to, and how. `only` empty means all; `jobs` None one a core."""
+    """What is to be graded, where to, and how. `only` empty means all; `jobs` None one a core; `cluster` None here."""
 
     paths: tuple[Path, ...]
     out: Path
@@ -40,6 +39,7 @@ class Order:
     force: bool = False
     trusted: bool = False
     rung: str | None = None
+    cluster: str | None = None
 
 
 class Audience(Protocol):
@@ -98,29 +98,6 @@ def grade_class(order: Order, audience: Audience) -> Outcome:
     return outcome
 
 
-def publish_class(out: Path, store: Store) -> None:
-    """Write the gradebook and the index of everything on record."""
-    present = store.present()
-    write_whole(out / "gradebook.csv", gradebook(present))
-    write_whole(out / "index.html", index_page(present))
-
-
-def publish(out: Path, id_: str, result: Result) -> None:
-    """Write the two files of one submission, unless they are current; `result.json` comes last and vouches for both."""
-    folder = out / "submissions" / id_
-    text = to_json(result)
-    if not (folder / "report.html").is_file() or not _holds(folder / "result.json", text):
-        write_whole(folder / "report.html", report_page(result))
-        write_whole(folder / "result.json", text)
-
-
-def _holds(path: Path, text: str) -> bool:
-    try:
-        return path.read_bytes() == text.encode()
-    except OSError:
-        return False
-
-
 class _Run:
     """One pass over the class."""
 
@@ -132,11 +109,16 @@ class _Run:
 
     def grade(self, entries: list[intake.Entry]) -> None:
         order = self._order
-        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
-        for submission, marked in mark_all(self._unrecorded(entries), opener(order), jobs):
+        for submission, marked in self._marked(entries):
             result = unjudged(submission, order, marked.reason) if isinstance(marked, Unmarked) else marked
             self._store.keep(self._key(submission), result)
             self._tell(submission.id, result, resumed=False)
+
+    def _marked(self, entries: list[intake.Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
+        order, submissions = self._order, self._unrecorded(entries)
+        if order.cluster is not None:
+            return cluster.mark_all(submissions, opener(order), order.cluster)
+        return mark_all(submissions, opener(order), min(order.jobs or os.cpu_count() or 1, len(entries)))
 
     def _unrecorded(self, entries: list[intake.Entry]) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
@@ -154,7 +136,7 @@ class _Run:
         return Key(submission.id, submission.sha256, rubric, traces, __version__)
 
     def _tell(self, id_: str, result: Result, *, resumed: bool) -> None:
-        publish(self._order.out, id_, result)
+        publish(self._order.out, Standing(id_, result), self._store)
         self._outcome.results[id_] = result
         self._audience.done(id_, result, resumed=resumed)
 

@@ -13,9 +13,9 @@ from typing import Any
 import yaml
 
 from .answers import Fault
+from .conversation import Missing
 from .errors import Crashed, Malformed, NoAnswer, TimedOut
 from .results import Outcome
-from .student import Missing
 from .text import printable
 from .verdicts import Lost, Raised, Skipped
 

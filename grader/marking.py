@@ -10,14 +10,16 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from . import __version__
+from . import __version__, exhibits
+from .conversation import SEED
+from .evidence import Evidence, packed
+from .fingerprint import fingerprint
 from .intake import Submission
-from .noise_curve import noise_curve
 from .plugin import Check, Examination, Judgement, known_checks, session
-from .results import CheckResult, CriterionResult, ExtensionResult, NoiseCurve, Result, Status
+from .results import CheckResult, CriterionResult, ExtensionResult, Result, Status
 from .rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from .sandbox.box import Box
-from .student import SEED, Student
+from .student import Student
 from .student_extensions import EXTENSIONS, attempts
 from .text import printable
 from .traces import Traces
@@ -72,17 +74,17 @@ class Marker:
         examination = Examination(student, self._traces, only)
         try:
             session().run(examination)
-            noise = self._noise(student, only)
         finally:
             student.close()
         result = self._result(submission, "graded", examination.judgements, student.notes, started, only)
-        extensions = tuple(replace(e, noise=noise) if e.id == _ALLAN else e for e in result.extensions)
-        return replace(result, extensions=extensions)
+        return replace(result, evidence=self._evidence(student))
 
-    def _noise(self, student: Student, only: str | None) -> NoiseCurve | None:
-        """Only who hands in an Allan deviation waits for the curve of their noise model."""
-        wanted = only in (None, _ALLAN) and attempts(student.files, EXTENSIONS[_ALLAN])
-        return noise_curve(student, self._traces) if wanted else None
+    def _evidence(self, student: Student) -> Evidence:
+        """It decides nothing: where it cannot be gathered, the marks stand without it."""
+        try:
+            return Evidence(packed(exhibits.charts(student, self._traces)), fingerprint(student.files))
+        except Exception:  # numbers of a student's that nobody has thought of
+            return Evidence()
 
     def _result(
         self, submission: Submission, status: Status, judgements: Mapping[str, Judgement], notes: list[str], started: float,
@@ -160,7 +162,6 @@ class Marker:
         }
 
 
-_ALLAN = "allan_variance"
 _NOTHING = {
     "empty": "Nothing recognisable was handed in: no Python file and no notebook was found.",
     "unreadable": "The archive could not be read.",

@@ -18,9 +18,10 @@ from typing import Literal, TypeVar
 import numpy as np
 import pytest
 
+from .conversation import Missing
 from .errors import GraderError, NoAnswer
 from .feedback import Told, story, told
-from .student import Missing, Student
+from .student import Student
 from .student_extensions import EXTENSIONS, attempts
 from .traces import Traces
 from .verdicts import Lost, Raised, Skipped

@@ -13,6 +13,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
+from grader.evidence import Evidence
+
 SCHEMA = "imugrade/result/v1"
 
 Outcome = Literal["passed", "partial", "failed", "error", "timeout", "crashed", "skipped", "not_judged"]
@@ -53,30 +55,11 @@ class CriterionResult:
 
 
 @dataclass(frozen=True)
-class NoiseCurve:
-    """Allan deviation of the submission's own `NoisyIMU`, for the report: root mean square over the axes.
-
-    Attributes
-    ----------
-    taus_s : averaging times, one sample and more; acceleration (m/s²), angular_velocity (rad/s) : deviations at them
-    asked_for : the standard deviations that the noise was asked to have, m/s² and rad/s
-    """
-
-    taus_s: tuple[float, ...]
-    acceleration: tuple[float, ...]
-    angular_velocity: tuple[float, ...]
-    asked_for: tuple[float, float]
-
-
-@dataclass(frozen=True)
 class ExtensionResult:
-    """`noise` stands with the Allan variance alone, where the submission has a noise model that can be read."""
-
     id: str
     attempted: bool
     max_points: float
     checks: tuple[CheckResult, ...] = ()
-    noise: NoiseCurve | None = None
 
     @property
     def points(self) -> float:
@@ -88,7 +71,7 @@ class Result:
     """Everything that is said of one submission.
 
     `extra_credit_cap` is None where extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` beside the
-    score, which stays the sum of the criteria.
+    score, which stays the sum of the criteria. `evidence` is shown beside the result and is no part of its record.
     """
 
     submission: str
@@ -99,6 +82,7 @@ class Result:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     duration_s: float = 0.0
     extra_credit_cap: float | None = None
+    evidence: Evidence = field(default=Evidence(), compare=False, repr=False)
 
     @property
     def extra_credit(self) -> float:
@@ -137,8 +121,7 @@ def to_dict(result: Result) -> dict[str, Any]:
         head: dict[str, Any] = {"id": value.id}
         head |= {"title": value.title} if isinstance(value, CriterionResult) else {"attempted": value.attempted}
         checks = [{**asdict(check), "misconceptions": list(check.misconceptions)} for check in value.checks]
-        noise = {"noise": _noise_record(value.noise)} if isinstance(value, ExtensionResult) and value.noise else {}
-        return {**head, "points": value.points, "max_points": value.max_points, "checks": checks, **noise}
+        return {**head, "points": value.points, "max_points": value.max_points, "checks": checks}
 
     return {
         "schema": SCHEMA,
@@ -154,14 +137,6 @@ def to_dict(result: Result) -> dict[str, Any]:
         "provenance": dict(result.provenance),
         "duration_s": result.duration_s,
     }
-
-
-def _noise_record(curve: NoiseCurve) -> dict[str, list[float]]:
-    return {name: list(values) for name, values in asdict(curve).items()}
-
-
-def _noise_of(record: Mapping[str, Any] | None) -> NoiseCurve | None:
-    return NoiseCurve(**{name: tuple(values) for name, values in record.items()}) if record else None
 
 
 def _extra_credit(result: Result) -> dict[str, Any]:
@@ -199,8 +174,7 @@ def from_dict(record: Mapping[str, Any]) -> Result:
             CriterionResult(c["id"], c["title"], c["max_points"], checks(c["checks"])) for c in record["criteria"]
         ),
         extensions=tuple(
-            ExtensionResult(e["id"], e["attempted"], e["max_points"], checks(e["checks"]), _noise_of(e.get("noise")))
-            for e in record["extensions"]
+            ExtensionResult(e["id"], e["attempted"], e["max_points"], checks(e["checks"])) for e in record["extensions"]
         ),
         notes=tuple(record["notes"]),
         provenance=record["provenance"],

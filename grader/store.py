@@ -2,23 +2,27 @@
 
 A run that is killed loses at most the submissions that it was working on. `results` keeps every result ever recorded;
 `class` says which of them is the present one of each submission, so that grading a part of a class never shrinks it.
+What people add stands apart from it: who handed in and when, adjustments with everything that was ever said, pages written.
 """
 
 from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator
+from array import array
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass
 from pathlib import Path
 from types import TracebackType
 
 from grader.errors import RequestError
+from grader.evidence import Chart, unpacked
 from grader.results import Result, from_dict, to_dict
+from grader.standing import Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
 
 FILE_NAME = "results.sqlite"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 _APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
 _TABLES = """
 BEGIN IMMEDIATE;
@@ -31,19 +35,34 @@ CREATE TABLE IF NOT EXISTS results (
     grader TEXT NOT NULL,
     status TEXT NOT NULL,
     record TEXT NOT NULL,
+    charts BLOB NOT NULL,
+    fingerprint BLOB NOT NULL,
     UNIQUE (id, submission_sha256, rubric_sha256, traces_sha256, grader)
 );
 CREATE TABLE IF NOT EXISTS class (id TEXT PRIMARY KEY, seq INTEGER NOT NULL REFERENCES results (seq));
+CREATE TABLE IF NOT EXISTS hand_ins (id TEXT PRIMARY KEY, record TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS adjustments (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    criterion TEXT NOT NULL,
+    points REAL,
+    comment TEXT NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL,
+    beneath TEXT NOT NULL
+);
+CREATE TABLE IF NOT EXISTS pages (id TEXT PRIMARY KEY, digest TEXT NOT NULL);
 PRAGMA application_id = {application};
 PRAGMA user_version = {version};
 COMMIT;
 """
 _KEEP = """
-INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record)
-VALUES (?, ?, ?, ?, ?, ?, ?)
+INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record, charts, fingerprint)
+VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader)
-DO UPDATE SET status = excluded.status, record = excluded.record
+DO UPDATE SET status = excluded.status, record = excluded.record, charts = excluded.charts, fingerprint = excluded.fingerprint
 """
+_ADJUSTMENT = "id, criterion, points, comment, author, at, beneath"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
 
 
@@ -85,7 +104,8 @@ class Store:
         """Commit one result and make it the submission's present one."""
         record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
         with self._told(), self._transaction():
-            self._db.execute(_KEEP, (*astuple(key), result.status, record))
+            evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
+            self._db.execute(_KEEP, (*astuple(key), result.status, record, *evidence))
             self._point_at(key)
 
     def recall(self, key: Key) -> Result | None:
@@ -103,6 +123,70 @@ class Store:
         with self._told():
             return {id_: from_dict(json.loads(record)) for id_, record in self._db.execute(query)}
 
+    def charts(self, id_: str) -> tuple[Chart, ...]:
+        """The charts of a submission's present result."""
+        query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
+        with self._told():
+            row = self._db.execute(query, (id_,)).fetchone()
+        return () if row is None else unpacked(row[0])
+
+    def fingerprints(self) -> dict[str, tuple[int, ...]]:
+        """The fingerprint of every submission's code, by id."""
+        query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
+        with self._told():
+            return {id_: tuple(array("Q", record)) for id_, record in self._db.execute(query)}
+
+    def standings(self) -> dict[str, Standing]:
+        """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
+        present, hand_ins, adjustments = self.present(), self._hand_ins(), self._adjustments()
+        return {
+            id_: Standing(id_, result, hand_ins.get(id_, HandIn()), adjustments.get(id_, ()))
+            for id_, result in present.items()
+        }
+
+    def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
+        """Record who handed in and when, in place of what was known before."""
+        record = json.dumps(hand_in_to_dict(hand_in), ensure_ascii=True, allow_nan=False)
+        with self._told(), self._transaction():
+            self._db.execute("INSERT OR REPLACE INTO hand_ins VALUES (?, ?)", (id_, record))
+
+    def adjust(self, adjustments: Iterable[tuple[str, Adjustment]]) -> None:
+        """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away."""
+        rows = [
+            (id_, a.criterion, a.points, a.comment, a.author, a.at, json.dumps(dict(a.beneath)))
+            for id_, a in adjustments
+        ]
+        with self._told(), self._transaction():
+            self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+
+    def history(self) -> list[tuple[str, Adjustment]]:
+        """Every adjustment ever made, by id of the submission, oldest first; without points those that withdraw one."""
+        with self._told():
+            rows = self._db.execute(f"SELECT {_ADJUSTMENT} FROM adjustments ORDER BY seq").fetchall()
+        return [(id_, Adjustment(*values, beneath=json.loads(record))) for id_, *values, record in rows]
+
+    def page_digest(self, id_: str) -> str:
+        """What `keep_page_digest` was last given: of what the pages of a submission were made from."""
+        with self._told():
+            row = self._db.execute("SELECT digest FROM pages WHERE id = ?", (id_,)).fetchone()
+        return "" if row is None else str(row[0])
+
+    def keep_page_digest(self, id_: str, digest: str) -> None:
+        with self._told(), self._transaction():
+            self._db.execute("INSERT OR REPLACE INTO pages VALUES (?, ?)", (id_, digest))
+
+    def _hand_ins(self) -> dict[str, HandIn]:
+        with self._told():
+            rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
+        return {id_: hand_in_from_dict(json.loads(record)) for id_, record in rows}
+
+    def _adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
+        """Those in force: the last of each criterion, unless it withdraws."""
+        last: dict[str, dict[str, Adjustment]] = {}
+        for id_, adjustment in self.history():
+            last.setdefault(id_, {})[adjustment.criterion] = adjustment
+        return {id_: tuple(a for a in each.values() if a.points is not None) for id_, each in last.items()}
+
     def _point_at(self, key: Key) -> None:
         self._db.execute(
             f"INSERT INTO class (id, seq) SELECT id, seq FROM results {_WHERE} "
@@ -116,7 +200,8 @@ class Store:
         WAL keeps a reader from blocking the writer; with it, NORMAL is still safe when the process is killed.
         """
         application, version, tables = self._identity()
-        if (application, version, tables) == (0, 0, 0):
+        older = application == _APPLICATION_ID and version == 1  # it lacks tables only
+        if (application, version, tables) == (0, 0, 0) or older:
             self._db.executescript(_TABLES.format(application=_APPLICATION_ID, version=SCHEMA_VERSION))
         elif application != _APPLICATION_ID:
             raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")

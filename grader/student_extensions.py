@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from .answers import Array, Arrays, Fault, Node, Reading, as_reading, numbers, shape_in_words
-from .student import HOMES, Student
+from .conversation import HOMES
+from .student import Student
 
 EXTENSIONS: Mapping[str, str] = {
     "complementary_filter": "ComplementaryFilter",

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from grader import rubric, traces
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.sandbox.box import Worker
+from grader.sandbox.wire import Frame
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import write
 from tests.durability import ROOT, campaign, hand_in
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds processes in /proc")
@@ -18,6 +28,29 @@ def test_killed_runs_go_on_to_the_same_results_and_leave_nothing_behind() -> Non
     runs = campaign(4, seed=5, full=False)
     assert [run.troubles for run in runs] == [[], [], [], []]
     assert sum(run.hit for run in runs) >= 3
+
+
+@pytest.mark.parametrize("number", [1, 4, 9, 15])
+def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
+    number: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    asked, ask = 0, Worker.ask
+
+    def disturbed(self: Worker, *question: Any, **limits: Any) -> Frame:
+        nonlocal asked
+        asked += 1
+        if asked == number:
+            os.kill(marker._box._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
+        return ask(self, *question, **limits)
+
+    submission = read_submission(write(tidy(), tmp_path / "whole"))
+    monkeypatch.setattr(Worker, "ask", disturbed)
+    with Marker(rubric.load(), traces.shipped()) as marker:
+        if marker.isolation == "none":
+            pytest.skip("there is no zygote without walls")
+        result = marker.mark(submission)
+    assert asked > number
+    assert (result.status, result.score) == ("graded", 100.0)
 
 
 IN_A_SMALL_DISK = """

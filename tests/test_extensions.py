@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -10,7 +9,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import allantools
-import jsonschema
 import mujoco
 import numpy as np
 import pytest
@@ -22,9 +20,8 @@ from grader.diagnosis import allan as allan_diagnosis
 from grader.diagnosis import liveplot, tilting
 from grader.intake import Submission, read_submission
 from grader.marking import Marker
-from grader.report.noise import noise_plot
 from grader.report.pages import report_page
-from grader.results import ExtensionResult, NoiseCurve, Result, from_dict, to_dict
+from grader.results import ExtensionResult, Result, from_dict, to_dict
 from grader.student_extensions import EXTENSIONS, attempts
 from reference.allan_variance import allan_deviation, cluster_sizes, noise_density
 from reference.complementary_filter import ComplementaryFilter, euler_rates, heading_of, tilt_of
@@ -217,38 +214,6 @@ def test_the_cap_and_the_part_that_is_shown_are_told(truth: traces.Traces, mark:
     assert (words.extension_points(earning.extensions[1]), words.extra_credit(earning)) == ("2.86 / 5", "2 / 2")
     assert "extra credit 2 / 2" in report_page(earning)
     assert (words.extension_points(mark(files).extensions[1]), words.extra_credit(mark(files))) == ("4 of 5 shown", "")
-
-
-# --- the noise model's own curve ------------------------------------------------------------------------------------
-
-
-def test_the_report_draws_the_allan_plot_of_the_submissions_own_noise(mark: Mark) -> None:
-    result = mark({"allan_variance.py": corpus.ALLAN_BLOCKS}, only="allan_variance")
-    noise = result.extensions[0].noise
-    assert noise is not None
-    taus = np.array(noise.taus_s)
-    assert taus[0] == 0.002
-    for curve, asked in ((noise.acceleration, noise.asked_for[0]), (noise.angular_velocity, noise.asked_for[1])):
-        # One sample's deviation of 2,000 × 3 white readings scatters by 1 %; six times that is allowed.
-        assert curve[0] == pytest.approx(asked, rel=0.07)
-        assert np.polyfit(np.log(taus), np.log(curve), 1)[0] == pytest.approx(-0.5, abs=0.2)
-    record = to_dict(result)
-    assert from_dict(record) == result
-    jsonschema.validate(record, json.loads((Path(traces.__file__).parent / "data" / "result.schema.json").read_text()))
-    page = report_page(result)
-    assert page.count('<polyline class="curve"') == page.count('<polyline class="white"') == 2
-    assert f"asked for: {noise.asked_for[0]:.3g}" in page
-
-
-def test_a_noise_model_that_cannot_be_read_leaves_the_curve_away(mark: Mark) -> None:
-    files = {"allan_variance.py": corpus.ALLAN_BLOCKS, "noisy_imu.py": "class NoisyIMU:\n    pass\n"}
-    (extension,) = mark(files, only="allan_variance").extensions
-    assert (lost(extension), extension.noise) == (set(), None)
-    assert noise_plot(None) is None
-
-
-def test_noise_without_spread_is_not_drawn() -> None:
-    assert noise_plot(NoiseCurve((0.1, 0.2), (0.0, 0.0), (0.1, 0.1), (0.05, 0.005))) is None
 
 
 def test_an_unreadable_submission_has_attempted_nothing(marker: Marker) -> None:

@@ -6,15 +6,20 @@ from dataclasses import replace
 
 from grader.formats.gradebook import gradebook
 from grader.results import Result
+from grader.standing import Standing
 from tests.made_up import check, lost, result
 
 
+def book(results: dict[str, Result]) -> str:
+    return gradebook({id_: Standing(id_, each) for id_, each in results.items()})
+
+
 def rows(results: dict[str, Result]) -> list[list[str]]:
-    return list(csv.reader(io.StringIO(gradebook(results))))
+    return list(csv.reader(io.StringIO(book(results))))
 
 
 def test_the_gradebook_has_a_row_a_submission_and_a_column_a_criterion() -> None:
-    assert gradebook({"alice": result(), "bob": result(check(points=3.33), name="Bob")}) == (
+    assert book({"alice": result(), "bob": result(check(points=3.33), name="Bob")}) == (
         "id,name,sensor_access,total,status\nalice,alice,20,20,graded\nbob,Bob,3.33,3.33,graded\n"
     )
 
@@ -41,12 +46,12 @@ def test_a_name_cannot_become_a_formula_or_another_row() -> None:
 
 
 def test_an_empty_class_is_a_header() -> None:
-    assert gradebook({}) == "id,name,total,status\n"
+    assert book({}) == "id,name,total,status\n"
 
 
 def test_extra_credit_has_a_column_where_the_rubric_gives_it_and_goes_into_the_total() -> None:
     plain, granted = result(), replace(result(name="Bob"), extra_credit_cap=10.0)
     extension = replace(granted.extensions[0], max_points=5.0, checks=(check(points=4.5, max_points=5.0),))
-    assert gradebook({"alice": plain, "bob": replace(granted, extensions=(extension,))}) == (
+    assert book({"alice": plain, "bob": replace(granted, extensions=(extension,))}) == (
         "id,name,sensor_access,extra_credit,total,status\nalice,alice,20,0,20,graded\nbob,Bob,20,4.5,24.5,graded\n"
     )

@@ -8,11 +8,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..answers import KEYS, Array, Drawing
+from ..conversation import Missing
 from ..diagnosis import plots
 from ..diagnosis.plots import Facts, Panel
 from ..errors import NoAnswer
 from ..plugin import check
-from ..student import Missing, Student
+from ..student import Student
 from ..text import printable
 from ..traces import Traces
 from ..verdicts import Lost, Raised, Skipped, raised

@@ -21,6 +21,9 @@ def grade(
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="Markers at work; one a core by default.")
     ] = None,
+    cluster: Annotated[
+        str | None, typer.Option("--cluster", metavar="ADDRESS", help="Grade on this Dask cluster: tcp://HOST:PORT.")
+    ] = None,
     rubric: RubricOption = None,
     seed: SeedOption = None,
     only: Annotated[
@@ -45,11 +48,14 @@ def grade(
     """
     from grader import classroom, traces  # noqa: PLC0415
     from grader import rubric as rubrics  # noqa: PLC0415
+    from grader.errors import RequestError  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
 
+    if cluster is not None and jobs is not None:
+        raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
     bundle = traces.obtain(seed, None)
     order = classroom.Order(
-        tuple(paths), out, rubrics.load(rubric), bundle, jobs, tuple(only or ()), force, trust, rung
+        tuple(paths), out, rubrics.load(rubric), bundle, jobs, tuple(only or ()), force, trust, rung, cluster
     )
     if seed is None:
         say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
+from grader.conversation import HOMES
 from grader.plugin import PARTS
 from grader.results import CheckResult
-from grader.student import HOMES
 
 _RAISED = re.compile(r"^.* at ([^\n]{1,300}?), line (\d{1,7})$", re.MULTILINE)
 _DRAWS = {"visualization": "plot_imu_data", "visualization.comparison_plot": "LowPassFilter"}

@@ -10,7 +10,7 @@ import contextlib
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -121,13 +121,14 @@ def _draw_once() -> Callable[[], contextlib.AbstractContextManager[None]]:
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 
-    really_draw, switched_off = FigureCanvasAgg.draw, RendererAgg._draw_disabled
+    really_draw, renderer = FigureCanvasAgg.draw, cast(Any, RendererAgg)
+    switched_off = renderer._draw_disabled
     drawn: list[bool] = []  # one for each save that is going on: whether its picture stands
 
     def draw(self: Any) -> None:
         asks_for_a_renderer = "draw" in vars(self.figure)
         if asks_for_a_renderer or not (drawn and drawn[-1]):
-            really_draw(self)
+            really_draw(self)  # type: ignore[no-untyped-call,unused-ignore] # matplotlib has no types here
 
     def draw_disabled(self: Any) -> Any:
         if not drawn:
@@ -144,7 +145,7 @@ def _draw_once() -> Callable[[], contextlib.AbstractContextManager[None]]:
             drawn.pop()
 
     setattr(FigureCanvasAgg, "draw", draw)  # noqa: B010 - a method is replaced on purpose
-    setattr(RendererAgg, "_draw_disabled", draw_disabled)  # noqa: B010
+    renderer._draw_disabled = draw_disabled
     return once
 
 

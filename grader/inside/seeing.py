@@ -236,7 +236,9 @@ def any_colour_shows(axes: Any, colours: list[Any], picture: np.ndarray) -> bool
     rows = slice(max(int((1 - box.y1) * height) + 2, 0), max(int((1 - box.y0) * height) - 1, 0))  # within the frame
     columns = slice(max(int(box.x0 * width) + 2, 0), max(int(box.x1 * width) - 1, 0))
     behind = np.array(to_rgb(axes.get_facecolor()))
-    counts = np.abs(picture - np.round(255 * behind).astype(np.int16)).max(axis=2) > 255 * _NEAR  # background says nothing
+    counts = (
+        np.abs(picture - np.round(255 * behind).astype(np.int16)).max(axis=2) > 255 * _NEAR
+    )  # background says nothing
     counts &= _outside_legend(axes, height, width)
     part = picture[rows, columns][counts[rows, columns]] / 255
     return any(_holds(part, behind, np.array(to_rgb(colour))) for colour in colours)

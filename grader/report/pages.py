@@ -16,7 +16,6 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from grader import words
-from grader.report.noise import noise_plot
 from grader.results import CriterionResult, ExtensionResult, Result
 from grader.text import printable
 
@@ -75,9 +74,7 @@ def report_page(result: Result) -> str:
         total=words.total_points(result).split(" / "),
         status=words.STATUS[result.status],
         parts=[_part(criterion) for criterion in result.criteria],
-        extensions=[
-            (_part(extension), noise_plot(extension.noise)) for extension in result.extensions if extension.checks
-        ],
+        extensions=[_part(extension) for extension in result.extensions if extension.checks],
         extra_credit=words.extra_credit(result),
         mistakes=words.mistakes(result),
         notes=words.notes(result),

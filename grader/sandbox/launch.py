@@ -153,13 +153,21 @@ class Zygote:
         self.without_landlock = bool(message.get("without_landlock"))
 
     def await_ready(self) -> None:
-        """Wait for the imports and the harness's warm-up; GraderError with their error if they fail."""
+        """Wait for the imports and the harness's warm-up.
+
+        Raises
+        ------
+        ZygoteGoneError
+            If the zygote died over them.
+        GraderError
+            If they failed, with their error.
+        """
         with self._lock:
             if self._ready:
                 return
             message, _ = self._next(_READY_WITHIN_S)
             if message is None:
-                raise GraderError(f"the box did not start: {self._last_words() or 'it ended without a word'}")
+                raise ZygoteGoneError(f"it did not start: {self._last_words() or 'it ended without a word'}")
             if not message.get("ready"):
                 raise GraderError(f"the harness did not start: {message.get('reason')}")
             self.start_cpu_s = float(message["cpu_s"])

@@ -17,7 +17,7 @@ class WallsRefusedError(Exception):
 
 
 class ZygoteGoneError(Exception):
-    """The zygote died after it had been ready."""
+    """The zygote died after its walls had been up."""
 
 
 class Process(Protocol):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import socket
+import stat
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,7 @@ from tests.corpus.writing import Files, Link
 
 SECRET = "imugrade-bait-5f1c83"
 """What the decoys hold. It may show up nowhere in what the grader writes."""
+IPC_KEY = "0x1f5c83"
 _PACKAGE = Path(grader.__file__).parent
 _SETTLING_S = 5.0
 
@@ -35,6 +37,7 @@ class Bait:
         self._open = ExitStack()
         self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
         os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the box, not of modes
+        self._abstract = f"{SECRET}-{os.getpid()}"
         self._lay_out()
         self._listeners = self._listen()
         program = "import signal; signal.sigwait([signal.SIGUSR2])"
@@ -48,6 +51,8 @@ class Bait:
     ) -> None:
         self._decoy.kill()
         self._decoy.wait()
+        with suppress(FileNotFoundError):
+            subprocess.run(["ipcrm", "-M", IPC_KEY, "-Q", IPC_KEY], check=False, capture_output=True)
         self._open.close()
 
     def _lay_out(self) -> None:
@@ -69,7 +74,7 @@ class Bait:
             listener.setblocking(False)
         listeners["UDP"].bind(("127.0.0.1", 0))
         listeners["SOCKET"].bind(str(self.folder / "socket"))
-        listeners["ABSTRACT"].bind("\0" + SECRET)
+        listeners["ABSTRACT"].bind("\0" + self._abstract)
         for name in ("SOCKET", "ABSTRACT"):
             listeners[name].listen()
         os.chmod(self.folder / "socket", 0o777)
@@ -91,11 +96,12 @@ class Bait:
             "@NEIGHBOUR@": str(self.folder / "neighbour"),
             "@FOLDER@": str(self.folder),
             "@SOCKET@": str(self.folder / "socket"),
-            "@ABSTRACT@": SECRET,
+            "@ABSTRACT@": self._abstract,
             "@PORT@": str(self._listeners["PORT"].getsockname()[1]),
             "@UDP@": str(self._listeners["UDP"].getsockname()[1]),
             "@PID@": str(self._decoy.pid),
             "@GRADER@": str(os.getpid()),
+            "@IPC@": IPC_KEY,
         }
         return {_filled(name, marks): _filled_content(content, marks) for name, content in files.items()}
 
@@ -134,17 +140,29 @@ class Bait:
         return reached
 
     def _state(self) -> Mapping[str, Any]:
-        """Every decoy and every file of the grader, with what would show a change."""
-        files = [*self.folder.rglob("*"), *(p for p in _PACKAGE.rglob("*") if p.suffix != ".pyc" and p.name != "__pycache__")]
-        return {str(path): _look(path, content=path.is_relative_to(self.folder)) for path in files}
+        """Every decoy, every file of the grader and every object of System V, with what would show a change."""
+        decoys = {f"the decoy {path.relative_to(self.folder)}": _look(path) for path in self.folder.rglob("*")}
+        package = [path for path in _PACKAGE.rglob("*") if path.suffix != ".pyc" and path.name != "__pycache__"]
+        own = {f"the grader's {path.relative_to(_PACKAGE)}": _look(path) for path in package}
+        return {**decoys, **own, **{f"shared memory or a queue ({key})": key for key in _ipc_keys()}}
 
 
-def _look(path: Path, *, content: bool) -> tuple[object, ...]:
+def _look(path: Path) -> tuple[object, ...]:
     with suppress(OSError):
         at = path.lstat()
-        digest = hashlib.sha256(path.read_bytes()).hexdigest() if content and path.is_file() else ""
-        return at.st_mode, at.st_uid, at.st_nlink, at.st_size if path.is_file() else 0, digest
+        if not stat.S_ISREG(at.st_mode):
+            return at.st_mode, at.st_uid
+        return at.st_mode, at.st_uid, at.st_nlink, at.st_mtime_ns, hashlib.sha256(path.read_bytes()).hexdigest()
     return ("gone",)
+
+
+def _ipc_keys() -> set[str]:
+    """Keys of what the attacks make of shared memory and message queues; both outlive their process."""
+    rows: list[str] = []
+    for kind in ("shm", "msg"):
+        with suppress(OSError):
+            rows += Path(f"/proc/sysvipc/{kind}").read_text(encoding="ascii").splitlines()[1:]
+    return {IPC_KEY} & {hex(int(row.split()[0])) for row in rows}
 
 
 def _filled(text: str, marks: Mapping[str, str]) -> str:

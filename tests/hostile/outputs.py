@@ -23,6 +23,7 @@ from grader.formats.prairielearn import prairielearn
 from grader.report import terminal
 from grader.report.pages import index_page, report_page
 from grader.results import Result, to_json
+from grader.standing import HandIn, Person, Standing
 from tests.hostile.bait import SECRET
 
 _IDENTITY = Identity.of(
@@ -46,11 +47,17 @@ def _on_terminal(result: Result) -> str:
     return out.getvalue()
 
 
+def _standing(result: Result) -> Standing:
+    """A platform hands over names as they came; here that of the submission, which may be poisoned, stands for all."""
+    person = Person(*[result.submission] * 5)
+    return Standing("one", result, HandIn((person,), submitted=result.submission))
+
+
 WRITERS: Mapping[str, Callable[[Result], str]] = {
     "result.json": to_json,
     "report.html": report_page,
     "index.html": lambda result: index_page({"one": result}),
-    "gradebook.csv": lambda result: gradebook({"one": result}),
+    "gradebook.csv": lambda result: gradebook({"one": _standing(result)}),
     "the terminal": _on_terminal,
     "github commands": lambda result: github.commands(result, Places()),
     "github summary": github.summary,

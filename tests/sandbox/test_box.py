@@ -290,3 +290,20 @@ def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box)
                 run(worker, "while True: pass")
         with fragile.worker() as again:
             assert run(again, "result = 1") == {"result": 1}
+
+
+def test_a_zygote_that_is_killed_before_it_is_ready_comes_back(walled_box: Box, tmp_path: Path) -> None:
+    slow = "import time\n\n\ndef warm_up():\n    time.sleep(0.3)\n\n\ndef answer(op, fields, arrays):\n    return {'op': op}, {}\n"
+    (tmp_path / "__init__.py").write_text(slow)
+    with Box(tmp_path, rung=walled_box.rung) as fragile:
+        os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
+        with fragile.worker() as worker:
+            assert worker.ask("hello").fields == {"op": "hello"}
+
+
+def test_a_zygote_that_dies_whenever_it_starts_is_our_fault_and_each_time_anew(walled_box: Box, tmp_path: Path) -> None:
+    (tmp_path / "__init__.py").write_text("def warm_up():\n    import os\n    os._exit(7)\n")
+    with Box(tmp_path, rung=walled_box.rung) as broken:
+        for _ in range(2):
+            with pytest.raises(GraderError, match="the box died twice: it did not start"):
+                broken.worker()

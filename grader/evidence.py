@@ -1,0 +1,79 @@
+"""What a report shows beside its words: charts of what the student's code answered, and the submission's fingerprint.
+
+Charts decide nothing and are no part of `result.json`. They travel with a `Result` and are recorded beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Role = Literal["x", "y", "z", "own", "wanted", "model", "raw", "bars", "drawn"]
+"""How a curve is set: an axis, the student's own, the truth beneath it, a law, an input, bars, or as the student drew it."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of one curve. `name` may be the student's; `colour` (``#rrggbb``) is theirs in what they drew, else empty."""
+
+    name: str
+    role: Role
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    colour: str = ""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves over one pair of axes, both logarithmic with `log`; `spread` is the smallest range of y that is shown."""
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    log: bool = False
+    spread: float = 0.0
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Panels below one heading, with the sentence that says what they show; stands with the criterion `part`."""
+
+    part: str
+    title: str
+    caption: str
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Of one submission: its charts, packed, and hashes of its code (see `fingerprint`)."""
+
+    charts: bytes = b""
+    fingerprint: tuple[int, ...] = ()
+
+
+def packed(charts: tuple[Chart, ...]) -> bytes:
+    """For the record and the way to it: JSON, compressed."""
+    text = json.dumps(charts, default=vars, separators=(",", ":"), allow_nan=False)
+    return zlib.compress(text.encode(), 1) if charts else b""
+
+
+def unpacked(record: bytes) -> tuple[Chart, ...]:
+    """The inverse of `packed`."""
+    return tuple(_chart(chart) for chart in json.loads(zlib.decompress(record))) if record else ()
+
+
+def _chart(record: Mapping[str, Any]) -> Chart:
+    return Chart(**{**record, "panels": tuple(_panel(panel) for panel in record["panels"])})
+
+
+def _panel(record: Mapping[str, Any]) -> Panel:
+    return Panel(**{**record, "curves": tuple(_curve(curve) for curve in record["curves"])})
+
+
+def _curve(record: Mapping[str, Any]) -> Curve:
+    return Curve(**{**record, "x": tuple(record["x"]), "y": tuple(record["y"])})

@@ -1,0 +1,24 @@
+"""Charts of what the student's code has answered, for the report: gathered when all is marked; nothing is asked for them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..conversation import Conversation
+from ..evidence import Chart
+from ..traces import Traces
+from . import drawn, filtering, motion, noise
+
+
+def charts(student: Conversation, truth: Traces) -> tuple[Chart, ...]:
+    """Every chart that the answers allow; none of hidden scenarios, and none of what code said that has seen one."""
+    if truth.name != "public":
+        return ()
+    with np.errstate(all="ignore"):  # a student's numbers may overflow
+        found = (
+            motion.chart(student.answered(("simulate", "push")), truth["push"]),
+            *drawn.charts(student.answered("plot"), student.drawings()),
+            *noise.charts(student.answered(("noise", "given")), truth),
+            filtering.chart(student.answered(("filter", "cases")), truth["filter"]),
+        )
+    return tuple(chart for chart in found if chart is not None)
