@@ -1,0 +1,216 @@
+"""What grading costs beside the student's own code: python -m tests.benchmarks [--size N] [--rounds R]. Run by hand.
+
+CPU seconds are those of the whole process tree, by wait4(2). A contender's cost per submission is the slope between a small
+and a large class of the same sound submission, each copy with other bytes, so that start-up costs cancel and nothing is
+reused. All contenders take turns within a round; medians over the rounds and ratios within this run are printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+from grader import rubric, traces
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.sandbox.box import Worker
+
+ROOT = Path(__file__).resolve().parents[2]
+SAMPLE = ROOT / "submissions_example" / "s02-vectorised"
+ENVIRONMENT = {
+    **os.environ,
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "PYTHONPATH": str(ROOT),
+    "COLUMNS": "80",
+}
+PLAIN = ROOT / "tests" / "benchmarks" / "plain.py"
+
+
+def cost(command: list[str], folder: Path) -> tuple[float, float]:
+    """CPU and wall seconds of a command with everything that it starts."""
+    started = time.perf_counter()
+    with subprocess.Popen(
+        command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise SystemExit(f"{' '.join(command)[:200]}: ended with {process.returncode}")
+    return used.ru_utime + used.ru_stime, time.perf_counter() - started
+
+
+def class_of(size: int, folder: Path) -> list[str]:
+    """Copies of the sample, each with other bytes."""
+    places = []
+    for number in range(size):
+        place = folder / f"{folder.name}-{number:04d}"
+        shutil.copytree(SAMPLE, place, ignore=shutil.ignore_patterns("expected.json"))
+        with (place / "imu_reader.py").open("a") as file:
+            file.write(f"\n# copy {place.name}\n")
+        places.append(str(place))
+    return places
+
+
+def questions() -> tuple[dict[str, Any], list[tuple[str, float, int]]]:
+    """What the checks ask of the sample's functions, and its most expensive questions: (name, CPU ms, how often)."""
+    asked: list[tuple[str, dict[str, Any], dict[str, Any], float]] = []
+    ask = Worker.ask
+
+    def noting(self: Worker, op: str, fields: Any = None, arrays: Any = None, **limits: Any) -> Any:
+        before = self.cpu_s
+        try:
+            return ask(self, op, fields, arrays, **limits)
+        finally:
+            asked.append((op, dict(fields or {}), dict(arrays or {}), self.cpu_s - before))
+
+    with Marker(rubric.load(), traces.shipped()) as marker:
+        submission = read_submission(SAMPLE)
+        marker.mark(submission)
+        with mock.patch.object(Worker, "ask", noting):
+            started = time.process_time()
+            marker.mark(submission)
+            own_s = time.process_time() - started
+    counts: dict[str, Any] = {"reads": 0, "simulations": [], "noise": [], "filters": []}
+    for op, fields, arrays, _ in asked:
+        if op == "read":
+            counts["reads"] += len(arrays["qpos"]) * len(arrays["pairs"])
+        elif op == "simulate":
+            counts["simulations"].append((fields["duration_s"], fields["timestep"] or 0.002))
+        elif op == "noise":
+            counts["noise"].append(len(arrays["qpos"]) * fields["reads"])
+        elif op == "default_bias":
+            counts["noise"] += [fields["reads"]] * fields["instances"]
+        elif op == "filter":
+            counts["filters"] += [len(arrays[case["input"]]) for case in fields["cases"]]
+    spent: Counter[str] = Counter()
+    for op, _, _, cpu_s in asked:
+        spent[op] += cpu_s
+    often = Counter(op for op, *_ in asked)
+    parts = [("the marker itself", 1000 * own_s, 1), *((op, 1000 * s, often[op]) for op, s in spent.items())]
+    return counts, sorted(parts, key=lambda part: -part[1])[:10]
+
+
+def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Path], tuple[float, float]]]:
+    def grade(jobs: int) -> Callable[[list[str], Path], tuple[float, float]]:
+        def run(places: list[str], at: Path) -> tuple[float, float]:
+            out = at / f"out-{jobs}"
+            shutil.rmtree(out, ignore_errors=True)
+            return cost([sys.executable, "-m", "grader", "grade", *places, "-o", str(out), "-j", str(jobs)], at)
+
+        return run
+
+    def floor(places: list[str], at: Path) -> tuple[float, float]:
+        return cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts), *places], at)
+
+    def plain(places: list[str], at: Path) -> tuple[float, float]:
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", os.devnull, str(PLAIN)]
+        each = [cost(command, Path(place)) for place in places]
+        return sum(cpu for cpu, _ in each), sum(wall for _, wall in each)
+
+    return {"floor": floor, "ours, one marker": grade(1), "ours, two markers": grade(2), "plain pytest": plain}
+
+
+def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> dict[str, tuple[float, float]]:
+    """Median CPU and wall seconds per submission of each contender."""
+    few, many = (class_of(size, folder / name) for size, name in ((small, "few"), (large, "many")))
+    slopes: dict[str, list[tuple[float, float]]] = {}
+    for _ in range(rounds):
+        for name, run in contenders(folder, counts).items():
+            a, b = run(few, folder), run(many, folder)
+            slopes.setdefault(name, []).append(((b[0] - a[0]) / (large - small), (b[1] - a[1]) / (large - small)))
+    return {
+        name: (statistics.median(cpu for cpu, _ in rows), statistics.median(wall for _, wall in rows))
+        for name, rows in slopes.items()
+    }
+
+
+def cold(rounds: int) -> dict[str, float]:
+    """Wall seconds on a warm disk: imports, --help, the first line and the verdict of `check`."""
+    imports = [sys.executable, "-c", "import mujoco, numpy, matplotlib.pyplot"]
+    grader = [sys.executable, "-m", "grader"]
+    seen: dict[str, list[float]] = {}
+    for _ in range(rounds):
+        seen.setdefault("bare imports", []).append(cost(imports, ROOT)[1])
+        seen.setdefault("imugrade --help", []).append(cost([*grader, "--help"], ROOT)[1])
+        first, row, whole = _check([*grader, "check", str(SAMPLE)])
+        seen.setdefault("check: first line", []).append(first)
+        seen.setdefault("check: first judged row", []).append(row)
+        seen.setdefault("check: verdict", []).append(whole)
+    return {name: statistics.median(values) for name, values in seen.items()}
+
+
+def _check(command: list[str]) -> tuple[float, float, float]:
+    started = time.perf_counter()
+    first = row = 0.0
+    with subprocess.Popen(command, cwd=ROOT, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            first = first or time.perf_counter() - started
+            if not row and "earned" in line:
+                row = time.perf_counter() - started
+    return first, row, time.perf_counter() - started
+
+
+def memory() -> float:
+    """MB that a marker with its zygote holds for itself alone, after one submission."""
+    with Marker(rubric.load(), traces.shipped()) as marker:
+        marker.mark(read_submission(SAMPLE))
+        zygote = marker._box._zygote
+        pids = [os.getpid()] + ([zygote.pid, *_children(zygote.pid)] if zygote else [])
+        return sum(_private_kb(pid) for pid in pids) / 1024
+
+
+def _children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def _private_kb(pid: int) -> int:
+    lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    return sum(int(line.split()[1]) for line in lines if line.startswith(("Private_Clean", "Private_Dirty")))
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--size", type=int, default=40)
+    options.add_argument("--rounds", type=int, default=3)
+    given = options.parse_args()
+    versions = ", ".join(f"{name} {version(name)}" for name in ("mujoco", "numpy", "matplotlib", "pytest"))
+    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, {versions}")
+    counts, parts = questions()
+    with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
+        (asked := Path(scratch, "counts.json")).write_text(json.dumps(counts))
+        rows = compare(max(4, given.size // 5), given.size, given.rounds, Path(scratch), asked)
+    floor, ours = rows["floor"][0], rows["ours, one marker"]
+    print("\n| contender | CPU s a submission | of the floor | of plain pytest |\n| --- | --- | --- | --- |")
+    for name, (cpu, _) in rows.items():
+        print(f"| {name} | {cpu:.3f} | {cpu / floor:.2f} | {cpu / rows['plain pytest'][0]:.2f} |")
+    print(
+        f"\nTwo markers against one, by the clock: {ours[1] / rows['ours, two markers'][1]:.2f} times as many submissions"
+    )
+    print(
+        f"Private memory of a marker with its zygote: {memory():.0f} MB\n\n| from a cold start | seconds |\n| --- | --- |"
+    )
+    for name, seconds in cold(max(3, given.rounds)).items():
+        print(f"| {name} | {seconds:.2f} |")
+    print("\n| part of a submission | CPU ms | times |\n| --- | --- | --- |")
+    for name, spent, times in parts:
+        print(f"| {name} | {spent:.0f} | {times} |")
+
+
+if __name__ == "__main__":
+    main()
