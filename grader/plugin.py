@@ -6,18 +6,20 @@ fault of the grader: the check is then not judged, and never counted as zero.
 
 from __future__ import annotations
 
+import itertools
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 import pytest
 
 from .conversation import Missing
-from .errors import NoAnswer
+from .errors import GraderError, NoAnswer
 from .feedback import Told, story, told
 from .student import Student
 from .student_extensions import EXTENSIONS, attempts
@@ -76,68 +78,32 @@ def check(check_id: str, *, lab_step: int | None = None) -> Callable[[Function],
 
 
 class Examination:
-    """The pytest plugin of one submission's session: hands out the fixtures and writes down how each check ended."""
+    """One submission under examination: which checks it gets, and how each of them ended."""
 
     def __init__(self, student: Student, truth: Traces, only: str | None) -> None:
-        self._student, self._truth, self._only = student, truth, only
+        self.student, self.truth, self._only = student, truth, only
         self._stories: dict[str, str] = {}
         self._lost: set[str] = set()
         self.judgements: dict[str, Judgement] = {}
 
-    @pytest.fixture
-    def student(self) -> Student:
-        """The submission under examination."""
-        return self._student
+    def wants(self, this: Check) -> bool:
+        """Whether the check is asked for; nothing is asked about an extension that was not attempted."""
+        attempted = this.criterion not in EXTENSIONS or attempts(self.student.files, EXTENSIONS[this.criterion])
+        return attempted and self._only in (None, this.criterion)
 
-    @pytest.fixture
-    def truth(self) -> Traces:
-        """The ground truth."""
-        return self._truth
+    def begin(self, this: Check) -> None:
+        """Put stand-ins in the place of parts whose own checks are over and lost."""
+        before = [part for part in PARTS if _turn(part) < _turn(this.criterion)]
+        self.student.replace_broken([name for part in before if part in self._lost for name in PARTS[part]])
 
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        order = list(PARTS)
-        left_out = {part for part, name in EXTENSIONS.items() if not attempts(self._student.files, name)}
-        wanted = [i for i in items if self._only in (None, _check(i).criterion) and _check(i).criterion not in left_out]
-        position = {name: n for n, name in enumerate(order)}
-        items[:] = sorted(wanted, key=lambda item: position.get(_check(item).criterion, len(order)))
-
-    def pytest_runtest_setup(self, item: pytest.Item) -> None:
-        done = list(PARTS)
-        criterion = _check(item).criterion
-        before = done[: done.index(criterion)] if criterion in done else done
-        self._student.replace_broken([name for part in before if part in self._lost for name in PARTS[part]])
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_runtest_call(self, item: pytest.Item) -> Iterator[None]:
-        started = time.perf_counter()
-        ended: BaseException | None = None
-        try:
-            with np.errstate(all="ignore"), warnings.catch_warnings():
-                warnings.simplefilter(
-                    "ignore"
-                )  # a student's numbers may overflow in a check; that is no news to anyone
-                yield
-        except BaseException as error:
-            ended = error
-            raise
-        finally:
-            self._write_down(_check(item), ended, time.perf_counter() - started)
-
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
-        """Only whether it failed: pytest's own report quotes source for every frame, half a second for each lost check."""
-        failed = call.excinfo is not None
-        told = repr(call.excinfo.value)[:300] if call.excinfo is not None else None
-        outcome: Literal["passed", "failed"] = "failed" if failed else "passed"
-        return pytest.TestReport(item.nodeid, item.location, {}, outcome, told, call.when)  # type: ignore[arg-type] # never "collect"
-
-    def _write_down(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
+    def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
+        """Write down how a check ended."""
         verdict, trouble = None, ""
         if ended is None:
             verdict = Told("passed", 1.0, "")
         elif isinstance(ended, Lost | Skipped | Raised | Missing | NoAnswer):
-            same, hidden = story(ended), self._truth.name != "public"
-            if hidden and isinstance(ended, Raised) and not self._student.has_line(ended.fault):
+            same, hidden = story(ended), self.truth.name != "public"
+            if hidden and isinstance(ended, Raised) and not self.student.has_line(ended.fault):
                 ended.fault = replace(ended.fault, line=None)
             verdict = told(ended, self._stories.get(same) if same else None, hidden=hidden)
             if same:
@@ -149,40 +115,110 @@ class Examination:
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s)
 
 
+def _turn(criterion: str) -> int:
+    return list(PARTS).index(criterion) if criterion in PARTS else len(PARTS)
+
+
 def _check(item: pytest.Item) -> Check:
     return item.function.check  # type: ignore[attr-defined,no-any-return]
 
 
-class Collector:
-    """Notes which checks there are, without running one."""
+class Session:
+    """The pytest plugin: one session over the checks, collected once, whose items every submission runs through.
+
+    As pytest-xdist does, items are run by calling `pytest_runtest_protocol`; fixtures are made anew each time.
+    """
 
     def __init__(self) -> None:
-        self.checks: dict[str, Check] = {}
+        self._items: list[pytest.Item] = []
+        self._examination: Examination | None = None
+
+    @property
+    def checks(self) -> dict[str, Check]:
+        """Every check that there is, by id."""
+        return {_check(item).id: _check(item) for item in self._items}
+
+    def run(self, examination: Examination) -> None:
+        """Run the checks that a submission gets, in the order of `PARTS`."""
+        self._examination = examination
+        wanted = [item for item in self._items if examination.wants(_check(item))]
+        for item, following in itertools.zip_longest(wanted, wanted[1:]):
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+
+    @property
+    def _now(self) -> Examination:
+        assert self._examination is not None, "checks run for a submission only"
+        return self._examination
+
+    @pytest.fixture
+    def student(self) -> Student:
+        """The submission under examination."""
+        return self._now.student
+
+    @pytest.fixture
+    def truth(self) -> Traces:
+        """The ground truth."""
+        return self._now.truth
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
-        self.checks = {_check(item).id: _check(item) for item in session.items}
+        self._items = sorted(session.items, key=lambda item: _turn(_check(item).criterion))
+
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        self._now.begin(_check(item))
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Iterator[None]:
+        started = time.perf_counter()
+        ended: BaseException | None = None
+        try:
+            with np.errstate(all="ignore"), warnings.catch_warnings():
+                # a student's numbers may overflow in a check; that is no news to anyone
+                warnings.simplefilter("ignore")
+                yield
+        except BaseException as error:
+            ended = error
+            raise
+        finally:
+            self._now.end(_check(item), ended, time.perf_counter() - started)
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
+        """Only whether it failed: pytest's own report quotes source for every frame, half a second for each lost check."""
+        failed = call.excinfo is not None
+        told = repr(call.excinfo.value)[:300] if call.excinfo is not None else None
+        outcome: Literal["passed", "failed"] = "failed" if failed else "passed"
+        return pytest.TestReport(item.nodeid, item.location, {}, outcome, told, call.when)  # type: ignore[arg-type] # never "collect"
 
 
-def run_pytest(arguments: Sequence[str], plugin: object) -> int:
-    """One quiet pytest session over the checks, free of whatever configuration or plugins the machine has."""
+@cache
+def session() -> Session:
+    """The process's one quiet pytest session, free of whatever configuration or plugins the machine has.
+
+    Raises
+    ------
+    GraderError
+        If pytest cannot collect the checks.
+    """
+    collected = Session()
     switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
-                    "warnings", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
+                    "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
                     "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip
     options = [
         "-c",
         str(CHECKS / "pytest.ini"),
         "--rootdir",
         str(CHECKS),
-        "--capture=no",
         "--noconftest",
         "--assert=plain",
+        "--collect-only",
     ]
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
-    return int(pytest.main([*options, *arguments, str(CHECKS)], plugins=[plugin]))
+    code = int(pytest.main([*options, str(CHECKS)], plugins=[collected]))
+    if code != 0:
+        raise GraderError(f"the pytest session over the checks ended with code {code}")
+    return collected
 
 
-def known_checks() -> dict[str, Any]:
+def known_checks() -> dict[str, Check]:
     """Every check that exists as a pytest check, by id."""
-    collector = Collector()
-    run_pytest(["--collect-only"], collector)
-    return dict(collector.checks)
+    return session().checks

@@ -124,12 +124,14 @@ def filled_rows(series: Collection) -> int:
 
 def explain(series: Collection, worlds: Worlds) -> Story | None:
     """The simplest story that predicts the rows, or None where none does or two equally simple ones do."""
+    if tells(sound := Story(), series, worlds):
+        return sound
     fitting = [story for story in _stories(worlds) if tells(story, series, worlds)]
     if not fitting:
         return None
     least = min(story.oddness for story in fitting)
     simplest = [story for story in fitting if story.oddness == least]
-    return simplest[0] if least == 0 or len({_kind(s) for s in simplest}) == 1 else None
+    return simplest[0] if len({_kind(s) for s in simplest}) == 1 else None
 
 
 def _kind(story: Story) -> tuple[object, ...]:

@@ -6,9 +6,11 @@ data and colour, and what the call to `savefig` asked for. Pixels are not looked
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -73,10 +75,14 @@ def watch() -> None:
     from matplotlib.figure import Figure
 
     really_print = FigureCanvasBase.print_figure
+    draw_once = _draw_once()
 
     def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> Any:
         asked = rcParams["savefig.dpi"] if dpi is None else dpi
-        answer = really_print(self, filename, _quick(asked, self.figure.dpi), *args, **kwargs)
+        if _kind(filename, kwargs) == "png":
+            kwargs["pil_kwargs"] = {"compress_level": 1, **(kwargs.get("pil_kwargs") or {})}
+        with draw_once():
+            answer = really_print(self, filename, _quick(asked, self.figure.dpi), *args, **kwargs)
         RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=_kind(filename, kwargs))
         self.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
         return answer
@@ -107,16 +113,55 @@ def watch() -> None:
     seeing.remember_classes()
 
 
+def _draw_once() -> Callable[[], contextlib.AbstractContextManager[None]]:
+    """A context in which saving draws a figure once.
+
+    Where a figure has a layout to find, matplotlib draws it twice: with the renderer switched off, to lay it out, and then for
+    the picture. Here the first time draws in earnest, and the second takes the picture as it stands.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
+
+    really_draw, renderer = FigureCanvasAgg.draw, cast(Any, RendererAgg)
+    switched_off = renderer._draw_disabled
+    drawn: list[bool] = []  # one for each save that is going on: whether its picture stands
+
+    def draw(self: Any) -> None:
+        asks_for_a_renderer = "draw" in vars(self.figure)
+        if asks_for_a_renderer or not (drawn and drawn[-1]):
+            really_draw(self)  # type: ignore[no-untyped-call,unused-ignore] # matplotlib has no types here
+
+    def draw_disabled(self: Any) -> Any:
+        if not drawn:
+            return switched_off(self)
+        drawn[-1] = True
+        return contextlib.nullcontext()
+
+    @contextlib.contextmanager
+    def once() -> Iterator[None]:
+        drawn.append(False)
+        try:
+            yield
+        finally:
+            drawn.pop()
+
+    setattr(FigureCanvasAgg, "draw", draw)  # noqa: B010 - a method is replaced on purpose
+    renderer._draw_disabled = draw_disabled
+    return once
+
+
 def _draw_nothing(*args: Any, **kwargs: Any) -> None:
     """Stands in for `draw_idle` of a figure that has been saved."""
 
 
 def _quick(asked: Any, own: float) -> float:
-    """A dpi that is cheap to draw: nobody looks at these pixels, and the size asked for is kept as a fact."""
+    """A dpi that is cheap to draw: nobody looks at these pixels, and the size asked for is kept as a fact.
+
+    The figure's own is cheapest, as its texts have been measured at it already.
+    """
     dots = own if asked is None or asked == "figure" else float(asked)
     if not np.isfinite(dots) or dots <= 0:
         raise ValueError("dpi must be positive")
-    return min(dots, seeing.PREVIEW_DPI)
+    return own if own <= seeing.LARGEST_DPI else seeing.PREVIEW_DPI
 
 
 def _name(target: Any) -> str | None:

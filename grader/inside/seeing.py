@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 PREVIEW_DPI = 50
+LARGEST_DPI = 120  # a picture of more dots an inch is not drawn, and not looked at
 _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
 _SMALLEST_FONT = 3.0
 _FAINT = 0.02
@@ -131,17 +132,20 @@ def _generated(kind: type) -> bool:
 
 
 def pixels(canvas: Any) -> np.ndarray | None:
-    """The picture (h, w, 3), 0 to 1: as it was drawn last if that was all of the figure, else drawn anew, small."""
+    """The picture (h, w, 3), 0 to 255, small: as it was drawn last if that was all of the figure, else drawn anew."""
     figure = canvas.figure
     buffer: np.ndarray | None
     try:
         buffer = np.asarray(canvas.renderer.buffer_rgba())
         width, height = figure.get_size_inches()
-        if abs(buffer.shape[1] / buffer.shape[0] - width / height) > 0.02 or buffer.shape[1] > PREVIEW_DPI * width + 2:
+        if abs(buffer.shape[1] / buffer.shape[0] - width / height) > 0.02 or buffer.shape[1] > LARGEST_DPI * width + 2:
             raise ValueError("a part of the figure, or one of another size")
     except (AttributeError, ValueError, ZeroDivisionError):
         buffer = _drawn(figure)
-    return None if buffer is None else np.asarray(buffer[:, :, :3] / 255.0)
+    if buffer is None:
+        return None
+    step = max(1, round(buffer.shape[1] / figure.get_size_inches()[0] / PREVIEW_DPI))
+    return buffer[::step, ::step, :3]
 
 
 def _drawn(figure: Any) -> np.ndarray | None:
@@ -231,25 +235,27 @@ def any_colour_shows(axes: Any, colours: list[Any], picture: np.ndarray) -> bool
     box, (height, width) = place(axes), picture.shape[:2]
     rows = slice(max(int((1 - box.y1) * height) + 2, 0), max(int((1 - box.y0) * height) - 1, 0))  # within the frame
     columns = slice(max(int(box.x0 * width) + 2, 0), max(int(box.x1 * width) - 1, 0))
-    part = _without_legend(axes, picture, height, width)[rows, columns].reshape(-1, 3)
-    if not len(part):
-        return False
     behind = np.array(to_rgb(axes.get_facecolor()))
+    counts = (
+        np.abs(picture - np.round(255 * behind).astype(np.int16)).max(axis=2) > 255 * _NEAR
+    )  # background says nothing
+    counts &= _outside_legend(axes, height, width)
+    part = picture[rows, columns][counts[rows, columns]] / 255
     return any(_holds(part, behind, np.array(to_rgb(colour))) for colour in colours)
 
 
-def _without_legend(axes: Any, picture: np.ndarray, height: int, width: int) -> np.ndarray:
+def _outside_legend(axes: Any, height: int, width: int) -> np.ndarray:
+    outside = np.ones((height, width), bool)
     legend = axes.get_legend()
     if legend is None:
-        return picture
+        return outside
     try:
         box = legend.get_window_extent().transformed(axes.get_figure().canvas.figure.transFigure.inverted())
     except Exception:  # a legend that was never laid out
-        return picture
-    rest: np.ndarray = picture.copy()
-    rest[max(int((1 - box.y1) * height) - 1, 0) : max(int((1 - box.y0) * height) + 2, 0),
-         max(int(box.x0 * width) - 1, 0) : max(int(box.x1 * width) + 2, 0)] = np.nan  # fmt: skip
-    return rest
+        return outside
+    outside[max(int((1 - box.y1) * height) - 1, 0) : max(int((1 - box.y0) * height) + 2, 0),
+            max(int(box.x0 * width) - 1, 0) : max(int(box.x1 * width) + 2, 0)] = False  # fmt: skip
+    return outside
 
 
 def _holds(part: np.ndarray, behind: np.ndarray, colour: np.ndarray) -> bool:

@@ -114,14 +114,14 @@ class Bench:
         def no_box(box: Box, *args: Any, **kwargs: Any) -> None:
             box.rung = "none"
 
-        write_down = Examination._write_down
+        write_down = Examination.end
 
         def noting(this: Examination, check: Any, ended: BaseException | None, duration_s: float) -> None:
             write_down(this, check, ended, duration_s)
             if this.judgements[check.id].told is None and ended is not None:
                 self.troubles.append("".join(traceback.format_exception(ended)[-3:]))
 
-        with mock.patch.object(Box, "__init__", no_box), mock.patch.object(Examination, "_write_down", noting):
+        with mock.patch.object(Box, "__init__", no_box), mock.patch.object(Examination, "end", noting):
             self._marker = Marker(rubric.load(), traces.shipped())
             yield self
 
