@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -36,7 +37,8 @@ class Bait:
         self._open = ExitStack()
         self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
         os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the box, not of modes
-        self._abstract, self._ipc_key = f"{SECRET}-{os.getpid()}", hex(0x1F000000 + os.getpid())
+        self._abstract = f"{SECRET} {self.folder.name}"
+        self._ipc_key = hex(zlib.crc32(self.folder.name.encode()) >> 1)  # /proc shows keys as signed numbers
         self._lay_out()
         self._listeners = self._listen()
         self._decoy = self._start_decoy()
