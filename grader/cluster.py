@@ -12,12 +12,14 @@ import logging
 import pickle
 import queue
 import uuid
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from grader.batch import KILLED, Backlog, OpenMarker, Task, Unmarked, words
 from grader.errors import GraderError, RequestError
+from grader.evidence import Evidence
 from grader.intake import Submission
 from grader.results import Result, from_dict
 from grader.text import printable
@@ -206,4 +208,9 @@ class _Errands:
             return self._backlog.failed(task, words(problem))
         if "trouble" in answer:
             return self._backlog.failed(task, answer["trouble"])
-        return from_dict(json.loads(answer["result"]))
+        return _result(answer)
+
+
+def _result(answer: Mapping[str, Any]) -> Result:
+    evidence = Evidence(answer["charts"], tuple(answer["fingerprint"]))
+    return replace(from_dict(json.loads(answer["record"])), evidence=evidence)

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from grader.batch import KILLED, Unmarked
 from grader.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.results import Result
+from grader.store import Store
 from tests.durability import hand_in, recorded, results
 from tests.made_up import FakeMarker, fake_marker, no_marker, submission
 
@@ -124,17 +126,28 @@ class Killer(threading.Thread):
 def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(site: Site, tmp_path: Path) -> None:
     site.staff(2)
     students = hand_in(tmp_path / "class", full=False)
-    order = partial(classroom.Order, (students,), rubric=rubric.load(), traces=traces.shipped(), trusted=True)
+    order = classroom.Order((students,), tmp_path / "there", rubric.load(), traces.shipped(), jobs=1, trusted=True)
+    found = classroom.find(order)
     with site.client() as client:
         killer = Killer(client)
-        outcome = classroom.grade_class(order(out=tmp_path / "there", cluster=site.address), killer)
+        outcome = classroom.grade_class(replace(order, cluster=site.address), found, killer)
         killer.join()
         assert len(client.nthreads()) == 1
     assert sorted(killer.told) == sorted(outcome.results)
     assert outcome.incomplete == []
-    classroom.grade_class(order(out=tmp_path / "here", jobs=1), Nobody())
+    classroom.grade_class(replace(order, out=tmp_path / "here"), found, Nobody())
     assert results(tmp_path / "there") == results(tmp_path / "here")
+    assert evidence(tmp_path / "there") == evidence(tmp_path / "here")
     assert recorded(tmp_path / "there") == len(outcome.results) == 6
+
+
+def evidence(out: Path) -> tuple[object, ...]:
+    """What is recorded beside the results."""
+    with Store(out) as store:
+        charts, fingerprints = {id_: store.charts(id_) for id_ in store.present()}, store.fingerprints()
+    assert all(fingerprints.values())
+    assert any(charts.values())
+    return charts, fingerprints
 
 
 class Nobody:
