@@ -352,21 +352,22 @@ def _series(truth: Traces) -> Mapping[str, Array]:
 
 
 def _drawing(student: Student, truth: Traces) -> Drawing:
-    drawing = student.plot(series=_series(truth), keys=_keys(student, truth))
+    drawing = student.plot(data=_data(student, truth))
     if drawing.fault is not None and not drawing.figures:
         raised(drawing.fault, "plotting IMU data")
     return drawing
 
 
-def _keys(student: Student, truth: Traces) -> dict[str, str]:
-    """The names under which the submission itself records the three series."""
-    scalars = truth["push"].scalars
-    sheet = {key: key for key in KEYS}
+def _data(student: Student, truth: Traces) -> dict[str, Array]:
+    """The true series under the names under which the submission itself records them, with what else it records."""
+    scalars, series = truth["push"].scalars, _series(truth)
     try:
-        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth)).keys
+        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth))
     except (NoAnswer, Missing, Raised):
-        return sheet
-    return sheet if any(name.isdigit() for name in own.values()) else {**sheet, **own}
+        return dict(series)
+    if any(name.isdigit() for name in own.keys.values()):
+        return dict(series)
+    return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
 
 
 def _plot(student: Student, truth: Traces) -> _Plot:

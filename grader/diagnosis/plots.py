@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..answers import Array, Arrays
+from ..answers import Array, Arrays, Collection, column_named
 
 SENSORS = ("acceleration", "angular_velocity")
 FEWEST_POINTS = 50
@@ -113,6 +113,44 @@ _UNITS = (
     (("m/s²", 1.0), ("g", 1 / 9.81), ("g", 1 / 9.80665)),
     (("rad/s", 1.0), ("deg/s", 180 / np.pi)),
 )
+
+
+# --- what else was recorded ----------------------------------------------------------------------------------------------
+
+
+def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array]:
+    """What a submission records beside the three series, as it would have recorded it of the true ones.
+
+    Multiples of a series, of a column and of a magnitude are made anew; numbers stay, and other rows are stretched to the length.
+    """
+    return {name: _as_recorded(name, value, own, series) for name, value in own.extras.items()}
+
+
+def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, Array]) -> Array:
+    if value.ndim == 0:
+        return value
+    alike = [(true, recorded) for recorded, true in _derived(name, own, series) if recorded.shape == value.shape]
+    for true, recorded in alike:
+        scale = float(np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300))
+        if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, float(np.abs(value).max())):
+            return np.asarray(scale * true if recorded.any() else true)
+    if own.time is None or len(value) != len(own.time):
+        return value
+    return np.asarray(value[np.linspace(0, len(value) - 1, len(series["time"])).round().astype(int)])
+
+
+def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:
+    """What may follow from the three series, as recorded and as true: that which the name speaks of first."""
+    if own.time is not None:
+        yield own.time, series["time"]
+    said, axis = column_named(name), axis_of(name)
+    for key in sorted(SENSORS, key=lambda key: key != said):
+        recorded, true = getattr(own, key), series[key]
+        if recorded is not None:
+            for i in sorted(range(3), key=lambda i: i != axis):
+                yield recorded[:, i], true[:, i]
+            yield recorded, true
+            yield np.linalg.norm(recorded, axis=1), np.linalg.norm(true, axis=1)
 
 
 # --- words ---------------------------------------------------------------------------------------------------------------
