@@ -11,7 +11,7 @@ from grader.evidence import Chart, Curve, Panel
 WIDTH, HEIGHT = 480, 220
 _TOP, _BOTTOM, _RIGHT = 8, 26, 10
 _DIGIT = 7.6  # width of one in the ticks' font
-_INTERVALS = 5
+_INTERVALS = 5  # about
 _SPOKEN = {"bars": "bars", "wanted": "wide line", "model": "dashed line"}
 
 
@@ -121,7 +121,7 @@ def _even_ticks(low: float, high: float) -> list[float]:
     """Multiples of 1, 2 or 5 times a power of ten."""
     rough = (high - low) / _INTERVALS
     power = 10.0 ** math.floor(math.log10(rough))
-    step = next(power * m for m in (1, 2, 5, 10) if power * m >= rough * 0.999)
+    step = next(power * m for m in (1, 2, 5, 10) if power * m >= 0.8 * rough)
     first = math.ceil(low / step - 1e-9)
     return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)]
 

@@ -17,7 +17,12 @@ from grader.text import printable
 
 _SLOWEST = 5
 _SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # one run has one of each
-_LABELS = {"grader": "imugrade", "rubric_sha256": "rubrics", "traces_sha256": "trace bundles", "mujoco": "MuJoCo versions"}
+_LABELS = {
+    "grader": "imugrade",
+    "rubric_sha256": "rubrics",
+    "traces_sha256": "trace bundles",
+    "mujoco": "MuJoCo versions",
+}
 
 
 @dataclass(frozen=True)
@@ -155,7 +160,9 @@ def _tags(standing: Standing) -> Iterable[str]:
         yield from (f"lost:{c.id}" for c in criterion.checks if c.points is not None and c.points < c.max_points)
 
 
-def choices(entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]) -> dict[str, list[Choice]]:
+def choices(
+    entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]
+) -> dict[str, list[Choice]]:
     """The groups of the filter, each with those of its tags that any row has."""
     counts = Counter(tag for each in entries for tag in each.tags)
     groups = {

@@ -48,9 +48,7 @@ def pairs(fingerprints: Mapping[str, tuple[int, ...]]) -> list[Pair]:
     common, sizes = _common(ids, own), np.array([len(own[id_]) for id_ in ids])
     share = common / np.minimum.outer(sizes, sizes)
     rows, columns = np.nonzero(np.triu((common >= FEWEST) & (share >= _SHARE), 1))
-    found = [
-        Pair(ids[i], ids[j], int(common[i, j]), float(share[i, j])) for i, j in zip(rows, columns, strict=True)
-    ]
+    found = [Pair(ids[i], ids[j], int(common[i, j]), float(share[i, j])) for i, j in zip(rows, columns, strict=True)]
     return sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:_MOST]
 
 
