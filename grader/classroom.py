@@ -14,6 +14,7 @@ from typing import Protocol
 from grader import __version__, cluster, intake, lateness, roster
 from grader.batch import OpenMarker, Unmarked, mark_all
 from grader.errors import GraderError, RequestError
+from grader.evidence import Evidence
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.plugin import known_checks
@@ -160,7 +161,8 @@ class _Run:
         for submission, marked in self._marked(entries):
             result = unjudged(submission, order, marked.reason) if isinstance(marked, Unmarked) else marked
             self._store.keep(self._key(submission), result)
-            self._tell(self._key(submission), result, resumed=False)
+            slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
+            self._tell(self._key(submission), slim, resumed=False)
         self._settle()
 
     def _settle(self) -> None:
