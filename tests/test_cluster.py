@@ -21,6 +21,7 @@ from distributed import Client
 from grader import classroom, cluster, cluster_worker, rubric, traces
 from grader.batch import KILLED, Unmarked
 from grader.errors import GraderError, RequestError
+from grader.evidence import Evidence
 from grader.intake import Submission
 from grader.results import Result
 from grader.store import Store
@@ -135,6 +136,7 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(si
         assert len(client.nthreads()) == 1
     assert sorted(killer.told) == sorted(outcome.results)
     assert outcome.incomplete == []
+    assert all(result.evidence == Evidence() for result in outcome.results.values())  # recorded, not remembered
     classroom.grade_class(replace(order, out=tmp_path / "here"), found, Nobody())
     assert results(tmp_path / "there") == results(tmp_path / "here")
     assert evidence(tmp_path / "there") == evidence(tmp_path / "here")
