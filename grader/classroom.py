@@ -115,8 +115,8 @@ def _with_people(entry: intake.Entry) -> HandIn:
 
 
 def _judged(entry: intake.Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
-    known = placed.hand_ins[entry.id]
-    hand_in = replace(entry.hand_in, people=known.people, submitted=entry.hand_in.submitted or known.submitted)
+    submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
+    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
     return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
 
 

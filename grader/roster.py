@@ -10,14 +10,16 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.errors import RequestError
-from grader.identity import Directory, participant
+from grader.identity import Directory, Row, participant
 from grader.stamps import read_stamp, stamp
 from grader.standing import HandIn, Person
 from grader.text import printable
 
 MAX_BYTES = 16_000_000
 COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "id": ("id", "student id", "sid", "username", "login", "identifier", "sis user id", "sis login id"),
+    "canvas": (),
+    "moodle": ("identifier",),
+    "id": ("id", "student id", "sid", "username", "login", "sis user id", "sis login id"),
     "name": ("name", "student", "full name"),
     "first": ("first name", "first_name", "firstname"),
     "last": ("last name", "last_name", "lastname"),
@@ -30,21 +32,16 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True)
-class Row:
+class Listed:
     """One person of the roster. `due` and `submitted` are None and "" where the roster leaves them open."""
 
-    numbers: tuple[str, ...]
-    name: str
-    email: str
-    section: str
-    due: datetime | None
-    submitted: str
-
-    def told(self) -> str:
-        return self.name or self.email or next(iter(self.numbers), "")
+    who: Row
+    section: str = ""
+    due: datetime | None = None
+    submitted: str = ""
 
 
-def load(path: Path) -> list[Row]:
+def load(path: Path) -> list[Listed]:
     """Read a roster.
 
     Raises
@@ -67,20 +64,21 @@ def load(path: Path) -> list[Row]:
         raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
 
 
-def _rows(text: str, source: str) -> Iterator[Row]:
+def _rows(text: str, source: str) -> Iterator[Listed]:
     head = text.partition("\n")[0]
     table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
     titles = [title.strip().casefold() for title in next(table, [])]
-    places = {kind: [i for i, title in enumerate(titles) if title in known] for kind, known in COLUMNS.items()}
-    if not any(places[kind] for kind in ("id", "name", "first", "email")):
+    known = {**COLUMNS, "canvas": ("id",), "id": COLUMNS["id"][1:]} if titles[:2] == ["student", "id"] else COLUMNS
+    places = {kind: [i for i, title in enumerate(titles) if title in names] for kind, names in known.items()}
+    if not any(places[kind] for kind in ("canvas", "moodle", "id", "name", "first", "email")):
         raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
     for cells in table:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
-        if any(cells) and not (cells[0].strip().startswith("Points Possible")):  # Canvas's second line is no person
-            yield _row(values, f"{source}:{table.line_num}")
+        if any(cells) and not cells[0].strip().startswith("Points Possible"):  # Canvas's second line is no person
+            yield _listed(values, f"{source}:{table.line_num}")
 
 
-def _row(values: Mapping[str, Sequence[str]], place: str) -> Row:
+def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
     def first(kind: str) -> str:
         return next(filter(None, values[kind]), "")
 
@@ -88,60 +86,78 @@ def _row(values: Mapping[str, Sequence[str]], place: str) -> Row:
     for what, text in (("due", due), ("submitted", submitted)):
         if text and read_stamp(text) is None:
             example = "2026-11-20T23:59+01:00"
-            raise RequestError(f"{place}: {what} must be a date and time with its offset, like {example}")
+            raise RequestError(f"{place}: {what} must be a date and time with its offset from UTC, like {example}")
     name = first("name") or " ".join(filter(None, (first("first"), first("last"))))
-    numbers = tuple(dict.fromkeys(filter(None, (participant(v) if " " in v else v for v in values["id"]))))
-    return Row(numbers, name, first("email"), first("section"), read_stamp(due) if due else None, stamp(submitted))
+    platform = next((each for each in ("canvas", "moodle") if first(each)), "")
+    key = participant(first(platform)) if platform else ""
+    who = Row(platform, key, tuple(filter(None, values["id"])), first("email"), name)
+    return Listed(who, first("section"), read_stamp(due) if due else None, stamp(submitted))
 
 
 @dataclass(frozen=True)
 class Placed:
-    """The roster laid over a class: hand-ins with what it knows, dates of their own, and rows and hand-ins without a partner."""
+    """The roster laid over a class: hand-ins with its names, dates and times, and rows and hand-ins without a partner."""
 
     hand_ins: Mapping[str, HandIn]
     due: Mapping[str, datetime]
+    submitted: Mapping[str, str]
     absent: tuple[str, ...]
     unknown: tuple[str, ...]
 
 
-def place(rows: Sequence[Row], hand_ins: Mapping[str, HandIn]) -> Placed:
+def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
     """Give every hand-in what the roster knows of its people.
 
     Parameters
     ----------
-    rows
-        The roster.
+    roster
+        Its rows.
     hand_ins
         By id of the submission, as the platform tells them.
     """
-    directory = Directory({id_: hand_in.people for id_, hand_in in hand_ins.items()})
-    placed = dict(hand_ins)
+    placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
+    directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
     due: dict[str, datetime] = {}
+    submitted: dict[str, str] = {}
     absent: list[str] = []
     known: set[str] = set()
-    for row in rows:
-        id_ = directory.find(row.numbers, row.email, row.name)
-        if id_ is None:
-            absent.append(row.told())
+    for listed in roster:
+        match = directory.find(listed.who)
+        if match is None:
+            absent.append(listed.who.told())
             continue
-        known.add(id_)
-        placed[id_] = _enriched(id_, placed[id_], row)
-        if row.due is not None:
-            due[id_] = max(due.get(id_, row.due), row.due)  # a group has the latest date that one of it has
+        known.add(match.id)
+        placed[match.id] = _enriched(placed[match.id], match.person, listed)
+        if listed.submitted:
+            submitted[match.id] = max(submitted.get(match.id, ""), listed.submitted)
+        if listed.due is not None:  # a group has the latest date that one of it has
+            due[match.id] = max(due.get(match.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
-    return Placed(placed, due, tuple(absent), unknown)
+    return Placed(placed, due, submitted, tuple(absent), unknown)
 
 
-def _enriched(id_: str, hand_in: HandIn, row: Row) -> HandIn:
-    """The row's words for the person that it means; the platform's own number stays, as its files are called by it."""
-    people = hand_in.people or (Person(id_, id_),)
-    meant = [i for i, p in enumerate(people) if Directory({id_: (p,)}).find(row.numbers, row.email, row.name)]
-    if len(people) > 1 and len(meant) > 1:  # the id means all of a group
-        return replace(hand_in, submitted=row.submitted or hand_in.submitted)
-    mended = [_mended(p, row) if i in meant else p for i, p in enumerate(people)]
-    return replace(hand_in, people=tuple(mended), submitted=row.submitted or hand_in.submitted)
+def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
+    """A clone is called `<assignment>-<user>`: of the users that its name ends in, the longest is meant."""
+    if [person.platform for person in hand_in.people] != ["git"]:
+        return hand_in
+    (person,) = hand_in.people
+    folder = person.key.casefold()
+    fits = [number for listed in roster for number in listed.who.numbers if folder.endswith(f"-{number.casefold()}")]
+    return replace(hand_in, people=(replace(person, key=max(fits, key=len, default=person.key)),))
 
 
-def _mended(person: Person, row: Row) -> Person:
-    sid = person.sid or next((number for number in row.numbers if number != person.key), "")
-    return Person(row.name or person.name, person.key, sid, row.email or person.email, row.section or person.section)
+def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
+    """The roster's words for the person that it means; the platform's own number stays, as its files are called by it."""
+    people = tuple(_mended(person, listed) if person == meant else person for person in hand_in.people)
+    return replace(hand_in, people=people)
+
+
+def _mended(person: Person, listed: Listed) -> Person:
+    who = listed.who
+    return replace(
+        person,
+        name=who.name or person.name,
+        sid=person.sid or next((number for number in who.numbers if number != person.key), ""),
+        email=who.email or person.email,
+        section=listed.section or person.section,
+    )

@@ -11,10 +11,14 @@ from grader.results import CriterionResult, Result
 
 @dataclass(frozen=True)
 class Person:
-    """Who handed in. `key` is the platform's own name for them: a Canvas user id, a Moodle participant number."""
+    """Who handed in. `key` is the platform's own name for them: a Canvas user id, a Moodle participant number, a user name.
+
+    `platform` says whose name that is; "" where it is the name of a folder or an archive.
+    """
 
     name: str
     key: str = ""
+    platform: str = ""
     sid: str = ""
     email: str = ""
     section: str = ""

@@ -20,6 +20,7 @@ from grader.errors import RequestError
 from grader.evidence import Chart, unpacked
 from grader.results import Result, from_dict, to_dict
 from grader.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
+from grader.text import printable
 
 FILE_NAME = "results.sqlite"
 SCHEMA_VERSION = 2
@@ -96,6 +97,15 @@ class Store:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
         self.close()
+
+    @classmethod
+    def existing(cls, out: Path) -> Store:
+        """The record of a class that has been graded; RequestError if there is none."""
+        if not (out / FILE_NAME).is_file():
+            raise RequestError(
+                f"{printable(str(out), 500)}: no class was graded there; give the OUT of `imugrade grade`"
+            )
+        return cls(out)
 
     def close(self) -> None:
         self._db.close()

@@ -50,7 +50,7 @@ def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], 
     name = original(match["name"] or user)
     late = MARKED_LATE if any(m["late"] for _, m in own) else None
     reply = first[: match.start("file")] if match["attachment"] else ""  # Canvas wants both numbers in a file's name
-    person = Person(name, "" if name.startswith("anon_") else user)
+    person = Person(name, "" if name.startswith("anon_") else user, "canvas")
     wish = name if name.endswith(user) else f"{name}_{user}"
     return Found(
         f"canvas:{user}",

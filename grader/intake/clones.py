@@ -60,7 +60,9 @@ def _row(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:
 def _found(download: Download, folder: str, row: Mapping[str, str]) -> Found:
     user = row.get("username") or folder
     name = " ".join(filter(None, (row.get("first_name"), row.get("last_name")))) or user
-    person = Person(original(name), original(user), email=row.get("email") or "", section=row.get("section") or "")
+    person = Person(
+        original(name), original(user), "git", email=row.get("email") or "", section=row.get("section") or ""
+    )
     submitted = stamp(row.get("datetime"))
     late = MARKED_LATE if row.get("late") == "true" else None
     place = ((download.place(folder), ""),)

@@ -39,7 +39,7 @@ def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Fou
     first = next((match for match in matches if match["plugin"] == _FILES), matches[0])
     name = original(first["name"]) or number
     sources = tuple((download.place(match[0]), original(match["file"] or "")) for match in matches)
-    hand_in = HandIn((Person(name, number),), reply=_reply(download, first))
+    hand_in = HandIn((Person(name, number, "moodle"),), reply=_reply(download, first))
     return Found(f"moodle:{number}", f"{name}_{number}", name, download.path, sources, hand_in)
 
 
