@@ -179,6 +179,7 @@ class Collection:
     ----------
     time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None
     keys : the submission's own name for each of the three
+    extras : everything else with numbers in it, by the submission's own names
     oddities : what was odd about names and shapes, as misconception ids with a sentence
     changed : names of model fields that differ afterwards
     first_step : what the box says of the state before the first step: a hint, to be run again before it is believed
@@ -188,16 +189,17 @@ class Collection:
     acceleration: Array | None
     angular_velocity: Array | None
     keys: Mapping[str, str] = field(default_factory=dict)
+    extras: Mapping[str, Array] = field(default_factory=dict)
     oddities: tuple[tuple[str, str], ...] = ()
     changed: tuple[str, ...] = ()
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
 
 
-def as_collection(node: Node | None, arrays: Arrays) -> tuple[dict[str, Array], dict[str, str], list[tuple[str, str]]]:
+def as_collection(node: Node | None, arrays: Arrays) -> Collection:
     """Take the three series out of whatever was returned: by their names, else by similar names, else by their shapes."""
     if node is None or node["kind"] == "none":
-        return {}, {}, [("wrong-return-type", "got None: the function returns nothing")]
+        return _nothing_collected("got None: the function returns nothing")
     oddities: list[tuple[str, str]] = []
     if node["kind"] == "dict":
         members = {name: numbers(item, arrays) for name, item in node["items"]}
@@ -208,15 +210,46 @@ def as_collection(node: Node | None, arrays: Arrays) -> tuple[dict[str, Array], 
         members = {str(i): numbers(item, arrays) for i, item in enumerate(node["items"])}
         oddities.append(("wrong-return-type", f"got {shape_in_words(node, arrays)}, not a dictionary"))
     else:
-        return {}, {}, [("wrong-return-type", f"got {shape_in_words(node, arrays)}, not a dictionary")]
+        return _nothing_collected(f"got {shape_in_words(node, arrays)}, not a dictionary")
     series = {name: value for name, value in members.items() if value is not None and value.size}
     keys = _own_keys(series)
+    extras = {name: value for name, value in series.items() if name not in keys.values()}
     if not oddities and any(keys.get(key) != key for key in KEYS):
         oddities.append(
             ("wrong-keys", f"got the keys {', '.join(repr(name) for name in list(members)[:8]) or '(none)'}")
         )
-    found = {key: series[own] for key, own in keys.items()}
-    return _upright(found, oddities), keys, oddities
+    found = _upright({key: series[own] for key, own in keys.items()}, oddities)
+    found |= {key: columns for key in KEYS[1:] if key not in found and (columns := _columns(key, extras)) is not None}
+    time, acceleration, angular_velocity = (found.get(key) for key in KEYS)
+    return Collection(time, acceleration, angular_velocity, keys, extras, tuple(oddities))
+
+
+def _nothing_collected(got: str) -> Collection:
+    return Collection(None, None, None, oddities=(("wrong-return-type", got),))
+
+
+_COLUMN_NAMES = {
+    "acceleration": re.compile(
+        r"(?:lin(?:ear)?_?)?a(?:cc(?:el(?:eration|erometer)?)?)?[_ .]?([xyz012])", re.IGNORECASE
+    ),
+    "angular_velocity": re.compile(
+        r"(?:g|gyr|gyro(?:scope)?|w|omega|ang(?:ular)?_?(?:vel(?:ocity)?)?)[_ .]?([xyz012])|(roll|pitch|yaw)(?:_?rate)?",
+        re.IGNORECASE,
+    ),
+}
+
+
+def column_named(name: str) -> str | None:
+    """Which of the two sensors a key such as `ax` or `gyro_z` is one axis of."""
+    return next((key for key, pattern in _COLUMN_NAMES.items() if pattern.fullmatch(name)), None)
+
+
+def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
+    """A sensor (n, 3) whose axes were recorded one by one, such as `ax`, `ay`, `az`; None where there are no such three."""
+    named = [name for name in extras if column_named(name) == key]
+    columns = [np.ravel(extras[name]) for name in named]
+    alike = len({len(column) for column in columns}) == 1
+    return np.column_stack(columns) if len(columns) == 3 and alike else None
 
 
 def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from grader import __version__, cluster, intake
+from grader import __version__, cluster, intake, lateness, roster
 from grader.batch import OpenMarker, Unmarked, mark_all
-from grader.errors import RequestError
+from grader.errors import GraderError, RequestError
+from grader.evidence import Evidence
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.plugin import known_checks
 from grader.publishing import publish, publish_class
+from grader.remarks import remarks
 from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
 from grader.rubric import Criterion, Rubric
-from grader.standing import Standing
+from grader.standing import HandIn, Person, Standing
 from grader.store import Key, Store
 from grader.text import printable
 from grader.traces import Traces
@@ -28,7 +30,10 @@ from grader.traces import Traces
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be graded, where to, and how. `only` empty means all; `jobs` None one a core; `cluster` None here."""
+    """What is to be graded, where to, and how.
+
+    `only` empty means all; `jobs` None one a core; `cluster` None here; `shape` None what each path is recognised as.
+    """
 
     paths: tuple[Path, ...]
     out: Path
@@ -40,6 +45,20 @@ class Order:
     trusted: bool = False
     rung: str | None = None
     cluster: str | None = None
+    shape: str | None = None
+    roster: Path | None = None
+    attempts: str = "latest"
+
+
+@dataclass(frozen=True)
+class Class:
+    """Who is in the class: submissions with what is known of each beside its files, and what there is to tell of that."""
+
+    entries: tuple[intake.Entry, ...]
+    leftovers: tuple[str, ...]
+    told: tuple[str, ...]
+    absent: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
 
 
 class Audience(Protocol):
@@ -52,11 +71,12 @@ class Audience(Protocol):
 
 @dataclass
 class Outcome:
-    """What a run did: its results by id, how many of them were on record, and what could not be placed."""
+    """What a run did: its results by id, how many of them were on record, what could not be placed, what to look at."""
 
     results: dict[str, Result] = field(default_factory=dict)
     resumed: int = 0
     leftovers: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def incomplete(self) -> list[str]:
@@ -68,7 +88,39 @@ class Outcome:
         return [id_ for id_, result in judged.items() if result.score < points]
 
 
-def grade_class(order: Order, audience: Audience) -> Outcome:
+def find(order: Order) -> Class:
+    """Find the class: what was handed in, what the roster knows of it and what the late policy says.
+
+    Raises
+    ------
+    RequestError
+        If there is nothing to grade, an id is unknown, or the roster cannot be read.
+    """
+    found = intake.read_class(order.paths, order.shape, order.attempts)
+    entries = _chosen(found.entries, order.only)
+    if not entries:
+        raise RequestError(
+            f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
+        )
+    latest = {entry.id: _with_people(entry) for entry in found.entries}
+    placed = roster.place([] if order.roster is None else roster.load(order.roster), latest)
+    dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
+    unknown = () if order.roster is None else placed.unknown
+    return Class(dated, found.leftovers, found.told, placed.absent, unknown)
+
+
+def _with_people(entry: intake.Entry) -> HandIn:
+    """Where no platform tells who handed in, the name of what was handed in stands for them."""
+    return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
+
+
+def _judged(entry: intake.Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
+    submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
+    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
+    return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
+
+
+def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     """Grade every submission that is not recorded yet and write `order.out`.
 
     Each result is committed and its files are written as it arrives; the gradebook and the index are written at the
@@ -77,24 +129,19 @@ def grade_class(order: Order, audience: Audience) -> Outcome:
     Raises
     ------
     RequestError
-        If there is nothing to grade, an id is unknown, OUT cannot be written or nothing here isolates students' code.
+        If OUT cannot be written or nothing here isolates students' code.
     GraderError
         If no marker can be opened.
     """
-    found = intake.read_class(order.paths)
-    entries = _chosen(found.entries, order.only)
-    if not entries:
-        raise RequestError(
-            f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
-        )
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
         run = _Run(order, store, audience, outcome)
-        audience.begins(len(entries))
+        audience.begins(len(found.entries))
         try:
-            run.grade(entries)
+            run.grade(found.entries)
         finally:
-            publish_class(order.out, store)
+            standings = publish_class(order.out, store)
+    outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
     return outcome
 
 
@@ -106,39 +153,77 @@ class _Run:
         self._store = store
         self._audience = audience
         self._outcome = outcome
+        self._adjustments = store.adjustments()
+        self._attempts: dict[Key, _Attempt] = {}
 
-    def grade(self, entries: list[intake.Entry]) -> None:
+    def grade(self, entries: Sequence[intake.Entry]) -> None:
         order = self._order
         for submission, marked in self._marked(entries):
             result = unjudged(submission, order, marked.reason) if isinstance(marked, Unmarked) else marked
             self._store.keep(self._key(submission), result)
-            self._tell(submission.id, result, resumed=False)
+            slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
+            self._tell(self._key(submission), slim, resumed=False)
+        self._settle()
 
-    def _marked(self, entries: list[intake.Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
+    def _settle(self) -> None:
+        """Of several attempts the best one counts, after lateness; of equal ones the first. One that is open decides nothing."""
+        own: dict[str, list[tuple[Key, Standing]]] = {}
+        for key, attempt in self._attempts.items():
+            own.setdefault(key.id, []).append((key, self._standing(key, attempt)))
+        for attempts in (each for each in own.values() if len(each) > 1):
+            still_open = [each for each in attempts if each[1].final is None]
+            key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
+            self._store.point_at(key)
+            self._publish(standing)
+
+    def _marked(self, entries: Sequence[intake.Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
         order, submissions = self._order, self._unrecorded(entries)
         if order.cluster is not None:
             return cluster.mark_all(submissions, opener(order), order.cluster)
         return mark_all(submissions, opener(order), min(order.jobs or os.cpu_count() or 1, len(entries)))
 
-    def _unrecorded(self, entries: list[intake.Entry]) -> Iterator[Submission]:
+    def _unrecorded(self, entries: Sequence[intake.Entry]) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
         for entry in entries:
             submission = entry.read()
-            known = None if self._order.force else self._store.recall(self._key(submission))
+            key = self._key(submission)
+            if key in self._attempts:  # handed in twice as it is: the first time counts
+                continue
+            self._attempts[key] = _Attempt(entry.hand_in)
+            known = None if self._order.force else self._store.recall(key)
             if known is None:
                 yield submission
             else:
                 self._outcome.resumed += 1
-                self._tell(submission.id, known, resumed=True)
+                self._tell(key, known, resumed=True)
 
     def _key(self, submission: Submission) -> Key:
         rubric, traces = self._order.rubric.sha256, self._order.traces.sha256
         return Key(submission.id, submission.sha256, rubric, traces, __version__)
 
-    def _tell(self, id_: str, result: Result, *, resumed: bool) -> None:
-        publish(self._order.out, Standing(id_, result), self._store)
-        self._outcome.results[id_] = result
-        self._audience.done(id_, result, resumed=resumed)
+    def _tell(self, key: Key, result: Result, *, resumed: bool) -> None:
+        attempt = self._attempts[key]
+        attempt.result = result
+        self._publish(self._standing(key, attempt))
+        self._audience.done(key.id, result, resumed=resumed)
+
+    def _standing(self, key: Key, attempt: _Attempt) -> Standing:
+        if attempt.result is None:
+            raise GraderError(f"{key.id}: one of its attempts has no result")
+        return Standing(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
+
+    def _publish(self, standing: Standing) -> None:
+        self._store.keep_hand_in(standing.id, standing.hand_in)
+        publish(self._order.out, standing, self._store)
+        self._outcome.results[standing.id] = standing.result
+
+
+@dataclass
+class _Attempt:
+    """One of the submissions of the same people."""
+
+    hand_in: HandIn
+    result: Result | None = None
 
 
 def opener(order: Order) -> OpenMarker:

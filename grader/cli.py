@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from grader import __version__
-from grader.commands import check, ci, doctor, explain, grade, kit, traces
+from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, traces
 from grader.commands.common import say
 from grader.errors import GraderError, RequestError
 
@@ -31,7 +31,17 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for _command in (check.check, grade.grade, ci.ci, kit.kit, explain.explain, doctor.doctor):
+for _command in (
+    check.check,
+    grade.grade,
+    adjust.adjust,
+    diff.diff,
+    export.export,
+    ci.ci,
+    kit.kit,
+    explain.explain,
+    doctor.doctor,
+):
     app.command()(_command)
 app.add_typer(traces.app, name="traces")
 

@@ -6,17 +6,20 @@ a submission there and the text of its result back; rubric and traces go once to
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
 import pickle
 import queue
 import uuid
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from grader.batch import KILLED, Backlog, OpenMarker, Task, Unmarked, words
 from grader.errors import GraderError, RequestError
+from grader.evidence import Evidence
 from grader.intake import Submission
 from grader.results import Result, from_dict
 from grader.text import printable
@@ -70,14 +73,32 @@ def _connected(address: str) -> Iterator[Client]:
         raise RequestError("--cluster needs Dask; install it with: pip install 'imugrade[cluster]'") from None
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is told here, in one line
-    with dask.config.set(_SETTINGS):
-        try:
-            client = Client(address, timeout=ANSWERS_WITHIN_S, set_as_default=False)
-        except (OSError, ValueError, TypeError, RuntimeError) as problem:
-            reason = printable(words(problem), 200)
-            raise RequestError(f"--cluster {printable(address)}: no Dask scheduler answers there ({reason})") from None
-        with client:
+    try:
+        asyncio.run(_find_scheduler(address))
+        with dask.config.set(_SETTINGS), Client(address, timeout=ANSWERS_WITHIN_S, set_as_default=False) as client:
             yield client
+    except _NoSchedulerError as problem:
+        raise RequestError(f"--cluster {printable(address)}: no Dask scheduler answers there ({problem})") from None
+
+
+class _NoSchedulerError(Exception):
+    """Why the address is not the one of a scheduler."""
+
+
+async def _find_scheduler(address: str) -> None:
+    """Ask who is there; a client would wait for ever for one that takes the connection and is silent."""
+    from distributed import Security, rpc  # noqa: PLC0415
+
+    try:
+        options = Security().get_connection_args("client")
+        async with rpc(address, connection_args=options, timeout=ANSWERS_WITHIN_S) as other:
+            identity = await asyncio.wait_for(other.identity(), ANSWERS_WITHIN_S)
+    except asyncio.TimeoutError:  # before Python 3.11 this is no OSError
+        raise _NoSchedulerError(f"nothing came within {ANSWERS_WITHIN_S:g} s") from None
+    except (OSError, ValueError, TypeError, RuntimeError) as problem:
+        raise _NoSchedulerError(printable(str(problem), 200)) from problem
+    if identity["type"] != "Scheduler":
+        raise _NoSchedulerError(f"it is a {printable(identity['type'], 40)}")
 
 
 @contextmanager
@@ -187,4 +208,9 @@ class _Errands:
             return self._backlog.failed(task, words(problem))
         if "trouble" in answer:
             return self._backlog.failed(task, answer["trouble"])
-        return from_dict(json.loads(answer["result"]))
+        return _result(answer)
+
+
+def _result(answer: Mapping[str, Any]) -> Result:
+    evidence = Evidence(answer["charts"], tuple(answer["fingerprint"]))
+    return replace(from_dict(json.loads(answer["record"])), evidence=evidence)

@@ -17,7 +17,7 @@ from grader import __version__
 from grader.batch import Marking, words
 from grader.errors import GraderError, RequestError
 from grader.intake import Submission
-from grader.results import to_dict
+from grader.results import Result, to_dict
 
 _NUMBERS_DEPEND_ON = ("mujoco", "numpy", "scipy", "matplotlib")
 
@@ -28,7 +28,13 @@ def versions() -> dict[str, str]:
     return {"imugrade": __version__, "python": python, **{name: version(name) for name in _NUMBERS_DEPEND_ON}}
 
 
-def mark(run: str, submission: Mapping[str, Any]) -> dict[str, str]:
+def plain(result: Result) -> dict[str, Any]:
+    """A result as it travels: text, bytes and numbers."""
+    record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
+    return {"record": record, "charts": result.evidence.charts, "fingerprint": list(result.evidence.fingerprint)}
+
+
+def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
     """Mark one submission for a run whose seat has been set up here: the task that is handed to the cluster."""
     seat = get_worker().plugins[run]
     assert isinstance(seat, Seat)
@@ -71,8 +77,8 @@ class Seat(WorkerPlugin):
         self._over = True
         self._leave_if_idle()
 
-    def mark(self, submission: Submission) -> dict[str, str]:
-        """The result as JSON under "result", or what failed under "trouble"; the next one then gets a fresh marker.
+    def mark(self, submission: Submission) -> dict[str, Any]:
+        """The result as plain data, or what failed under "trouble"; the next submission then gets a fresh marker.
 
         Raises
         ------
@@ -86,9 +92,9 @@ class Seat(WorkerPlugin):
             if self._over:
                 self._leave_if_idle()
 
-    def _marked(self, marker: Marking, submission: Submission) -> dict[str, str]:
+    def _marked(self, marker: Marking, submission: Submission) -> dict[str, Any]:
         try:
-            return {"result": json.dumps(to_dict(marker.mark(submission)), ensure_ascii=True, allow_nan=False)}
+            return plain(marker.mark(submission))
         except Exception as problem:
             self._leave()
             return {"trouble": words(problem)}

@@ -9,8 +9,8 @@ from pathlib import Path
 from grader.errors import RequestError
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write `text` as UTF-8 beside `path`, then move it into place in one step.
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write text as UTF-8, or bytes as they are, beside `path`, then move it into place in one step.
 
     Raises
     ------
@@ -19,7 +19,7 @@ def write_whole(path: Path, text: str) -> None:
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _replace(path, text.encode("utf-8", "replace"))
+        _replace(path, content.encode("utf-8", "replace") if isinstance(content, str) else content)
     except OSError as problem:
         raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
 

@@ -13,11 +13,12 @@ from grader.standing import Standing
 from grader.store import Store
 
 
-def publish_class(out: Path, store: Store) -> None:
-    """Write the gradebook and the index of everything on record."""
+def publish_class(out: Path, store: Store) -> dict[str, Standing]:
+    """Write the gradebook and the index of everything on record, and return that."""
     standings = store.standings()
     write_whole(out / "gradebook.csv", gradebook(standings))
-    write_whole(out / "index.html", index_page({id_: standing.result for id_, standing in standings.items()}))
+    write_whole(out / "index.html", index_page(standings, store.fingerprints()))
+    return standings
 
 
 def publish(out: Path, standing: Standing, store: Store) -> None:
@@ -30,7 +31,7 @@ def publish(out: Path, standing: Standing, store: Store) -> None:
     digest = hashlib.sha256(repr((text, standing.hand_in, standing.adjustments)).encode("utf-8", "replace")).hexdigest()
     current = (folder / "report.html").is_file() and _holds(folder / "result.json", text)
     if not current or store.page_digest(standing.id) != digest:
-        write_whole(folder / "report.html", report_page(standing.result))
+        write_whole(folder / "report.html", report_page(standing, store.charts(standing.id)))
         write_whole(folder / "result.json", text)
         store.keep_page_digest(standing.id, digest)
 

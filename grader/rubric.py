@@ -7,11 +7,13 @@ their lines, keep duplicate keys apart and build no objects.
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import os.path
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
+from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
 
@@ -26,6 +28,7 @@ __all__ = [
     "CheckWeight",
     "Criterion",
     "Extension",
+    "LatePolicy",
     "Limits",
     "Model",
     "Rubric",
@@ -92,10 +95,36 @@ class Model:
 
 
 @dataclass(frozen=True)
+class LatePolicy:
+    """What lateness costs. It stands beside the marks and never changes them.
+
+    Attributes
+    ----------
+    due
+        When the lab is due, in UTC.
+    grace_minutes
+        Later than that counts from `due` on; up to that it is not late.
+    per_day
+        Points for each day begun after `due`.
+    cut_off_days
+        After so many days nothing counts; None: everything is taken.
+    extensions
+        Other dates for some submissions or people, by what an id, a name or an e-mail address is.
+    """
+
+    due: datetime
+    grace_minutes: float = 0.0
+    per_day: float = 0.0
+    cut_off_days: float | None = None
+    extensions: Mapping[str, datetime] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Rubric:
     """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
 
-    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing.
+    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `sha256` is that
+    of all that marks depend on: a comment, the order of the lines or another late policy leaves it as it is.
     """
 
     criteria: tuple[Criterion, ...]
@@ -105,6 +134,7 @@ class Rubric:
     sha256: str
     source: str
     extra_credit_cap: float | None = None
+    late: LatePolicy | None = None
 
     @property
     def parts(self) -> tuple[Criterion | Extension, ...]:
@@ -176,16 +206,18 @@ def parse(data: bytes, *, source: str = "rubric.yaml", folder: Path | None = Non
     """
     reader = Reader(source)
     root = reader.compose(data)
-    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), ("model", "extra_credit"))
+    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), ("model", "extra_credit", "late"))
     criteria = _criteria(reader, keys.get("criteria"))
     each, cap = _extra_credit(reader, keys.get("extra_credit"))
     extensions = _extensions(reader, keys.get("extensions"), each)
     worth = round(sum(extension.points for extension in extensions), 2)
     limits = _limits(reader, keys.get("limits"))
     model = _model(reader, keys.get("model"), folder or Path())
+    late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    return Rubric(criteria, extensions, limits, model, hashlib.sha256(data).hexdigest(), source, granted)
+    digest = _digest(criteria, extensions, limits, model, granted)
+    return Rubric(criteria, extensions, limits, model, digest, source, granted, late)
 
 
 def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
@@ -304,6 +336,40 @@ def _limits(reader: Reader, node: yaml.Node | None) -> Limits:
     if call is not None and submission is not None and submission < call:
         reader.say(keys["submission_cpu_s"], "submission_cpu_s is less than call_cpu_s; no call could use its time up")
     return Limits(call or 0.0, submission or 0.0)
+
+
+def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | None:
+    if node is None:
+        return None
+    optional = ("grace_minutes", "per_day", "cut_off_days", "extensions")
+    keys = reader.fields(node, "late", ("due",), optional)
+    due = reader.stamp(keys.get("due"), "due")
+    grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)
+    cut_off = reader.number(keys.get("cut_off_days"), "cut_off_days")
+    per_day = reader.share(keys.get("per_day"), "per_day", of)
+    listed = keys.get("extensions")
+    extensions: dict[str, datetime] = {}
+    if isinstance(listed, yaml.MappingNode):
+        for who, (_, value) in reader.pairs(listed, "extensions").items():
+            until = reader.stamp(value, f"the extension of {printable(who, 60)}")
+            extensions |= {who: until} if until else {}
+    elif listed is not None:
+        reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
+    return None if due is None else LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions)
+
+
+def _digest(*meaning: object) -> str:
+    """SHA-256 of what marks depend on. Lines are left out, and numbers are written as Python writes them."""
+    plain = [_without_lines(part) for part in meaning]
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
+
+
+def _without_lines(value: object) -> object:
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: _without_lines(getattr(value, f.name)) for f in fields(value) if f.name != "line"}
+    if isinstance(value, tuple):
+        return [_without_lines(item) for item in value]
+    return value.name if isinstance(value, Path) else value
 
 
 def _model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:

@@ -10,11 +10,13 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Sequence
+from datetime import datetime
 from typing import NoReturn
 
 import yaml
 
 from grader.errors import RequestError
+from grader.stamps import read_stamp
 from grader.text import printable
 
 MAX_BYTES = 1_000_000
@@ -166,6 +168,26 @@ class Reader:
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
         return value
+
+    def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
+        """Points, or a percentage of so many points, to two decimals."""
+        if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
+            number = node.value[:-1].strip()
+            if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
+                return round(of * float(number) / 100, 2)
+            self.say(node, f"{what} must be a number of points or a percentage from 0 % to 100 %, not {quote(node)}")
+            return None
+        return self.points(node, what)
+
+    def stamp(self, node: yaml.Node | None, what: str) -> datetime | None:
+        """A date and time with its offset from UTC, which is what makes it one moment everywhere."""
+        when = read_stamp(node.value) if isinstance(node, yaml.ScalarNode) else None
+        if node is not None and when is None:
+            example = "2026-11-20T23:59+01:00"
+            self.say(
+                node, f"{what} must be a date and time with its offset from UTC, like {example}, not {quote(node)}"
+            )
+        return when
 
     def records(
         self, node: yaml.Node | None, what: str, known: Sequence[str], required: Sequence[str], optional: Sequence[str]

@@ -11,10 +11,14 @@ from grader.results import CriterionResult, Result
 
 @dataclass(frozen=True)
 class Person:
-    """Who handed in. `key` is the platform's own name for them: a Canvas user id, a Moodle participant number."""
+    """Who handed in. `key` is the platform's own name for them: a Canvas user id, a Moodle participant number, a user name.
+
+    `platform` says whose name that is; "" where it is the name of a folder or an archive.
+    """
 
     name: str
     key: str = ""
+    platform: str = ""
     sid: str = ""
     email: str = ""
     section: str = ""
@@ -70,6 +74,9 @@ class HandIn:
     number: str = ""
 
 
+NOTHING_KNOWN = HandIn()
+
+
 @dataclass(frozen=True)
 class Adjustment:
     """Points that a person gives a criterion in place of the automatic ones: who, when and why.
@@ -95,17 +102,21 @@ class Standing:
 
     id: str
     result: Result
-    hand_in: HandIn = HandIn()
+    hand_in: HandIn = NOTHING_KNOWN
     adjustments: tuple[Adjustment, ...] = ()
 
     @property
+    def people(self) -> tuple[Person, ...]:
+        """Who handed in; where no platform tells, the name of what was handed in stands for them. Hostile text, as it came."""
+        return self.hand_in.people or (Person(self.result.submission, self.id),)
+
+    @property
     def name(self) -> str:
-        """Names of the people, or of what was handed in. Hostile text, as it came."""
-        return "; ".join(person.name for person in self.hand_in.people if person.name) or self.result.submission
+        return "; ".join(person.name for person in self.people if person.name)
 
     @property
     def section(self) -> str:
-        return "; ".join(dict.fromkeys(person.section for person in self.hand_in.people if person.section))
+        return "; ".join(dict.fromkeys(person.section for person in self.people if person.section))
 
     @property
     def late(self) -> Lateness | None:

@@ -19,7 +19,8 @@ from types import TracebackType
 from grader.errors import RequestError
 from grader.evidence import Chart, unpacked
 from grader.results import Result, from_dict, to_dict
-from grader.standing import Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
+from grader.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
+from grader.text import printable
 
 FILE_NAME = "results.sqlite"
 SCHEMA_VERSION = 2
@@ -97,6 +98,15 @@ class Store:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
         self.close()
 
+    @classmethod
+    def existing(cls, out: Path) -> Store:
+        """The record of a class that has been graded; RequestError if there is none."""
+        if not (out / FILE_NAME).is_file():
+            raise RequestError(
+                f"{printable(str(out), 500)}: no class was graded there; give the OUT of `imugrade grade`"
+            )
+        return cls(out)
+
     def close(self) -> None:
         self._db.close()
 
@@ -138,9 +148,9 @@ class Store:
 
     def standings(self) -> dict[str, Standing]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
-        present, hand_ins, adjustments = self.present(), self._hand_ins(), self._adjustments()
+        present, hand_ins, adjustments = self.present(), self._hand_ins(), self.adjustments()
         return {
-            id_: Standing(id_, result, hand_ins.get(id_, HandIn()), adjustments.get(id_, ()))
+            id_: Standing(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
             for id_, result in present.items()
         }
 
@@ -163,7 +173,10 @@ class Store:
         """Every adjustment ever made, by id of the submission, oldest first; without points those that withdraw one."""
         with self._told():
             rows = self._db.execute(f"SELECT {_ADJUSTMENT} FROM adjustments ORDER BY seq").fetchall()
-        return [(id_, Adjustment(*values, beneath=json.loads(record))) for id_, *values, record in rows]
+        return [
+            (id_, Adjustment(criterion, points, comment, author, at, json.loads(record)))
+            for id_, criterion, points, comment, author, at, record in rows
+        ]
 
     def page_digest(self, id_: str) -> str:
         """What `keep_page_digest` was last given: of what the pages of a submission were made from."""
@@ -180,12 +193,17 @@ class Store:
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
         return {id_: hand_in_from_dict(json.loads(record)) for id_, record in rows}
 
-    def _adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
-        """Those in force: the last of each criterion, unless it withdraws."""
+    def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
+        """Those in force, by id of the submission: the last of each criterion, unless it withdraws."""
         last: dict[str, dict[str, Adjustment]] = {}
         for id_, adjustment in self.history():
             last.setdefault(id_, {})[adjustment.criterion] = adjustment
         return {id_: tuple(a for a in each.values() if a.points is not None) for id_, each in last.items()}
+
+    def point_at(self, key: Key) -> None:
+        """Make a recorded result the submission's present one."""
+        with self._told(), self._transaction():
+            self._point_at(key)
 
     def _point_at(self, key: Key) -> None:
         self._db.execute(
@@ -200,8 +218,7 @@ class Store:
         WAL keeps a reader from blocking the writer; with it, NORMAL is still safe when the process is killed.
         """
         application, version, tables = self._identity()
-        older = application == _APPLICATION_ID and version == 1  # it lacks tables only
-        if (application, version, tables) == (0, 0, 0) or older:
+        if (application, version, tables) == (0, 0, 0):
             self._db.executescript(_TABLES.format(application=_APPLICATION_ID, version=SCHEMA_VERSION))
         elif application != _APPLICATION_ID:
             raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")

@@ -7,7 +7,7 @@ own checks are over and lost, so that one fault costs once.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -91,16 +91,8 @@ class Student(Conversation):
         changed = tuple(frame.fields["changed"])
         if fault is not None:
             return Collection(None, None, None, changed=changed, fault=fault)
-        found, keys, oddities = as_collection(frame.fields["value"], frame.arrays)
-        return Collection(
-            found.get("time"),
-            found.get("acceleration"),
-            found.get("angular_velocity"),
-            keys,
-            tuple(oddities),
-            changed,
-            first_step=_believable(frame.arrays),
-        )
+        collected = as_collection(frame.fields["value"], frame.arrays)
+        return replace(collected, changed=changed, first_step=_believable(frame.arrays))
 
     def replay(self, first_step: Mapping[str, Array], steps: int, *, held: bool) -> Array | None:
         """All sensors (steps, n) of the lab model from a given state on, simulated in a worker of its own.
@@ -172,13 +164,14 @@ class Student(Conversation):
         frame = self.ask("filter", {"path": path, "cases": rows}, arrays)
         return [_filter_run(answer, frame) for answer in frame.fields["cases"]]
 
-    def plot(self, *, series: Mapping[str, Array], keys: Mapping[str, str]) -> Drawing:
-        """What `plot_imu_data` draws and saves of the given series."""
-        return self.once("plot", lambda: self._plot(series, keys))
+    def plot(self, *, data: Mapping[str, Array]) -> Drawing:
+        """What `plot_imu_data` draws and saves of the given data, by the submission's own keys."""
+        return self.once("plot", lambda: self._plot(data))
 
-    def _plot(self, series: Mapping[str, Array], keys: Mapping[str, str]) -> Drawing:
-        path = self.place_of("plot_imu_data")
-        return drawing_of(self.ask("plot", {"path": path, "keys": dict(keys)}, series))
+    def _plot(self, data: Mapping[str, Array]) -> Drawing:
+        keys = {name: f"d{number}" for number, name in enumerate(data)}
+        fields = {"path": self.place_of("plot_imu_data"), "keys": keys}
+        return drawing_of(self.ask("plot", fields, {keys[name]: value for name, value in data.items()}))
 
     def scripts(self) -> Iterator[Drawing]:
         """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.

@@ -9,6 +9,7 @@ import re
 from dataclasses import dataclass
 
 from grader.results import CheckResult, CriterionResult, ExtensionResult, Outcome, Result, Status
+from grader.standing import Standing
 from grader.text import printable
 
 LAB = "Lab 04-01"
@@ -118,6 +119,22 @@ def unjudged(criterion: CriterionResult) -> bool:
 
 def name(result: Result) -> str:
     return printable(result.submission, NAME_LIMIT) or "(no name)"
+
+
+def person(standing: Standing) -> str:
+    """Who handed in, or what was handed in where nobody is known."""
+    return printable(standing.name, NAME_LIMIT) or "(no name)"
+
+
+def late(standing: Standing) -> str:
+    """``2 d 3 h``; empty where it is not late."""
+    if standing.late is None:
+        return ""
+    if standing.late.seconds is None:
+        return "late"
+    hours = -(-standing.late.seconds // 3600)
+    days = f"{hours // 24} d {hours % 24} h" if hours >= 24 else f"{hours} h"
+    return f"{days}, after the cut-off" if standing.late.refused else days
 
 
 def notes(result: Result) -> list[str]:

@@ -131,6 +131,7 @@ def readings(
     """Arrays and scalars: `k` states, all sensors in each, and which sensors make the `p` IMUs."""
     ids = np.array([[sensor_id(model, sensor) for sensor in pair] for pair in pairs], dtype=np.int64)
     sites = model.sensor_objid[ids[:, 0]]
+    bodies = model.site_bodyid[sites]
     moments = [at_state(model, qpos, qvel) for qpos, qvel in states]
     arrays = {
         "qpos": np.array([qpos for qpos, _ in states]),
@@ -138,6 +139,8 @@ def readings(
         "qacc": np.array([data.qacc for data in moments]),
         "sensordata": np.array([data.sensordata for data in moments]),
         "site_xmat": np.array([data.site_xmat[sites].reshape(-1, 3, 3) for data in moments]),
+        "cvel": np.array([data.cvel[bodies] for data in moments]),
+        "cacc": np.array([data.cacc[bodies] for data in moments]),
         "pairs": ids,
         "sensor_adr": model.sensor_adr.astype(np.int64),
         "sensor_dim": model.sensor_dim.astype(np.int64),

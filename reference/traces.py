@@ -34,12 +34,16 @@ UNITS = {
     "qpos": "m, unit quaternion, rad",
     "qvel": "m/s, rad/s",
     "qacc": "m/s², rad/s²",
+    "cvel": "rad/s, m/s",
+    "cacc": "rad/s², m/s²",
     "sensordata": "SI, as MuJoCo defines each sensor",
 }
 FRAMES = {
     "acceleration": "the sensor site's own; specific force, so gravity shows up as an upward push",
     "angular_velocity": "the sensor site's own",
     "site_xmat": "rotation from the site's frame into the world's",
+    "cvel": "of the accelerometer's body: rotation, then translation, in the world's axes, at the centre of mass of its tree",
+    "cacc": "as cvel; with gravity",
     "rows": "read right after mj_step; time is data.time after that step",
 }
 

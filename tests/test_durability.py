@@ -53,6 +53,38 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
     assert (result.status, result.score) == ("graded", 100.0)
 
 
+A_LARGE_SUBMISSION = """
+import os, pathlib, sys, threading
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from grader.batch import mark_all
+from tests.made_up import FakeMarker, submission
+
+@contextmanager
+def killed_once(folder):
+    if not (folder / "killed").exists():
+        (folder / "killed").touch()
+        threading.Event().wait(0.5)  # by now the submission is on its way, and fills the pipe
+        os.kill(os.getpid(), 9)
+    yield FakeMarker(folder)
+
+if __name__ == "__main__":
+    large = replace(submission("a"), files={"imu_data.png": bytes(1_000_000)})
+    for each, outcome in mark_all(iter([large]), partial(killed_once, pathlib.Path(sys.argv[1])), 1):
+        print(each.id, type(outcome).__name__)
+"""
+
+
+def test_a_marker_that_is_killed_with_a_large_submission_on_its_way_to_it_does_not_stop_the_run(tmp_path: Path) -> None:
+    """Pythons before 3.11.5 then wait for ever at their end: https://github.com/python/cpython/issues/94777."""
+    script = tmp_path / "run.py"
+    script.write_text(A_LARGE_SUBMISSION)
+    command, environment = [sys.executable, str(script), str(tmp_path)], {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout == "a Result\n"
+
+
 IN_A_SMALL_DISK = """
 set -u
 mount -t tmpfs -o size=SIZE none "$1"

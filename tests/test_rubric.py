@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import pickle
+import re
+from datetime import datetime, timezone
 from pathlib import Path
 
 import pytest
@@ -71,8 +72,96 @@ def test_the_shipped_rubric_is_the_sheets() -> None:
     assert shipped.model == rubric.Model(None, "torso_accelerometer", "torso_gyroscope")
 
 
-def test_the_hash_is_that_of_the_bytes() -> None:
-    assert rubric.load().sha256 == hashlib.sha256(SHIPPED).hexdigest()
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("# The rubric of Lab 04-01.", "# Our own rubric of Lab 04-01."),
+        ("points: 20\n", "points: 20.0\n"),
+        ("      follows_address: 6", "\n      follows_address: 6"),
+        ("# late:\n#   due:", "late:\n  due:"),
+    ],
+)
+def test_what_no_mark_depends_on_leaves_the_hash_and_so_the_record_as_it_is(old: str, new: str) -> None:
+    assert rubric.parse(edited(old, new).encode()).sha256 == rubric.load().sha256
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("points: 20\n", "points: 21\n"),
+        ("follows_address: 6", "follows_address: 5"),
+        ("title: Sensor access", "title: Sensors"),
+        ("call_cpu_s: 10", "call_cpu_s: 9"),
+        ("accelerometer: torso_", "accelerometer: head_"),
+        ("# extra_credit:", "extra_credit:"),
+    ],
+)
+def test_what_a_mark_depends_on_changes_the_hash(old: str, new: str) -> None:
+    assert rubric.parse(edited(old, new).encode()).sha256 != rubric.load().sha256
+
+
+# ---- the late policy ----
+
+
+def with_late(*lines: str) -> str:
+    return SHIPPED.decode() + "late:\n" + "".join(f"  {line}\n" for line in lines)
+
+
+DUE = "due: 2026-11-20T23:59+01:00"
+
+
+def test_the_late_policy_in_the_shipped_files_comment_is_one() -> None:
+    start = SHIPPED.decode().index("# late:\n")
+    lines = SHIPPED.decode()[start:].split("\n\n")[0].splitlines()
+    policy = rubric.parse((SHIPPED.decode() + "\n".join(line.removeprefix("# ") for line in lines)).encode()).late
+    assert policy == rubric.LatePolicy(
+        datetime(2026, 11, 20, 22, 59, tzinfo=timezone.utc),
+        10.0,
+        10.0,
+        7.0,
+        {"jane@example.edu": datetime(2026, 11, 24, 22, 59, tzinfo=timezone.utc)},
+    )
+
+
+def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed() -> None:
+    assert rubric.load().late is None
+    policy = rubric.parse(with_late(DUE).encode()).late
+    assert policy is not None
+    assert (policy.grace_minutes, policy.per_day, policy.cut_off_days, policy.extensions) == (0.0, 0.0, None, {})
+    assert rubric.parse(with_late(DUE, "per_day: 7.5").encode()).late.per_day == 7.5  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("lines", "problem"),
+    [
+        (["grace_minutes: 5"], "late has no key `due`; add it"),
+        (
+            ["due: 2026-11-20T23:59"],
+            "due must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not '2026-11-20T23:59'",
+        ),
+        (
+            ["due: soon"],
+            "due must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'soon'",
+        ),
+        ([DUE, "per_day: 110%"], "per_day must be a number of points or a percentage from 0 % to 100 %, not '110%'"),
+        ([DUE, "per_day: -5"], "per_day must be a number from 0 to 1000, not '-5'; correct it"),
+        (
+            [DUE, "grace_minuts: 5"],
+            "unknown key 'grace_minuts' in late (did you mean grace_minutes?); correct or remove it",
+        ),
+        (
+            [DUE, "extensions: [jane]"],
+            "extensions must be `who: date` lines; who is an id, a name or an e-mail address",
+        ),
+        (
+            [DUE, "extensions: {jane: tomorrow}"],
+            "the extension of jane must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'tomorrow'",
+        ),
+    ],
+)
+def test_a_slip_in_the_late_policy_is_told_with_its_line(lines: list[str], problem: str) -> None:
+    (told,) = problems(with_late(*lines))
+    assert re.fullmatch(r"rubric\.yaml:\d+: " + re.escape(problem), told)
 
 
 def test_a_check_knows_its_points_and_its_line() -> None:
@@ -169,7 +258,7 @@ def test_a_file_that_is_no_tree_is_refused_in_one_line(data: bytes, problem: str
 
 
 def test_a_list_is_no_rubric() -> None:
-    keys = "criteria, extensions, limits, model, extra_credit"
+    keys = "criteria, extensions, limits, model, extra_credit, late"
     assert problems("- a") == [f"rubric.yaml:1: the rubric must be `key: value` lines with the keys {keys}"]
 
 

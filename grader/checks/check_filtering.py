@@ -67,7 +67,8 @@ def check_starts_from_first_measurement(student: Student, truth: Traces) -> None
         zero = (
             same(y[0], alpha * x[0], diagnosis.ATOL) or same(y[0], (1 - alpha) * x[0], diagnosis.ATOL) or not y[0].any()
         )
-        mistakes = ["zero-initial-state"] if zero or _from_zero(x, y) else []
+        stuck = not np.ptp(y, axis=0).any()
+        mistakes = ["output-stuck"] if stuck else ["zero-initial-state"] if zero or _from_zero(x, y) else []
         raise Lost(vector(x[0]), vector(y[0]), mistakes=mistakes, off=_off(y[0], x[0]))
     _follows_initial_value(student, truth)
 
@@ -75,7 +76,8 @@ def check_starts_from_first_measurement(student: Student, truth: Traces) -> None
 def _scaled(x: Array, y: Array) -> bool:
     """Whether the first output is right for a recursion that is wrong, which follows_recursion charges."""
     found = diagnosis.recursion_of(x, y)
-    return found is not None and abs(sum(found) - 1) > 1e-6 and same(y[0], sum(found) * x[0], diagnosis.ATOL)
+    gain = sum(found) if found is not None else 0.0
+    return abs(gain) > 1e-6 and abs(gain - 1) > 1e-6 and same(y[0], gain * x[0], diagnosis.ATOL)
 
 
 def _from_zero(x: Array, y: Array) -> bool:
@@ -127,6 +129,8 @@ def _gain_mistakes(student: Student, truth: Traces) -> list[str]:
 def check_reduces_noise(student: Student, truth: Traces) -> None:
     """Noise comes out smaller than it went in"""
     x, run = _cases(student, truth).noise
+    if not np.ptp(_output(run), axis=0).any():
+        raise Skipped("an output that changes with the measurement")
     gain = diagnosis.noise_gain(x, _output(run))
     if not gain < _LARGEST_NOISE_GAIN:
         raise Lost(
@@ -158,6 +162,8 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
     """Each instance keeps a state of its own, which nobody else can change"""
     cases = _cases(student, truth)
     alone = _output(cases.alone)
+    if not np.ptp(alone, axis=0).any() and not same(alone[0], cases.plain[0][1][0], diagnosis.ATOL):
+        raise Skipped("an output that depends on the measurements")
     if _shares_state(student, truth):
         raise Lost("the same output beside a second filter as alone", "another output", mistakes=["shared-state"])
     if not same(_output(cases.spoilt_output), alone, diagnosis.ATOL):

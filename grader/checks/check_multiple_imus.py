@@ -122,7 +122,8 @@ class _World:
         scene = diagnosis.Scene.of(self.scenario)
         return diagnosis.Scene(
             scene.accel[:, :_STATES], scene.gyro[:, :_STATES], scene.sensordata[:_STATES], scene.address, scene.pairs,
-            scene.world_from_site[:, :_STATES], scene.qvel[:_STATES], scene.qacc[:_STATES],
+            scene.world_from_site[:, :_STATES], scene.qvel[:_STATES], scene.qacc[:_STATES], scene.cvel[:, :_STATES],
+            scene.cacc[:, :_STATES],
         )  # fmt: skip
 
 

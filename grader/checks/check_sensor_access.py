@@ -131,10 +131,9 @@ def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
 def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
     """A reading keeps its values while the simulation goes on"""
     readings = _torso(student, truth)
+    _reads_something(readings, truth)
     now = np.concatenate([readings.accel[:, 0], readings.gyro[:, 0]])
     later = np.concatenate([readings.later_accel, readings.later_gyro])
-    if not np.isfinite(now).any():
-        raise Skipped("a reading with numbers in it")
     if np.array_equal(now, later, equal_nan=True):
         return
     moved = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(later - now)), axis=1)))
@@ -146,13 +145,25 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
 @check("sensor_access.leaves_simulation_alone", lab_step=2)
 def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
     """Reading the sensors changes nothing in the simulation"""
-    change = _torso(student, truth).disturbance.max(axis=0, initial=0.0)
+    readings = _torso(student, truth)
+    _reads_something(readings, truth)
+    change = readings.disturbance.max(axis=0, initial=0.0)
     names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
     changed = [
         f"{name} changed by {size:.3g}" for name, size in zip(names, change, strict=True) if not size <= DISTURBED
     ]
     if changed:
         raise Lost("the same state before and after the call", "; ".join(changed), mistakes=["disturbs-simulation"])
+
+
+def _reads_something(readings: Readings, truth: Traces) -> None:
+    """Constants are no reading: nothing can be said about how they were read."""
+    both = np.concatenate([readings.accel, readings.gyro])
+    if not np.isfinite(both).any():
+        raise Skipped("a reading with numbers in it")
+    never_moves = bool(np.isfinite(both).all() and np.ptp(both, axis=1).max() == 0)
+    if never_moves and diagnosis.explain(readings.accel, readings.gyro, _torso_scene(truth)) is None:
+        raise Skipped("a reading that follows the simulation: the same numbers came in every state")
 
 
 def _torso(student: Student, truth: Traces) -> Readings:

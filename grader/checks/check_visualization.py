@@ -294,15 +294,17 @@ def check_titles(student: Student, truth: Traces) -> None:
 
 @check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(student: Student, truth: Traces) -> None:
-    """A saved plot shows raw and filtered data together"""
-    del truth
+    """A saved plot shows raw and filtered data together, and says which is which"""
     drawn = broken_off = False
     for drawing in student.scripts():
         broken_off = broken_off or drawing.fault is not None
-        events = {f["event"] for f in drawing.figures if plots.shows_comparison(f, drawing.arrays)}
-        if "saved" in events:
+        pairs = [(f, plots.comparisons(f, drawing.arrays)) for f in drawing.figures]
+        compared = [(figure, of_it) for figure, of_it in pairs if of_it]
+        unclear = [plots.unclear(figure, of_it) for figure, of_it in compared if figure["event"] == "saved"]
+        if unclear:
+            _comparison_is_clear(student, truth, min(unclear, key=len))
             return
-        drawn = drawn or bool(events)
+        drawn = drawn or bool(compared)
     if drawn:
         if _picture_shows_something(student, _COMPARISON):
             return
@@ -322,6 +324,26 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     raise Lost("a picture with the raw and the filtered series in it", got, mistakes=mistakes)
 
 
+def _comparison_is_clear(student: Student, truth: Traces, unclear: list[tuple[str, str]]) -> None:
+    """Whoever leaves names or labels away in both plots has been charged for it with the first one."""
+    charged = {
+        "no-legend": check_legend_names_curves, "legend-order-wrong": check_legend_names_curves,
+        "no-axis-labels": check_axis_labels_with_units,
+    }  # fmt: skip
+    missing = [(mistake, text) for mistake, text in unclear if _earned(charged[mistake], student, truth)]
+    if missing:
+        mistakes, got = [mistake for mistake, _ in missing], "; ".join(text for _, text in missing)
+        raise Lost("a plot that says which curve is which, in which unit", got, mistakes=mistakes, keeps=0.5)
+
+
+def _earned(judge: Callable[[Student, Traces], None], student: Student, truth: Traces) -> bool:
+    try:
+        judge(student, truth)
+    except (Lost, Skipped, Raised, Missing, NoAnswer):
+        return False
+    return True
+
+
 # --- what the checks share -----------------------------------------------------------------------------------------------
 
 
@@ -330,21 +352,22 @@ def _series(truth: Traces) -> Mapping[str, Array]:
 
 
 def _drawing(student: Student, truth: Traces) -> Drawing:
-    drawing = student.plot(series=_series(truth), keys=_keys(student, truth))
+    drawing = student.plot(data=_data(student, truth))
     if drawing.fault is not None and not drawing.figures:
         raised(drawing.fault, "plotting IMU data")
     return drawing
 
 
-def _keys(student: Student, truth: Traces) -> dict[str, str]:
-    """The names under which the submission itself records the three series."""
-    scalars = truth["push"].scalars
-    sheet = {key: key for key in KEYS}
+def _data(student: Student, truth: Traces) -> dict[str, Array]:
+    """The true series under the names under which the submission itself records them, with what else it records."""
+    scalars, series = truth["push"].scalars, _series(truth)
     try:
-        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth)).keys
+        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth))
     except (NoAnswer, Missing, Raised):
-        return sheet
-    return sheet if any(name.isdigit() for name in own.values()) else {**sheet, **own}
+        return dict(series)
+    if any(name.isdigit() for name in own.keys.values()):
+        return dict(series)
+    return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
 
 
 def _plot(student: Student, truth: Traces) -> _Plot:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
+from grader.errors import RequestError
+
 if TYPE_CHECKING:
     from rich.console import Console
+
+Word = TypeVar("Word", str, str | None)
 
 RubricOption = Annotated[Path | None, typer.Option("--rubric", metavar="FILE", help="Another rubric.yaml.")]
 SeedOption = Annotated[
@@ -23,6 +28,15 @@ SeedOption = Annotated[
     ),
 ]
 RungOption = Annotated[str | None, typer.Option("--rung", hidden=True)]
+
+
+def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
+    """What an option says, if it is one of the words that it may say."""
+    from grader.text import printable  # noqa: PLC0415
+
+    if value is not None and value not in known:
+        raise RequestError(f"{option} {printable(value)}: there is no such; choose {', '.join(known)}")
+    return value
 
 
 def say(line: str) -> None:

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, RungOption, SeedOption, console, say
+from grader.commands.common import RubricOption, RungOption, SeedOption, console, one_of, say
+from grader.errors import RequestError
 
 
 def grade(
@@ -24,6 +25,23 @@ def grade(
     cluster: Annotated[
         str | None, typer.Option("--cluster", metavar="ADDRESS", help="Grade on this Dask cluster: tcp://HOST:PORT.")
     ] = None,
+    from_: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="NAME",
+            help="folders, canvas, moodle, gradescope, classroom50 or git; recognised without.",
+        ),
+    ] = None,
+    roster: Annotated[
+        Path | None,
+        typer.Option(
+            "--roster", metavar="FILE", help="A CSV with names, sections, due dates; a platform's export will do."
+        ),
+    ] = None,
+    attempts: Annotated[
+        str, typer.Option("--attempts", metavar="WHICH", help="Of several by the same people, the latest or the best.")
+    ] = "latest",
     rubric: RubricOption = None,
     seed: SeedOption = None,
     only: Annotated[
@@ -44,24 +62,31 @@ def grade(
     Examples:
       imugrade grade submissions -o out
       IMUGRADE_SEED=... imugrade grade moodle.zip -o out --jobs 8
+      imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
     from grader import classroom, traces  # noqa: PLC0415
     from grader import rubric as rubrics  # noqa: PLC0415
-    from grader.errors import RequestError  # noqa: PLC0415
+    from grader.intake import ATTEMPTS, SHAPES  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
 
     if cluster is not None and jobs is not None:
         raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
     bundle = traces.obtain(seed, None)
     order = classroom.Order(
-        tuple(paths), out, rubrics.load(rubric), bundle, jobs, tuple(only or ()), force, trust, rung, cluster
-    )
+        tuple(paths), out, rubrics.load(rubric), bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
+        one_of("--from", from_, SHAPES), roster, one_of("--attempts", attempts, ATTEMPTS),
+    )  # fmt: skip
     if seed is None:
         say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
+    found = classroom.find(order)
+    for line in found.told:
+        say(line)
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
-        outcome = classroom.grade_class(order, audience)
+        outcome = classroom.grade_class(order, found, audience)
+    for line in outcome.remarks:
+        say(line)
     terminal.show_class(outcome, str(out / "index.html"), screen)
     below = min_score is not None and bool(outcome.below(min_score))
     return 3 if outcome.incomplete else int(below)

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..answers import Array, Arrays
+from ..answers import Array, Arrays, Collection, column_named
 
 SENSORS = ("acceleration", "angular_velocity")
 FEWEST_POINTS = 50
@@ -113,6 +113,44 @@ _UNITS = (
     (("m/s²", 1.0), ("g", 1 / 9.81), ("g", 1 / 9.80665)),
     (("rad/s", 1.0), ("deg/s", 180 / np.pi)),
 )
+
+
+# --- what else was recorded ----------------------------------------------------------------------------------------------
+
+
+def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array]:
+    """What a submission records beside the three series, as it would have recorded it of the true ones.
+
+    Multiples of a series, of a column and of a magnitude are made anew; numbers stay, and other rows are stretched to the length.
+    """
+    return {name: _as_recorded(name, value, own, series) for name, value in own.extras.items()}
+
+
+def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, Array]) -> Array:
+    if value.ndim == 0:
+        return value
+    alike = [(true, recorded) for recorded, true in _derived(name, own, series) if recorded.shape == value.shape]
+    for true, recorded in alike:
+        scale = float(np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300))
+        if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, float(np.abs(value).max())):
+            return np.asarray(scale * true if recorded.any() else true)
+    if own.time is None or len(value) != len(own.time):
+        return value
+    return np.asarray(value[np.linspace(0, len(value) - 1, len(series["time"])).round().astype(int)])
+
+
+def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:
+    """What may follow from the three series, as recorded and as true: that which the name speaks of first."""
+    if own.time is not None:
+        yield own.time, series["time"]
+    said, axis = column_named(name), axis_of(name)
+    for key in sorted(SENSORS, key=lambda key: key != said):
+        recorded, true = getattr(own, key), series[key]
+        if recorded is not None:
+            for i in sorted(range(3), key=lambda i: i != axis):
+                yield recorded[:, i], true[:, i]
+            yield recorded, true
+            yield np.linalg.norm(recorded, axis=1), np.linalg.norm(true, axis=1)
 
 
 # --- words ---------------------------------------------------------------------------------------------------------------
@@ -221,21 +259,78 @@ def _name(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str
 # --- raw and filtered ----------------------------------------------------------------------------------------------------
 
 
-def shows_comparison(figure: Facts, arrays: Arrays) -> bool:
-    """Whether a figure shows a raw series and a smoother version of it, on the same axes or on axes in the same unit."""
-    series = [(axes, y) for axes in figure["axes"] if axes["visible"] for y in _long_series(axes, arrays)]
-    return any(
-        _is_smoothed(raw, smooth)
-        for above, raw in series
-        for below, smooth in series
-        if raw is not smooth and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
-    )
+@dataclass(frozen=True)
+class Compared:
+    """A curve and a smoother version of it, with the names that they carry."""
+
+    raw: str
+    smooth: str
+
+    @property
+    def exchanged(self) -> bool:
+        return _says_smooth(self.raw) and _says_raw(self.smooth)
+
+    @property
+    def in_order(self) -> bool:
+        return _says_raw(self.raw) or _says_smooth(self.smooth)
 
 
-def _long_series(axes: Facts, arrays: Arrays) -> list[Array]:
+def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
+    """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
+    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)]
+    return [
+        Compared(_name_on(above, raw), _name_on(below, smooth))
+        for above, raw in drawn
+        for below, smooth in drawn
+        if raw is not smooth
+        and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
+        and _is_smoothed(arrays[raw["y"]], arrays[smooth["y"]])
+    ]
+
+
+def _name_on(axes: Facts, curve: Facts) -> str:
+    return _name(curve, axes["legend"] or (), axes["texts"]) or ""
+
+
+_RAW_WORDS = re.compile(
+    r"raw|nois[ey]|unfilter|measured|roh|ungefiltert|verrauscht|brut|crud|sinfiltrar|ruido|原始|噪|сыр"
+)
+_SMOOTH_WORDS = re.compile(r"filt|smooth|lowpass|low-pass|lpf|geglätt|liss|suaviz|滤|平滑|сглаж")
+
+
+def _says_raw(name: str) -> bool:
+    return bool(_RAW_WORDS.search(plain(name)))
+
+
+def _says_smooth(name: str) -> bool:
+    return bool(_SMOOTH_WORDS.search(plain(name))) and not _says_raw(name)
+
+
+def unclear(figure: Facts, compared: Sequence[Compared]) -> list[tuple[str, str]]:
+    """What a reader of a comparison is not told, as mistakes with a sentence: which curve is which, and what the axis counts.
+
+    A name for one of two curves names the other, too; titles of two panels do, and so does text in the picture.
+    """
+    axes = [a for a in figure["axes"] if a["visible"]]
+    entries = [e for a in axes for e in a["legend"] or ()] + [e for legend in figure["legends"] for e in legend]
+    written = [e["text"] for e in entries] + [t["text"] for a in axes for t in a["texts"]] + list(figure["texts"])
+    titles = {a["title"].strip() for a in axes} - {""}
+    labels = [figure["ylabel"], *(a["ylabel"] for a in axes)]
+    units = [text for text in (figure["title"], *titles, *written) if unit_of(text)]
+    missing = []
+    if not any(text.strip() and not text.startswith("_") for text in written) and len(titles) < 2:
+        missing.append(("no-legend", "curves without a name"))
+    if any(pair.exchanged for pair in compared) and not any(pair.in_order for pair in compared):
+        missing.append(("legend-order-wrong", "the raw curve under the name of the filtered one"))
+    if not any(label.strip() for label in labels) and not units:
+        missing.append(("no-axis-labels", "no label on the y axis"))
+    return missing
+
+
+def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
     drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
-    long = [arrays[c["y"]] for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
-    return [y for y in long if len(y) >= FEWEST_POINTS and np.isfinite(y).all()]
+    long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
+    return [c for c in long if len(arrays[c["y"]]) >= FEWEST_POINTS and np.isfinite(arrays[c["y"]]).all()]
 
 
 def _is_smoothed(raw: Array, smooth: Array) -> bool:

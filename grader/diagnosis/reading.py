@@ -28,6 +28,8 @@ class Scene:
     accel, gyro : (p, k, 3) ndarray, the truth in m/s² and rad/s, site frame
     sensordata : (k, n) ndarray; address : (sensors,) first index of each sensor; pairs : (p, 2) sensor ids
     world_from_site : (p, k, 3, 3) ndarray; qvel, qacc : (k, nv) ndarray
+    cvel, cacc : (p, k, 6) ndarray, velocity and acceleration of the accelerometer's body as MuJoCo keeps them: rotation, then
+        translation, in the world's axes
     """
 
     accel: Array
@@ -38,6 +40,8 @@ class Scene:
     world_from_site: Array
     qvel: Array
     qacc: Array
+    cvel: Array
+    cacc: Array
 
     @classmethod
     def of(cls, scenario: Scenario, pairs: slice = slice(None)) -> Scene:
@@ -45,8 +49,9 @@ class Scene:
         chosen = np.asarray(scenario["pairs"], int)[pairs]
         data = np.asarray(scenario["sensordata"])
         accel, gyro = (np.array([data[:, address[i] : address[i] + 3] for i in column]) for column in chosen.T)
-        turn = np.asarray(scenario["site_xmat"])[:, pairs].swapaxes(0, 1)
-        return cls(accel, gyro, data, address, chosen, turn, np.asarray(scenario["qvel"]), np.asarray(scenario["qacc"]))
+        turn, cvel, cacc = (np.asarray(scenario[key])[:, pairs].swapaxes(0, 1) for key in ("site_xmat", "cvel", "cacc"))
+        states = np.asarray(scenario["qvel"]), np.asarray(scenario["qacc"])
+        return cls(accel, gyro, data, address, chosen, turn, *states, cvel, cacc)
 
 
 Two = tuple[Array, Array]
@@ -254,6 +259,20 @@ def _gravity_rotated_away(sign: float) -> Value:
     return value
 
 
+def _body_states() -> list[Value]:
+    """What MuJoCo keeps of the body that the IMU is on, either half of it."""
+    rotation, translation = slice(0, 3), slice(3, 6)
+    return [
+        lambda s, _, g: (s.cacc[..., translation], g),
+        lambda s, _, g: (s.cacc[..., rotation], g),
+        lambda s, a, _: (a, s.cvel[..., translation]),
+        lambda s, _, __: (s.cacc[..., translation], s.cvel[..., rotation]),
+        lambda s, _, __: (s.cacc[..., rotation], s.cvel[..., translation]),
+        lambda s, _, __: (s.cvel[..., translation], s.cvel[..., rotation]),
+        lambda s, _, __: (s.cvel[..., rotation], s.cvel[..., translation]),
+    ]
+
+
 def _other_states() -> Iterator[tuple[str, Value]]:
     def spread(scene: Scene, part: Array) -> Array:
         return np.broadcast_to(part, (len(scene.pairs), *part.shape))
@@ -262,6 +281,7 @@ def _other_states() -> Iterator[tuple[str, Value]]:
         yield "not-the-sensor", lambda s, a, _, i=first: (a, spread(s, s.qvel[:, i : i + 3]))  # type: ignore[misc]
         yield "not-the-sensor", lambda s, _, g, i=first: (spread(s, s.qvel[:, i : i + 3]), g)  # type: ignore[misc]
         yield "not-the-sensor", lambda s, _, g, i=first: (spread(s, s.qacc[:, i : i + 3]), g)  # type: ignore[misc]
+    yield from (("not-the-sensor", v) for v in _body_states())
     yield "not-the-sensor", lambda s, _, __: (spread(s, s.qacc[:, :3]), spread(s, s.qvel[:, 3:6]))
     yield "not-the-sensor", lambda s, _, __: (spread(s, s.qvel[:, :3]), spread(s, s.qvel[:, 3:6]))
     for gravity in (_G, -_G):

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from ..answers import Drawing
 from ..compare import Array
 from ..evidence import Chart, Curve, Panel
@@ -34,13 +36,13 @@ def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Cha
 
 def _chart(figure: Facts, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
     width, height = figure["size_px"]
-    saved = f"saved, {width} × {height} pixels" if figure["event"] == "saved" else "drawn and not saved"
-    who = "plot_imu_data" if by_function else "your files"
-    title = printable(figure["title"], 80) or ", ".join(panel.title for panel in panels if panel.title)[:80]
+    saved = f"Saved, {width} × {height} pixels" if figure["event"] == "saved" else "Drawn and not saved"
+    who = "What plot_imu_data draws" if by_function else "What your files draw"
+    title = _words(figure["title"], 80)
     return Chart(
         "visualization",
-        f"Your plot: {title}" if title else "Your plot",
-        f"Drawn by {who} and {saved}; set here from what the grader read of it and judges.",
+        f"{who}: {title}" if title else who,
+        f"{saved}; set here from what the grader read of it and judges.",
         panels,
     )
 
@@ -52,21 +54,36 @@ def _panels(figure: Facts, arrays: Mapping[str, Array]) -> tuple[Panel, ...]:
 
 def _panel(axes: Facts, figure: Facts, arrays: Mapping[str, Array]) -> Panel:
     entries = axes["legend"] or [entry for legend in figure["legends"] for entry in legend]
+    across = _reach(axes, arrays)
     curves = [
-        _curve(each, entries, arrays)
+        _curve(each, entries, arrays, across)
         for each in axes["curves"][:_CURVES]
         if each["visible"] and each["n"] > 1 and each["kind"] != "nothing"
     ]
-    title, x_label, y_label = (printable(axes[key] or figure[key], 120) for key in ("title", "xlabel", "ylabel"))
-    return Panel(title, x_label, y_label, tuple(each for each in curves if len(each.x) > 1))
+    x_label, y_label = (_words(axes[key] or figure[key], 120) for key in ("xlabel", "ylabel"))
+    return Panel(_words(axes["title"], 120), x_label, y_label, tuple(each for each in curves if len(each.x) > 1))
 
 
-def _curve(each: Facts, entries: Iterable[Facts], arrays: Mapping[str, Array]) -> Curve:
+def _reach(axes: Facts, arrays: Mapping[str, Array]) -> Array:
+    """First and last x of the curves that are more than a straight line."""
+    ends = [arrays[each["x"]][[0, -1]] for each in axes["curves"] if each["visible"] and each["n"] > 2]
+    return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
+
+
+def _curve(each: Facts, entries: Iterable[Facts], arrays: Mapping[str, Array], across: Array) -> Curve:
     """Named as the legend names it: a label that no legend shows is not seen by a reader either."""
     colour = each["colour"] if _COLOUR.fullmatch(each["colour"]) else "#000000"
     shown = [entry["text"] for entry in entries if entry["colour"] == each["colour"]]
     name = each["label"] if each["label"] in shown else shown[0] if len(shown) == 1 else ""
     x, y = arrays[each["x"]], arrays[each["y"]]
+    if len(x) == len(y) == 2 and x[0] == 0 and x[1] == 1 and y[0] == y[1]:
+        x = across  # axhline goes from border to border
     n = min(len(x), len(y))
     rows = thinned(n) if n else slice(0)
-    return curve(printable(name, 60), "drawn", x[rows], y[rows], colour)
+    return curve(_words(name, 60), "drawn", x[rows], y[rows], colour)
+
+
+def _words(text: str, limit: int) -> str:
+    r"""Readable where a formula was meant: ``$\omega_x$`` is ``omega_x``."""
+    plain = text.replace("$", "").replace("\\", "") if "$" in text else text
+    return printable(plain, limit)

@@ -27,10 +27,9 @@ def chart(series: Collection | None, truth: Scenario) -> Chart | None:
     known = [each for each in told if each is not None]
     if not known:
         return None
-    sizes = " and ".join(size for _, size in known)
-    caption = (
-        f"Your rows in colour, the truth as the wide grey line beneath them, row by row. Largest difference: {sizes}."
-    )
+    sizes = " and ".join(size for _, size in known if size)
+    said = f"Largest difference: {sizes}." if sizes else "They agree."
+    caption = f"Your rows in colour, the truth as the wide grey line beneath them, row by row. {said}"
     return Chart(
         "data_collection", "Your series and the truth", caption, tuple(p for panels, _ in known for p in panels)
     )
@@ -62,4 +61,4 @@ def _sensor(
         tuple(curve(axis, axis, at, error[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
         spread=2 * tolerance,
     )
-    return [traces, residual], f"{worst[row]:.2g} {unit} at {time[row]:.3g} s"
+    return [traces, residual], f"{worst[row]:.2g} {unit} at {time[row]:.3g} s" if worst[row] > tolerance else ""

@@ -36,5 +36,5 @@ def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
 def _short(values: Array) -> tuple[float, ...]:
     if not len(values):
         return ()
-    reach = float(np.ptp(values)) or float(np.abs(values).max()) or 1.0
+    reach = max(float(np.ptp(values)), 1e-6 * float(np.abs(values).max())) or 1.0
     return tuple(np.round(values, _DIGITS - int(np.floor(np.log10(reach)))).tolist())

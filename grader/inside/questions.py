@@ -379,8 +379,8 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``, ``keys``: the submission's name for each of ``time``, ``acceleration``, ``angular_velocity``
-    arrays : ``time`` (n,), ``acceleration`` (n, 3), ``angular_velocity`` (n, 3)
+    fields : ``path``, ``keys``: the submission's own names, with the array that each stands for
+    arrays : what is plotted; a number is an array of no dimension
     """
     function = loading.find("plot_imu_data", fields["path"])
     figures.RECORDER.take()
@@ -388,6 +388,11 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
     answer: dict[str, Any] = {}
     with examined(answer):
-        function({fields["keys"][name]: arrays[name].copy() for name in ("time", "acceleration", "angular_velocity")})
+        function(
+            {
+                name: arrays[key].copy() if arrays[key].ndim else float(arrays[key])
+                for name, key in fields["keys"].items()
+            }
+        )
     seen, facts = figures.RECORDER.take()
     return answer | {"figures": seen, "pictures": figures.written_pictures(loading.STATE.folder)}, facts

@@ -140,6 +140,8 @@ def pixels(canvas: Any) -> np.ndarray | None:
         width, height = figure.get_size_inches()
         if abs(buffer.shape[1] / buffer.shape[0] - width / height) > 0.02 or buffer.shape[1] > LARGEST_DPI * width + 2:
             raise ValueError("a part of the figure, or one of another size")
+        if not buffer[:, :, 3].any():
+            raise ValueError("a renderer that has measured texts, and drawn nothing yet")
     except (AttributeError, ValueError, ZeroDivisionError):
         buffer = _drawn(figure)
     if buffer is None:

@@ -177,6 +177,7 @@ def _offer_notebook_names() -> None:
     module.display = display  # type: ignore[attr-defined]
     shell = types.SimpleNamespace(run_line_magic=nothing, magic=nothing, system=nothing, run_cell_magic=nothing)
     package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
+    package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
     for name, stub in (("IPython", package), ("IPython.display", module)):
         sys.modules.setdefault(name, stub)
     builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]

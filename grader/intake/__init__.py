@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from grader.intake.classes import Entry, Intake, read_class
+from grader.intake.classes import ATTEMPTS, SHAPES, Entry, Intake, read_class
 from grader.intake.submission import Submission, read_submission
 
-__all__ = ["Entry", "Intake", "Submission", "read_class", "read_submission"]
+__all__ = ["ATTEMPTS", "SHAPES", "Entry", "Intake", "Submission", "read_class", "read_submission"]

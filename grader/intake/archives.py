@@ -10,7 +10,7 @@ import io
 import stat
 import tarfile
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import BinaryIO, Protocol
 
@@ -118,7 +118,23 @@ class _Narrow(io.RawIOBase):
         return True
 
 
+def gather_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str) -> Pile:
+    """Read some files of a zip, each under the path that it has in the submission; `name` is how notes call the zip."""
+    pile = Pile()
+    try:
+        _take_members(archive, members, pile)
+    except _Exhausted as end:
+        pile.remarks.append(f"{name} was read in part: {end}.")
+        pile.broken = True
+    return pile
+
+
 def _read_zip(stream: BinaryIO, pile: Pile) -> None:
+    with zipfile.ZipFile(_Narrow(stream)) as archive:
+        _take_members(archive, ((zip_name(entry), entry) for entry in archive.infolist()), pile)
+
+
+def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], pile: Pile) -> None:
     unpacked = 0
 
     def bytes_of(entry: zipfile.ZipInfo) -> bytes:
@@ -129,14 +145,12 @@ def _read_zip(stream: BinaryIO, pile: Pile) -> None:
         with archive.open(entry) as member:
             return member.read(MAX_FILE + 1)
 
-    with zipfile.ZipFile(_Narrow(stream)) as archive:
-        # Code first, so that no other file takes its share of the work; the sort keeps the order of equal names.
-        for entry in sorted(archive.infolist(), key=lambda e: not is_code(e.filename)):
-            _take_from_zip(entry, pile, bytes_of)
+    # Code first, so that no other file takes its share of the work; the sort keeps the order of equal names.
+    for name, entry in sorted(members, key=lambda member: not is_code(member[0])):
+        _take_member(name, entry, pile, bytes_of)
 
 
-def _take_from_zip(entry: zipfile.ZipInfo, pile: Pile, bytes_of: Callable[[zipfile.ZipInfo], bytes]) -> None:
-    name = _zip_name(entry)
+def _take_member(name: str, entry: zipfile.ZipInfo, pile: Pile, bytes_of: Callable[[zipfile.ZipInfo], bytes]) -> None:
     parts = archive_parts(name)
     if parts is None:
         pile.leave(name, UNSAFE)
@@ -153,7 +167,7 @@ def _take_from_zip(entry: zipfile.ZipInfo, pile: Pile, bytes_of: Callable[[zipfi
             pile.leave("/".join(parts), DAMAGED)
 
 
-def _zip_name(entry: zipfile.ZipInfo) -> str:
+def zip_name(entry: zipfile.ZipInfo) -> str:
     """The path. `orig_filename` still has the NUL at which `filename` ends."""
     name = entry.orig_filename
     if not entry.flag_bits & _UTF8:  # Finder writes UTF-8 and does not say so; zipfile takes it for code page 437

@@ -1,86 +1,186 @@
-"""A class: which submissions there are, found without reading them."""
+"""A class: which submissions there are, found without reading them, in whatever shape a platform gives them."""
 
 from __future__ import annotations
 
 import os
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader.errors import RequestError
+from grader.intake import canvas, clones, gradescope, moodle
+from grader.intake.downloads import Download, Sources, open_download
 from grader.intake.folders import is_link, status_of
+from grader.intake.found import Found, Shape
 from grader.intake.names import ARCHIVES, CODE, REQUIRED, distinct_ids, has_suffix, is_code, is_litter, original
 from grader.intake.pile import LINK
 from grader.intake.submission import MAX_LEVELS, Submission, original_name, read_submission
+from grader.standing import NOTHING_KNOWN, HandIn
 from grader.text import printable
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
+SUPERSEDED = "an earlier attempt; the latest one is graded"
 MAX_LOOKED_AT = 50_000  # entries, to tell a class from a submission
+
+ATTEMPTS = ("latest", "best")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """Where a submission is and what it is called: small, picklable, read where it is graded."""
+    """Where a submission is and what it is called: small, picklable, read where it is graded.
+
+    Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission.
+    """
 
     id: str
     name: str
     path: Path
+    sources: Sources = ()
+    hand_in: HandIn = NOTHING_KNOWN
 
     def read(self) -> Submission:
         """Read it; RequestError if it has gone meanwhile."""
-        return read_submission(self.path, id=self.id, name=self.name)
+        return read_submission(self.path, id=self.id, name=self.name, sources=self.sources)
 
 
 @dataclass(frozen=True)
 class Intake:
-    """The submissions of a class in the order of their names, and what could not be placed (with a reason)."""
+    """The submissions of a class in the order of their names, what could not be placed (with a reason), and what each path is."""
 
     entries: tuple[Entry, ...]
     leftovers: tuple[str, ...]
+    told: tuple[str, ...] = ()
 
 
-def read_class(paths: Sequence[Path]) -> Intake:
+def _read_folders(download: Download) -> Shape:
+    """Forced only: every folder and archive at the top of a zip is a submission."""
+    fits = {name: is_folder or has_suffix(name, ARCHIVES) for name, is_folder in download.top.items()}
+    found = tuple(
+        Found(f"folder:{name}", original(name), original(name), download.path, _all_of(download, name))
+        for name, fit in fits.items()
+        if fit
+    )
+    return Shape("folders of submissions", found, tuple((name, UNPLACED) for name, fit in fits.items() if not fit))
+
+
+def _all_of(download: Download, name: str) -> Sources:
+    return ((download.place(name), "" if download.top[name] else original(name)),)
+
+
+PLATFORMS: dict[str, Callable[[Download], Shape | None]] = {
+    "gradescope": gradescope.read,
+    "moodle": moodle.read,
+    "canvas": canvas.read,
+    "classroom50": clones.read_classroom50,
+    "git": clones.read_git,
+}
+SHAPES = ("folders", *PLATFORMS)
+
+
+def read_class(paths: Sequence[Path], shape: str | None = None, attempts: str = "latest") -> Intake:
     """Find the submissions; none of them is read.
 
     Parameters
     ----------
     paths
-        Each a folder of submissions (folders and archives), one submission, or an archive of one.
+        Each a folder of submissions (folders and archives), a platform's download (a folder or a zip), one submission, or an
+        archive of one.
+    shape
+        One of `SHAPES`; None recognises it for each path by itself.
+    attempts
+        One of `ATTEMPTS`: of several by the same people only the latest, or all of them, for the best to be chosen.
 
     Raises
     ------
     RequestError
-        If there is nothing at a path, or its folder cannot be listed.
+        If there is nothing at a path, its folder cannot be listed, or it does not have the shape that was asked for.
     """
-    found: dict[str, Path] = {}  # by real path: a submission that is named twice is graded once
+    found: dict[str, Found] = {}  # by real path and place: a submission that is named twice is graded once
     leftovers: list[str] = []
+    told: list[str] = []
     for path in paths:
-        for place, objection in _found_at(path):
-            if objection:
-                leftovers.append(f"{printable(str(place), 500)}: {objection}")
-            else:
-                found.setdefault(os.path.realpath(place), place)
-    places = sorted(found.values(), key=lambda place: (original_name(place), str(place)))
-    return Intake(_entries(places), tuple(sorted(leftovers)))
+        whole = _shape_at(path, shape)
+        if whole is None:
+            for place, objection in _found_at(path):
+                if objection:
+                    leftovers.append(f"{printable(str(place), 500)}: {objection}")
+                else:
+                    found.setdefault(os.path.realpath(place), _whole(place))
+            continue
+        told.append(f"{printable(str(path), 500)}: {whole.title}, {_counted(whole)}")
+        leftovers += [f"{printable(str(path / name), 500)}: {why}" for name, why in whole.left]
+        for each in whole.found:
+            found.setdefault(f"{os.path.realpath(path)}\0{each.sources}", each)
+    chosen, earlier = _attempts(found.values(), attempts)
+    return Intake(_entries(chosen), tuple(sorted(leftovers + earlier)), tuple(told))
 
 
-def _entries(places: list[Path]) -> tuple[Entry, ...]:
-    """Names are without the archive's suffix, unless that would give two submissions one name."""
-    shared = Counter(original_name(place) for place in places)
-    names = [_name(place, shared) for place in places]
-    return tuple(Entry(*row) for row in zip(distinct_ids(names), names, places, strict=True))
+def _counted(shape: Shape) -> str:
+    return f"{len(shape.found)} submission{'s' * (len(shape.found) != 1)}"
 
 
-def _name(place: Path, shared: Counter[str]) -> str:
-    short = original_name(place)
-    return short if shared[short] == 1 or os.path.isdir(place) else original(place.name)
+def _shape_at(path: Path, wanted: str | None) -> Shape | None:
+    """What a platform's download holds; None where it is a plain folder, one submission or an archive of one."""
+    if not os.path.exists(path):
+        raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
+    if wanted == "folders":
+        download = None if os.path.isdir(path) else open_download(path)
+        return None if download is None else _read_folders(download)
+    download = open_download(path) if os.path.isdir(path) or has_suffix(path.name, (".zip",)) else None
+    for name, read in PLATFORMS.items():
+        shape = read(download) if download is not None and wanted in (None, name) else None
+        if shape is not None and shape.found and download is not None:
+            return Shape(shape.title, shape.found, (*shape.left, *download.left))
+    if wanted is not None:
+        raise RequestError(f"--from {wanted}: {printable(str(path), 500)} does not have that shape; leave --from out")
+    return None
+
+
+def _whole(place: Path) -> Found:
+    name = original_name(place)
+    return Found(os.path.realpath(place), name, name, place)
+
+
+def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[str]]:
+    """Those to grade, earlier attempts of the same people before later ones, and those that are superseded."""
+    people: defaultdict[str, list[Found]] = defaultdict(list)
+    for each in found:
+        people[each.student].append(each)
+    chosen: list[Found] = []
+    earlier: list[str] = []
+    for own in people.values():
+        in_order = sorted(own, key=lambda each: each.order)
+        chosen += in_order if attempts == "best" else in_order[-1:]
+        earlier += [f"{_told(each)}: {SUPERSEDED}" for each in in_order[:-1] if attempts == "latest"]
+    return chosen, earlier
+
+
+def _told(found: Found) -> str:
+    place = found.sources[0][0] if found.sources else ""
+    return printable(str(found.path / place), 500)
+
+
+def _entries(found: list[Found]) -> tuple[Entry, ...]:
+    """An id for each student. Plain names are without the archive's suffix, unless that would give two of them one name."""
+    shared = Counter(each.name for each in found if not each.sources)
+    named = {each: _name(each, shared) for each in found}
+    students = {each.student: named[each] if not each.sources else each.wish for each in found}
+    order = sorted(students, key=lambda student: (students[student], student))
+    ids = dict(zip(order, distinct_ids(students[student] for student in order), strict=True))
+    place = {student: number for number, student in enumerate(order)}
+    ranked = sorted(found, key=lambda each: place[each.student])  # stable: attempts stay in order
+    return tuple(Entry(ids[each.student], named[each], each.path, each.sources, each.hand_in) for each in ranked)
+
+
+def _name(found: Found, shared: Counter[str]) -> str:
+    if found.sources or shared[found.name] == 1 or os.path.isdir(found.path):
+        return found.name
+    return original(found.path.name)
 
 
 def _found_at(path: Path) -> Iterator[tuple[Path, str]]:
     """Submissions at a path that was asked for, with ""; leftovers with their reason."""
-    if not os.path.exists(path):
-        raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     if not os.path.isdir(path):
         yield path, "" if has_suffix(path.name, (*ARCHIVES, *CODE)) else UNPLACED
         return

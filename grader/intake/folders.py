@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
@@ -20,6 +20,22 @@ def gather_folder(root: Path) -> Pile:
     """Read the files of a folder in the order of their names."""
     pile = Pile()
     for parts, path, size in sorted(_listed(root, pile)):
+        _take(pile, parts, path, size)
+    return pile
+
+
+def gather_places(root: Path, places: Iterable[tuple[str, str]]) -> Pile:
+    """Read some files and folders of a folder, each under the path that it has in the submission."""
+    pile = Pile()
+    found: list[tuple[tuple[str, ...], str, int]] = []
+    for place, name in places:
+        above = tuple(filter(None, name.split("/")))
+        path = os.path.join(root, place)
+        if os.path.isdir(path):
+            found += [((*above, *parts), file, size) for parts, file, size in _listed(Path(path), pile)]
+        else:
+            found.append((above, path, 0))
+    for parts, path, size in sorted(found):
         _take(pile, parts, path, size)
     return pile
 

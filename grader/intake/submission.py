@@ -12,6 +12,7 @@ from typing import Literal
 
 from grader.errors import RequestError
 from grader.intake.archives import gather_archive
+from grader.intake.downloads import Sources, gather_sources
 from grader.intake.folders import gather_file, gather_folder
 from grader.intake.names import (
     ARCHIVES,
@@ -74,7 +75,7 @@ def original_name(path: Path) -> str:
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
 
 
-def read_submission(path: Path, *, id: str | None = None, name: str | None = None) -> Submission:
+def read_submission(path: Path, *, id: str | None = None, name: str | None = None, sources: Sources = ()) -> Submission:
     """Read what was handed in.
 
     Parameters
@@ -83,6 +84,8 @@ def read_submission(path: Path, *, id: str | None = None, name: str | None = Non
         A folder, an archive (.zip, .tar.gz, .tgz, .tar), or a single program or notebook.
     id, name
         As an `Entry` of a class has them; made from the path otherwise.
+    sources
+        If `path` is the download of a whole class: which of its files and folders are this submission, and their paths in it.
 
     Raises
     ------
@@ -92,7 +95,7 @@ def read_submission(path: Path, *, id: str | None = None, name: str | None = Non
     name = original_name(path) if name is None else name
     id = safe_id(name) if id is None else id
     try:
-        pile = _gather(path)
+        pile = _gather(path, sources)
     except Unreadable as reason:
         return _without_files(id, name, "unreadable", (str(reason),))
     choice = _choose(pile.files)
@@ -103,11 +106,11 @@ def read_submission(path: Path, *, id: str | None = None, name: str | None = Non
     return Submission(id, name, files, notes, "ready", _digest(files.items()))
 
 
-def _gather(path: Path) -> Pile:
+def _gather(path: Path, sources: Sources) -> Pile:
     """All files, through the archives that are alone in their folder."""
     if not os.path.exists(path):  # Path.exists raises where a folder above may not be entered
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
-    pile = _gather_outermost(path)
+    pile = gather_sources(path, sources) if sources else _gather_outermost(path)
     notes: list[str] = []
     openings = 0
     while (inner := pile.lone_archive()) is not None:

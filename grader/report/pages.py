@@ -1,22 +1,22 @@
-"""The pages: `report.html` for one submission, `index.html` for a class. One file each, no script, nothing fetched."""
+"""The pages: `report.html` for one submission, `index.html` for a class. One file each; nothing is fetched."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
-import statistics
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from grader import words
-from grader.results import CriterionResult, ExtensionResult, Result
+from grader.evidence import Chart
+from grader.report import charts, overview
+from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
+from grader.standing import Standing
 from grader.text import printable
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -33,6 +33,17 @@ _TOLD = {  # the seed is not among them: a report may be handed to a student
 
 
 @dataclass(frozen=True)
+class Figure:
+    """A chart, ready to be set."""
+
+    title: str
+    caption: str
+    width: int
+    height: int
+    views: tuple[charts.View, ...]
+
+
+@dataclass(frozen=True)
 class Part:
     """A criterion or an extension as a page shows it; `share` is the earned part in percent."""
 
@@ -41,40 +52,58 @@ class Part:
     points: str
     share: float
     unjudged: bool
-    rows: tuple[words.Row, ...]
+    rows: tuple[tuple[str, words.Row], ...]
+    figures: tuple[Figure, ...] = ()
 
 
 @dataclass(frozen=True)
-class Entry:
-    """One row of the class table."""
+class Loss:
+    """A check that lost points, for the list at the head of a report."""
 
-    name: str
-    href: str
-    criteria: tuple[str, ...]
-    total: str
-    status: str
+    anchor: str
+    title: str
+    points: str
+    hint: str
 
 
 @dataclass(frozen=True)
-class Bar:
-    """One bar of the distribution, in the units of the drawing."""
+class ByHand:
+    """Points that a person gave, beside the automatic ones."""
 
-    x: float
-    y: float
-    height: float
-    count: int
-    label: str
+    title: str
+    points: str
+    automatic: str
+    comment: str
+    author: str
 
 
-def report_page(result: Result) -> str:
-    """`report.html`: everything that one student is told."""
+def report_page(standing: Standing, shown: tuple[Chart, ...] = ()) -> str:
+    """`report.html`: everything that one student is told.
+
+    Parameters
+    ----------
+    standing
+        The result, and what stands beside it.
+    shown
+        Charts of what the submission answered; none of hidden scenarios.
+    """
+    result = standing.result
     return _page(
         "report.html.j2",
-        name=words.name(result),
+        None,
+        name=words.person(standing),
+        section=printable(standing.section, 80),
         total=words.total_points(result).split(" / "),
+        final=_final(standing),
+        late=words.late(standing),
+        deduction=words.number(standing.deduction),
+        by_hand=_by_hand(standing),
         status=words.STATUS[result.status],
-        parts=[_part(criterion) for criterion in result.criteria],
-        extensions=[_part(extension) for extension in result.extensions if extension.checks],
+        parts=[_part(criterion, shown) for criterion in result.criteria],
+        extensions=[_part(extension, shown) for extension in result.extensions if extension.checks],
+        losses=_losses(result),
+        asked=any(check.outcome != "skipped" for criterion in result.criteria for check in criterion.checks),
+        charts=bool(shown),
         extra_credit=words.extra_credit(result),
         mistakes=words.mistakes(result),
         notes=words.notes(result),
@@ -82,33 +111,60 @@ def report_page(result: Result) -> str:
     )
 
 
-def index_page(results: Mapping[str, Result]) -> str:
+def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tuple[int, ...]] | None = None) -> str:
     """`index.html`: the class at a glance.
 
     Parameters
     ----------
-    results
-        The present result of each submission, by its id (which is its folder's name).
+    standings
+        Of each submission, by its id (which is its folder's name).
+    fingerprints
+        Hashes of the code of each, by id, to tell which are alike.
     """
-    scores = [result.score for result in results.values() if result.status != "incomplete"]
+    results = [standing.result for standing in standings.values()]
+    scores = [result.score for result in results if result.status != "incomplete"]
+    columns = overview.columns(results)
+    entries = [overview.entry(standing, columns) for standing in standings.values()]
+    mistakes = overview.mistakes(standings.values())
+    checks = overview.checks(results, columns)
     return _page(
         "index.html.j2",
-        count=len(results),
-        figures=_figures(scores),
-        bars=_bars(scores, max((result.max_score for result in results.values()), default=100.0)),
-        columns=_columns(results),
-        entries=[_entry(id_, result, list(_columns(results))) for id_, result in results.items()],
-        misconceptions=_misconceptions(results),
-        attention=[words.name(result) for result in results.values() if result.status == "incomplete"],
+        "table.js",
+        count=len(standings),
+        figures=overview.figures(scores),
+        bars=overview.bars(scores, max((result.max_score for result in results), default=100.0)),
+        columns=columns,
+        entries=entries,
+        sections=any(entry.section for entry in entries),
+        finals=any(entry.final != entry.score for entry in entries),
+        lates=any(entry.late.text for entry in entries),
+        choices=overview.choices(entries, mistakes, checks),
+        mistakes=mistakes,
+        checks=checks,
+        alike=overview.alike(standings, fingerprints or {}),
+        timing=overview.timing(standings.values()),
+        mixtures=overview.mixtures(results),
+        attention=[words.person(each) for each in standings.values() if each.result.status == "incomplete"],
+        outdated=[words.person(each) for each in standings.values() if each.outdated()],
     )
 
 
-def _page(template: str, **values: object) -> str:
-    style, digest = _style()
+def _page(template: str, script: str | None, **values: object) -> str:
+    style, style_hash = _inlined("style.css")
+    text, script_hash = _inlined(script) if script else (Markup(), "")
+    policy = f"default-src 'none'; style-src '{style_hash}'"
+    policy += f"; script-src '{script_hash}'" if script else ""
     return (
         _environment()
         .get_template(template)
-        .render(style=style, style_hash=digest, lab=words.LAB, lab_title=words.LAB_TITLE, **values)
+        .render(
+            style=style,
+            script=text,
+            policy=Markup(f"{policy}; base-uri 'none'; form-action 'none'"),
+            lab=words.LAB,
+            lab_title=words.LAB_TITLE,
+            **values,
+        )
     )
 
 
@@ -124,76 +180,74 @@ def _environment() -> Environment:
     )
 
 
-@lru_cache(maxsize=1)
-def _style() -> tuple[Markup, str]:
-    """The style sheet and its hash: the page's policy allows this sheet and nothing else."""
-    text = (_TEMPLATES / "style.css").read_text(encoding="utf-8")
+@lru_cache
+def _inlined(name: str) -> tuple[Markup, str]:
+    """One of our own files and its hash: a page's policy allows these and nothing else."""
+    text = (_TEMPLATES / name).read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
     return Markup(text), f"sha256-{digest}"
 
 
-def _part(part: CriterionResult | ExtensionResult) -> Part:
-    rows = tuple(words.row(check, part.id) for check in part.checks)
+def _part(part: CriterionResult | ExtensionResult, shown: tuple[Chart, ...]) -> Part:
+    rows = tuple((_anchor(check), words.row(check, part.id)) for check in part.checks)
     share = round(100 * part.points / part.max_points, 1) if part.max_points else 0.0
     if isinstance(part, CriterionResult):
         title, points, unjudged = part.title, words.criterion_points(part), words.unjudged(part)
     else:
         points = words.extension_points(part)
         title, unjudged = part.id.replace("_", " ").capitalize(), False
-    return Part(part.id, printable(title, 300), points, share, unjudged, rows)
+    figures = tuple(
+        Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views)
+        for chart in shown
+        if chart.part == part.id and (views := charts.views(chart))
+    )
+    return Part(part.id, printable(title, 300), points, share, unjudged, rows, figures)
+
+
+def _anchor(check: CheckResult) -> str:
+    return check.id.replace(".", "-")
+
+
+def _losses(result: Result) -> list[Loss]:
+    """What cost points, the dearest first; what was skipped stands with the check that it waited for."""
+    lost = [
+        (check.max_points - check.points, check, words.row(check, criterion.id))
+        for criterion in result.criteria
+        for check in criterion.checks
+        if check.points is not None and check.points < check.max_points and check.outcome != "skipped"
+    ]
+    lost.sort(key=lambda each: -each[0])
+    return [
+        Loss(_anchor(check), row.title, f"−{words.number(round(points, 2))}", _hint(row)) for points, check, row in lost
+    ]
+
+
+def _hint(row: words.Row) -> str:
+    return next((line.text for line in row.lines if line.label == "Try"), "")
+
+
+def _final(standing: Standing) -> str:
+    """Empty where nothing but the automatic marks counts."""
+    if standing.final is None or not (standing.adjustments or standing.late):
+        return ""
+    return words.fraction(standing.final, standing.result.max_score)
+
+
+def _by_hand(standing: Standing) -> list[ByHand]:
+    found = [(criterion, standing.adjustment(criterion.id)) for criterion in standing.result.criteria]
+    return [
+        ByHand(
+            printable(criterion.title, 80),
+            words.fraction(given.points, criterion.max_points),
+            words.number(criterion.points),
+            printable(given.comment, words.TEXT_LIMIT, newlines=True),
+            printable(given.author, 80),
+        )
+        for criterion, given in found
+        if given is not None and given.points is not None
+    ]
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:
     known = [(label, result.provenance[key]) for key, label in _TOLD.items() if result.provenance.get(key)]
     return [(label, printable(str(value), 80)[: 16 if len(str(value)) == 64 else None]) for label, value in known]
-
-
-def _columns(results: Mapping[str, Result]) -> dict[str, str]:
-    """Titles of all criteria by id, in the order in which they are first met."""
-    titles: dict[str, str] = {}
-    for result in results.values():
-        for criterion in result.criteria:
-            titles.setdefault(criterion.id, printable(criterion.title, 80))
-    return titles
-
-
-def _entry(id_: str, result: Result, columns: list[str]) -> Entry:
-    points = {c.id: "–" if words.unjudged(c) else words.number(c.points) for c in result.criteria}
-    return Entry(
-        name=words.name(result),
-        href=f"submissions/{quote(id_)}/report.html",
-        criteria=tuple(points.get(column, "–") for column in columns),
-        total="–" if result.status == "incomplete" else words.number(result.score),
-        status=result.status,
-    )
-
-
-def _figures(scores: list[float]) -> list[tuple[str, str]]:
-    if not scores:
-        return []
-    return [
-        ("mean", words.number(round(statistics.fmean(scores), 1))),
-        ("median", words.number(round(statistics.median(scores), 1))),
-        ("lowest", words.number(min(scores))),
-        ("highest", words.number(max(scores))),
-    ]
-
-
-def _bars(scores: list[float], top: float) -> list[Bar]:
-    """Ten bars over 0 … `top`, in a drawing 600 wide and 120 high above its base line."""
-    width = top / 10 or 1.0
-    counts = Counter(min(int(score / width), 9) for score in scores)
-    tallest = max(counts.values(), default=1)
-    heights = [round(120 * counts[i] / tallest, 1) for i in range(10)]
-    labels = [f"{words.number(i * width)}–{words.number((i + 1) * width)}" for i in range(10)]
-    return [Bar(60.0 * i, 120 - heights[i], heights[i], counts[i], labels[i]) for i in range(10)]
-
-
-def _misconceptions(results: Mapping[str, Result]) -> list[tuple[str, int, list[tuple[str, str]]]]:
-    """What was misunderstood, by how many (most first), and who."""
-    who: dict[str, list[tuple[str, str]]] = {}
-    for id_, result in results.items():
-        for misconception in result.misconceptions:
-            who.setdefault(misconception, []).append((words.name(result), f"submissions/{quote(id_)}/report.html"))
-    ranked = sorted(who.items(), key=lambda item: (-len(item[1]), item[0]))
-    return [(words.misconception(id_), len(names), names) for id_, names in ranked]

@@ -10,7 +10,6 @@ import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
@@ -24,38 +23,11 @@ from grader.sandbox import wire
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Link, notebook, tarred, zipped
 from tests.fuzz.answers import Bench
+from tests.fuzz.decoder import FRAME, NONCE, check_decoder
 from tests.fuzz.mangling import mangled_bytes, mangled_value
 
 SHORT = settings(max_examples=200, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 SEEDS = st.integers(0, 2**32 - 1)
-
-NONCE = bytes(range(16))
-FRAME = wire.pack(
-    NONCE,
-    {"fields": {"names": ["a", "é"], "deep": [[1, 2.5, None, True]], "error": None}},
-    {"a": np.arange(6.0).reshape(2, 3), "b": np.array([True]), "c": np.zeros((0, 3), np.int32)},
-)
-
-
-def decoded(data: bytes) -> wire.Frame | None:
-    """What a reader of the line makes of these bytes; None where they end too soon."""
-    incoming, rest = wire.Incoming(), memoryview(data)
-    while incoming.wanted:
-        chunk = bytes(rest[: min(incoming.wanted, 7 + len(data) // 3)])
-        if not chunk:
-            return None
-        incoming.feed(chunk)
-        rest = rest[len(chunk) :]
-    return incoming.finish()[1]
-
-
-def check_decoder(data: bytes) -> None:
-    try:
-        frame = decoded(data)
-    except wire.WireError:
-        return
-    if frame is not None:  # what is taken can be said again
-        assert decoded(wire.pack(NONCE, frame.fields, frame.arrays)) is not None
 
 
 @SHORT

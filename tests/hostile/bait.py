@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -21,7 +22,6 @@ from tests.corpus.writing import Files, Link
 
 SECRET = "imugrade-bait-5f1c83"
 """What the decoys hold. It may show up nowhere in what the grader writes."""
-IPC_KEY = "0x1f5c83"
 _PACKAGE = Path(grader.__file__).parent
 _SETTLING_S = 5.0
 
@@ -37,12 +37,12 @@ class Bait:
         self._open = ExitStack()
         self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
         os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the box, not of modes
-        self._abstract = f"{SECRET}-{os.getpid()}"
+        self._abstract = f"{SECRET} {self.folder.name}"
+        self._ipc_key = hex(zlib.crc32(self.folder.name.encode()) >> 1)  # /proc shows keys as signed numbers
         self._lay_out()
         self._listeners = self._listen()
-        program = "import signal; signal.sigwait([signal.SIGUSR2])"
-        self._decoy = subprocess.Popen([sys.executable, "-c", program], env={"BAIT": SECRET})
-        self._become_reaper()
+        self._decoy = self._start_decoy()
+        self._adopt_orphans(1)
         self._before = self._state()
         return self
 
@@ -51,8 +51,9 @@ class Bait:
     ) -> None:
         self._decoy.kill()
         self._decoy.wait()
+        self._adopt_orphans(0)
         with suppress(FileNotFoundError):
-            subprocess.run(["ipcrm", "-M", IPC_KEY, "-Q", IPC_KEY], check=False, capture_output=True)
+            subprocess.run(["ipcrm", "-M", self._ipc_key, "-Q", self._ipc_key], check=False, capture_output=True)
         self._open.close()
 
     def _lay_out(self) -> None:
@@ -81,12 +82,17 @@ class Bait:
         return listeners
 
     @staticmethod
-    def _become_reaper() -> None:
+    def _adopt_orphans(yes: int) -> None:
         """Whatever outlives its parent below this process becomes its child, and can be found."""
         if sys.platform == "linux":
             from grader.sandbox import linux
 
-            linux.prctl(36, 1)  # PR_SET_CHILD_SUBREAPER
+            linux.prctl(36, yes)  # PR_SET_CHILD_SUBREAPER
+
+    @staticmethod
+    def _start_decoy() -> subprocess.Popen[bytes]:
+        program = "import signal; signal.sigwait([signal.SIGUSR2])"
+        return subprocess.Popen([sys.executable, "-c", program], env={"BAIT": SECRET})
 
     def fill(self, files: Files) -> Files:
         """The submission with the marks replaced."""
@@ -101,7 +107,7 @@ class Bait:
             "@UDP@": str(self._listeners["UDP"].getsockname()[1]),
             "@PID@": str(self._decoy.pid),
             "@GRADER@": str(os.getpid()),
-            "@IPC@": IPC_KEY,
+            "@IPC@": self._ipc_key,
         }
         return {_filled(name, marks): _filled_content(content, marks) for name, content in files.items()}
 
@@ -112,6 +118,7 @@ class Bait:
         found = [f"{name} was reached" for name in self._reached()]
         if self._decoy.poll() is not None:
             found.append("the decoy process was ended")
+            self._decoy = self._start_decoy()
         after = self._state()
         found += [f"{name} changed" for name in sorted(after.keys() | self._before) if after.get(name) != self._before.get(name)]
         self._before = after
@@ -144,7 +151,8 @@ class Bait:
         decoys = {f"the decoy {path.relative_to(self.folder)}": _look(path) for path in self.folder.rglob("*")}
         package = [path for path in _PACKAGE.rglob("*") if path.suffix != ".pyc" and path.name != "__pycache__"]
         own = {f"the grader's {path.relative_to(_PACKAGE)}": _look(path) for path in package}
-        return {**decoys, **own, **{f"shared memory or a queue ({key})": key for key in _ipc_keys()}}
+        shared = {"shared memory or a queue": self._ipc_key} if self._ipc_key in _ipc_keys() else {}
+        return {**decoys, **own, **shared}
 
 
 def _look(path: Path) -> tuple[object, ...]:
@@ -157,12 +165,12 @@ def _look(path: Path) -> tuple[object, ...]:
 
 
 def _ipc_keys() -> set[str]:
-    """Keys of what the attacks make of shared memory and message queues; both outlive their process."""
+    """Keys of the host's shared memory and message queues, which outlive the processes that made them."""
     rows: list[str] = []
     for kind in ("shm", "msg"):
         with suppress(OSError):
             rows += Path(f"/proc/sysvipc/{kind}").read_text(encoding="ascii").splitlines()[1:]
-    return {IPC_KEY} & {hex(int(row.split()[0])) for row in rows}
+    return {hex(int(row.split()[0])) for row in rows}
 
 
 def _filled(text: str, marks: Mapping[str, str]) -> str:

@@ -72,10 +72,10 @@ def troubles(result: Result) -> list[str]:
     """What is wrong with the outputs of one result; empty if nothing is."""
     unjudged = result.status == "incomplete"  # not every platform has a word for that
     writers = {name: write for name, write in WRITERS.items() if not unjudged or name in ("result.json", "report.html")}
-    return [f"{name}: {problem}" for name, write in writers.items() for problem in _problems(name, write(result))]
+    return [f"{name}: {problem}" for name, write in writers.items() for problem in problems(name, write(result))]
 
 
-def _problems(name: str, text: str) -> Iterator[str]:
+def problems(name: str, text: str) -> Iterator[str]:
     if SECRET in text:
         yield "it holds what the decoys hold"
     yield from _raw(text)

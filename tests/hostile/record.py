@@ -1,11 +1,11 @@
-"""The handbook's record of what the corpus did, one entry a rung and user: `grader/handbook/isolation.json`."""
+"""The handbook's record of what the corpus did, one entry a rung, user and family: `grader/handbook/isolation.json`."""
 
 from __future__ import annotations
 
 import json
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,25 +18,27 @@ RECORD = Path(grader.__file__).parent / "handbook" / "isolation.json"
 
 
 def keep(rung: str, verdicts: Sequence[Verdict]) -> None:
-    """Put the figures of a whole run in the place of those of the same rung and user."""
-    user = "an ordinary user" if os.geteuid() else "root"
+    """Put the figures of whole families in the place of those of the same rung, user and family."""
     kept = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else []
-    others = [entry for entry in kept if (entry["rung"], entry["user"]) != (rung, user)]
-    entries = sorted([*others, _entry(rung, user, verdicts)], key=lambda e: (RUNGS.index(e["rung"]), e["user"] != "root"))
-    RECORD.write_text(json.dumps(entries, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    new = [_entry(rung, family, verdicts) for family in FAMILIES if any(v.program.family == family for v in verdicts)]
+    others = [entry for entry in kept if all(_place(entry) != _place(each) for each in new)]
+    text = json.dumps(sorted([*others, *new], key=_place), indent=1, ensure_ascii=False)
+    RECORD.write_text(text + "\n", encoding="utf-8")
 
 
-def _entry(rung: str, user: str, verdicts: Sequence[Verdict]) -> dict[str, Any]:
-    families = {}
-    for family in FAMILIES:
-        of = [verdict for verdict in verdicts if verdict.program.family == family]
-        fell = {verdict.program.name: verdict.troubles[0] for verdict in of if verdict.troubles}
-        families[family] = {"programs": len(of), "fell": fell}
+def _place(entry: Mapping[str, Any]) -> tuple[int, bool, int]:
+    return RUNGS.index(entry["rung"]), entry["user"] != "root", FAMILIES.index(entry["family"])
+
+
+def _entry(rung: str, family: str, verdicts: Sequence[Verdict]) -> dict[str, Any]:
+    of = [verdict for verdict in verdicts if verdict.program.family == family]
     return {
         "rung": rung,
-        "user": user,
+        "user": "an ordinary user" if os.geteuid() else "root",
+        "family": family,
+        "programs": len(of),
+        "fell": {verdict.program.name: verdict.troubles[0] for verdict in of if verdict.troubles},
+        "longest_s": round(max(verdict.seconds for verdict in of), 1),
         "system": f"{platform.system()} {'.'.join(platform.release().split('.')[:2])}",
         "python": platform.python_version(),
-        "minutes": round(sum(verdict.seconds for verdict in verdicts) / 60, 1),
-        "families": families,
     }

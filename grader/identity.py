@@ -1,0 +1,117 @@
+"""Whom a row of a table means: by a number, by an e-mail address, or else by a name that no two people share.
+
+A row is given to nobody rather than to the wrong one: what contradicts it, a number of the same kind or another address, keeps
+people apart whatever else they share.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from grader.standing import Person
+
+_PARTICIPANT = re.compile(r"\D*?(\d+)")
+_NO_WORD = re.compile(r"[\W_]+")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a table says of one person.
+
+    Attributes
+    ----------
+    platform, key
+        The platform's own number and whose it is; "" where the table has none.
+    numbers
+        Ids of any kind: student numbers, logins, user names, ids of submissions.
+    """
+
+    platform: str = ""
+    key: str = ""
+    numbers: tuple[str, ...] = ()
+    email: str = ""
+    name: str = ""
+
+    def told(self) -> str:
+        return self.name or self.email or next(filter(None, (*self.numbers, self.key)), "")
+
+
+@dataclass(frozen=True)
+class Match:
+    """Whose submission it is; `person` is None where a row means all of a group."""
+
+    id: str
+    person: Person | None
+
+
+class Directory:
+    """People of the submissions of a class, by all that they are called."""
+
+    def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
+        """`people` has those of each submission by its id, which is a name of theirs as well."""
+        self._by: dict[tuple[str, str], list[Match]] = {}
+        for id_, members in people.items():
+            self._add("number", id_, Match(id_, members[0] if len(members) == 1 else None))
+            for person in members:
+                for kind, word in _called(person):
+                    self._add(kind, word, Match(id_, person))
+
+    def find(self, row: Row) -> Match | None:
+        """The one that a row means; None if it means none, or cannot be told apart."""
+        for kind, word in _asked(row):
+            matches = [
+                m for m in self._by.get((kind, word.casefold()), ()) if word and not _contradicts(row, m.person, kind)
+            ]
+            if len({match.id for match in matches}) == 1:
+                return matches[0]
+        return None
+
+    def _add(self, kind: str, word: str, match: Match) -> None:
+        known = self._by.setdefault((kind, word.casefold()), [])
+        if word and match not in known:
+            known.append(match)
+
+
+def _called(person: Person) -> Iterator[tuple[str, str]]:
+    yield person.platform or "number", person.key
+    yield "foreign", person.key
+    yield "number", person.sid
+    yield "email", person.email
+    yield from (("name", spelling) for spelling in spellings(person.name))
+
+
+def _asked(row: Row) -> Iterator[tuple[str, str]]:
+    """The surest first. A number of no known kind may be a platform's; then the names have to agree."""
+    yield row.platform, row.key.strip()
+    yield from (("number", number.strip()) for number in row.numbers)
+    yield "email", row.email.strip()
+    yield from (("foreign", number.strip()) for number in row.numbers)
+    yield from (("name", spelling) for spelling in spellings(row.name))
+
+
+def _contradicts(row: Row, person: Person | None, kind: str) -> bool:
+    if person is None:
+        return False
+    if row.key and person.platform == row.platform and row.key.strip() != person.key:
+        return True
+    if kind == "foreign":
+        return bool(row.name and person.name) and not spellings(row.name) & spellings(person.name)
+    if kind != "name":
+        return False
+    other_mail = bool(row.email and person.email) and row.email.strip().casefold() != person.email.casefold()
+    numbers = {number.strip().casefold() for number in row.numbers}
+    return other_mail or (bool(numbers and person.sid) and person.sid.casefold() not in numbers)
+
+
+def participant(cell: str) -> str:
+    """The number in Moodle's `Participant 1234`, whatever the word is in the site's language."""
+    found = _PARTICIPANT.fullmatch(cell.strip())
+    return found[1] if found else cell.strip()
+
+
+def spellings(name: str) -> set[str]:
+    """A name without spaces and signs, from each of its words on: ``Doe, Jane`` and Canvas's ``doejane`` are ``Jane Doe``."""
+    words = [word for word in _NO_WORD.split(name.casefold()) if word]
+    return {"".join((*words[i:], *words[:i])) for i in range(len(words))}

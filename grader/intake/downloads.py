@@ -1,0 +1,157 @@
+"""The download of a whole class, a folder or a zip: the names at its top, and the files of one submission out of it."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from grader.errors import RequestError
+from grader.intake.archives import gather_members, zip_name
+from grader.intake.folders import gather_places, is_link, status_of
+from grader.intake.names import archive_parts, is_litter
+from grader.intake.pile import LINK, UNSAFE, Pile
+from grader.text import printable
+
+Sources = tuple[tuple[str, str], ...]
+"""Files and folders of a download, and their paths in the submission ("" for the contents of a folder)."""
+
+REFUSED = "the system refused it"
+
+
+@dataclass(frozen=True)
+class Download:
+    """What lies at the top of a download, `root` down in it: names to whether they are folders, and what stays out and why.
+
+    A download that is one folder in a zip, or in a folder, is looked at from inside that folder.
+    """
+
+    path: Path
+    root: str
+    top: dict[str, bool]
+    left: tuple[tuple[str, str], ...] = ()
+
+    def place(self, name: str) -> str:
+        """A name at the top as a path from `path`."""
+        return f"{self.root}/{name}" if self.root else name
+
+    def read(self, name: str, most: int) -> bytes | None:
+        """The bytes of a file at the top; None if it cannot be read or has more than `most`."""
+        try:
+            if os.path.isdir(self.path):
+                with open(self.path / self.place(name), "rb") as stream:
+                    data = stream.read(most + 1)
+            else:
+                contents = _contents(self.path)
+                ((_, entry),) = contents.below[self.place(name)]
+                with contents.archive.open(entry) as member:
+                    data = member.read(most + 1)
+        except (OSError, ValueError, RuntimeError, EOFError, zipfile.BadZipFile, NotImplementedError):
+            return None  # what zipfile raises on damage, on encryption and on methods that it lacks
+        return data if len(data) <= most else None
+
+    def holds(self, *parts: str) -> bool:
+        """Whether there is such a file or folder."""
+        inner = self.place("/".join(parts))
+        return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
+
+
+def open_download(path: Path) -> Download | None:
+    """The top of a folder or a zip; None if it is neither."""
+    if os.path.isdir(path):
+        download = _folder(path, "")
+    elif zipfile.is_zipfile(path):
+        download = _zip(path, "")
+    else:
+        return None
+    folders = [name for name, is_folder in download.top.items() if is_folder]
+    if len(folders) == 1 and len(download.top) == 1:
+        inner = _folder(path, folders[0]) if os.path.isdir(path) else _zip(path, folders[0])
+        return inner if inner.top else download
+    return download
+
+
+def gather_sources(path: Path, sources: Sources) -> Pile:
+    """The files of one submission out of a download."""
+    if os.path.isdir(path):
+        return gather_places(path, sources)
+    contents = _contents(path)
+    members = [
+        ("/".join(filter(None, (inside, name[len(place) :].strip("/")))), entry)
+        for place, inside in sources
+        for name, entry in contents.below[place]
+    ]
+    return gather_members(contents.archive, members, printable(path.name))
+
+
+def _folder(path: Path, root: str) -> Download:
+    top: dict[str, bool] = {}
+    left: list[tuple[str, str]] = []
+    try:
+        with os.scandir(path / root) as entries:
+            for entry in sorted(entries, key=lambda e: e.name):
+                status = status_of(entry)
+                if entry.name.startswith(".") or is_litter((entry.name,)):
+                    continue
+                if status is None or is_link(status):
+                    left.append((entry.name, REFUSED if status is None else LINK))
+                else:
+                    top[entry.name] = entry.is_dir()
+    except OSError as error:
+        shown = printable(str(path / root), 500)
+        raise RequestError(f"{shown}: the folder cannot be listed ({error.strerror}); check its permissions") from error
+    return Download(path, root, top, tuple(left))
+
+
+def _zip(path: Path, root: str) -> Download:
+    contents = _contents(path)
+    start = f"{root}/" if root else ""
+    top: dict[str, bool] = {}
+    for name in contents.names:
+        if name.startswith(start):
+            first, *below = name[len(start) :].split("/")
+            top[first] = top.get(first, False) or bool(below)
+    shown = {name: top[name] for name in sorted(top) if name and not name.startswith(".")}
+    return Download(path, root, shown, tuple((name, UNSAFE) for name in contents.unsafe if not root))
+
+
+@dataclass(frozen=True)
+class _Contents:
+    """A zip that stays open while its class is read, and its files by each folder that they lie in."""
+
+    archive: zipfile.ZipFile
+    names: tuple[str, ...]
+    unsafe: tuple[str, ...]
+    below: defaultdict[str, list[tuple[str, zipfile.ZipInfo]]]
+
+
+def _contents(path: Path) -> _Contents:
+    try:
+        status = os.stat(path)
+        return _opened(os.fspath(path), status.st_size, status.st_mtime_ns)
+    except (OSError, zipfile.BadZipFile, ValueError, NotImplementedError) as error:
+        shown = printable(str(path), 500)
+        raise RequestError(
+            f"{shown}: the archive cannot be read ({printable(str(error))}); download it again"
+        ) from error
+
+
+@lru_cache(maxsize=4)
+def _opened(path: str, _size: int, _stamp: int) -> _Contents:
+    archive = zipfile.ZipFile(path)  # the instructor's own download: its table of contents may be as long as it likes
+    names: list[str] = []
+    unsafe: list[str] = []
+    below: defaultdict[str, list[tuple[str, zipfile.ZipInfo]]] = defaultdict(list)
+    for entry in archive.infolist():
+        parts = archive_parts(zip_name(entry))
+        if parts is None:
+            unsafe.append(zip_name(entry))
+        elif parts and not is_litter(parts) and not entry.is_dir():
+            name = "/".join(parts)
+            names.append(name)
+            for depth in range(1, len(parts) + 1):
+                below["/".join(parts[:depth])].append((name, entry))
+    return _Contents(archive, tuple(names), tuple(unsafe), below)

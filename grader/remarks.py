@@ -1,0 +1,48 @@
+"""What an instructor should look at after a run, a line each: no mark depends on any of it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from grader import words
+from grader.standing import Adjustment, Standing
+from grader.text import printable
+
+A_LINE = 20  # names
+
+
+def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
+    """Lines about adjustments that are out of date, equal hand-ins, lateness without a time, and the roster."""
+    for standing in standings.values():
+        for adjustment in standing.outdated():
+            yield _outdated(standing, adjustment)
+    for ids in _equal(standings.values()):
+        yield from _lines("the same files were handed in by", ids)
+    untimed = [s.id for s in standings.values() if s.late and s.late.due and s.late.seconds is None]
+    yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
+    yield from _lines("in the roster, and nothing handed in", absent)
+    yield from _lines("not in the roster, or not to be told apart there", unknown)
+
+
+def _outdated(standing: Standing, adjustment: Adjustment) -> str:
+    now = next((c for c in standing.result.criteria if c.id == adjustment.criterion), None)
+    then = [points for points in adjustment.beneath.values() if points is not None]
+    new = "gone" if now is None else words.criterion_points(now)
+    return (
+        f"{printable(standing.id)}: {adjustment.criterion} was set to {words.number(adjustment.points or 0.0)} by hand when it had "
+        f"{words.number(round(sum(then), 2))}; the automatic marks are now {new}. Adjust it again or withdraw it"
+    )
+
+
+def _equal(standings: Iterable[Standing]) -> Iterator[list[str]]:
+    same: defaultdict[str, list[str]] = defaultdict(list)
+    for standing in standings:
+        if standing.result.status in ("graded", "incomplete"):
+            same[str(standing.result.provenance.get("submission_sha256", standing.id))].append(standing.id)
+    yield from (ids for ids in same.values() if len(ids) > 1)
+
+
+def _lines(what: str, names: Sequence[str]) -> Iterator[str]:
+    for start in range(0, len(names), A_LINE):
+        yield f"{what}: {', '.join(printable(name, 80) for name in names[start : start + A_LINE])}"

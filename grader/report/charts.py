@@ -1,0 +1,178 @@
+"""From a chart's numbers to a drawing: scales, ticks, lines and bars in the units of an SVG, and the same in a sentence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from grader.evidence import Chart, Curve, Panel
+
+WIDTH, HEIGHT = 480, 220
+_TOP, _BOTTOM, _RIGHT = 8, 26, 10
+_DIGIT = 7.6  # width of one in the ticks' font
+_INTERVALS = 5  # about
+_SPOKEN = {"bars": "bars", "wanted": "wide line", "model": "dashed line"}
+
+
+@dataclass(frozen=True)
+class Tick:
+    """Where a line of the grid stands, with its number."""
+
+    at: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """A curve: the points of a polyline, or for bars the path of their outline."""
+
+    role: str
+    name: str
+    colour: str
+    points: str
+
+
+@dataclass(frozen=True)
+class View:
+    """A panel in the units of its drawing; `told` says it to who does not see it."""
+
+    title: str
+    x_label: str
+    y_label: str
+    left: float
+    right: float
+    top: float
+    bottom: float
+    x_ticks: tuple[Tick, ...]
+    y_ticks: tuple[Tick, ...]
+    strokes: tuple[Stroke, ...]
+    legend: tuple[Stroke, ...]
+    told: str
+    as_drawn: bool
+
+
+def views(chart: Chart) -> tuple[View, ...]:
+    """Every panel that has something to show."""
+    return tuple(_view(panel) for panel in chart.panels if any(len(curve.x) > 1 for curve in panel.curves))
+
+
+def _view(panel: Panel) -> View:
+    curves = [curve for curve in panel.curves if len(curve.x) > 1]
+    x = _Scale.over((v for curve in curves for v in curve.x), log=panel.log)
+    y = _Scale.over(_heights(curves), log=panel.log, spread=panel.spread, margin=0.05)
+    y_texts = _texts(y.ticks, log=panel.log)
+    left = 14 + _DIGIT * max(map(len, y_texts), default=1)
+    across, up = x.onto(left, WIDTH - _RIGHT), y.onto(HEIGHT - _BOTTOM, _TOP)
+    strokes = tuple(_stroke(curve, across, up, y) for curve in curves)
+    return View(
+        title=panel.title,
+        x_label=panel.x_label,
+        y_label=panel.y_label,
+        left=round(left, 1),
+        right=WIDTH - _RIGHT,
+        top=_TOP,
+        bottom=HEIGHT - _BOTTOM,
+        x_ticks=tuple(Tick(across(v), text) for v, text in zip(x.ticks, _texts(x.ticks, log=panel.log), strict=True)),
+        y_ticks=tuple(Tick(up(v), text) for v, text in zip(y.ticks, y_texts, strict=True)),
+        strokes=strokes,
+        legend=_legend(strokes),
+        told=_told(panel, curves, x, y),
+        as_drawn=any(curve.role == "drawn" for curve in curves),
+    )
+
+
+def _heights(curves: Iterable[Curve]) -> Iterable[float]:
+    for curve in curves:
+        yield from curve.y
+        if curve.role == "bars":
+            yield 0.0
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """From `low` to `high`, with the numbers that are marked on it."""
+
+    low: float
+    high: float
+    log: bool
+    ticks: tuple[float, ...]
+
+    @classmethod
+    def over(cls, values: Iterable[float], *, log: bool, spread: float = 0.0, margin: float = 0.0) -> _Scale:
+        known = [v for v in values if not log or v > 0] or [0.1, 1.0]
+        low, high = min(known), max(known)
+        if log:
+            low, high = (low / 1.2, high * 1.2) if margin or low == high else (low, high)
+            return cls(low, high, log, tuple(_log_ticks(low, high)))
+        room = max(high - low, spread, 1e-9 * max(abs(low), abs(high)), 1e-300) * (1 + 2 * margin) - (high - low)
+        low, high = low - room / 2, high + room / 2
+        return cls(low, high, log, tuple(_even_ticks(low, high)))
+
+    def onto(self, start: float, end: float) -> Callable[[float], float]:
+        low, high = (math.log10(self.low), math.log10(self.high)) if self.log else (self.low, self.high)
+        slope = (end - start) / (high - low)
+        if self.log:
+            return lambda value: round(start + slope * (math.log10(value) - low), 1)
+        return lambda value: round(start + slope * (value - low), 1)
+
+
+def _even_ticks(low: float, high: float) -> list[float]:
+    """Multiples of 1, 2 or 5 times a power of ten."""
+    rough = (high - low) / _INTERVALS
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * m for m in (1, 2, 5, 10) if power * m >= 0.8 * rough)
+    first = math.ceil(low / step - 1e-9)
+    return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)]
+
+
+def _log_ticks(low: float, high: float) -> list[float]:
+    """Powers of ten; with 2 and 5 between them where there are fewer than three."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for steps in ((1,), (1, 2, 5)):
+        ticks = [m * 10.0**power for power in powers for m in steps if low <= m * 10.0**power <= high]
+        if len(ticks) > 2:
+            break
+    return ticks
+
+
+def _texts(ticks: tuple[float, ...], *, log: bool) -> list[str]:
+    """Numbers with a real minus; neighbours on an even scale with the same decimals."""
+    if log or len(ticks) < 2:
+        return [f"{tick:.3g}" for tick in ticks]
+    step, largest = ticks[1] - ticks[0], max(map(abs, ticks))
+    if largest >= 1e5 or largest < 1e-4:
+        return [f"{0 if abs(tick) < step / 2 else tick:.3g}".replace("-", "−") for tick in ticks]
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return [f"{0 if abs(tick) < step / 2 else tick:.{decimals}f}".replace("-", "−") for tick in ticks]
+
+
+def _stroke(curve: Curve, across: Callable[[float], float], up: Callable[[float], float], y: _Scale) -> Stroke:
+    if curve.role == "bars":
+        return Stroke(curve.role, curve.name, "", _bars(curve, across, up))
+    pairs = ((a, b) for a, b in zip(curve.x, curve.y, strict=True) if not y.log or b > 0)
+    return Stroke(curve.role, curve.name, curve.colour, " ".join(f"{across(a):g},{up(b):g}" for a, b in pairs))
+
+
+def _bars(curve: Curve, across: Callable[[float], float], up: Callable[[float], float]) -> str:
+    half, floor = (curve.x[1] - curve.x[0]) / 2, up(0.0)
+    return "".join(
+        f"M{across(x - half):g},{floor:g}V{up(y):g}H{across(x + half):g}V{floor:g}z"
+        for x, y in zip(curve.x, curve.y, strict=True)
+        if y
+    )
+
+
+def _legend(strokes: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
+    """One entry a name; the three curves of the truth are one."""
+    named = {("true" if s.role == "wanted" and s.name.startswith("true") else s.name): s for s in strokes if s.name}
+    return tuple(Stroke(s.role, name, s.colour, "") for name, s in named.items())
+
+
+def _told(panel: Panel, curves: list[Curve], x: _Scale, y: _Scale) -> str:
+    kinds = [f"{curve.name} ({_SPOKEN[curve.role]})" if curve.role in _SPOKEN else curve.name for curve in curves]
+    names = ", ".join(kind for kind in kinds if kind)
+    of = f" of {names}" if names else f" of {len(curves)} curves"
+    across = f"{panel.x_label or 'x'} from {x.low:.3g} to {x.high:.3g}"
+    lows = f"{panel.y_label or 'y'} from {min(min(c.y) for c in curves):.3g} to {max(max(c.y) for c in curves):.3g}"
+    return f"Chart{of}: {lows}, over {across}."

@@ -1,0 +1,72 @@
+"""Submissions whose code is alike beyond what the sheet gives: a reason to look, never a verdict."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.fingerprint import WINDOW, of_the_sheet
+
+FEWEST = 20
+"""Common hashes, of about seven tokens each: some 15 lines."""
+_SHARE = 0.5
+_COMMON = 0.5
+_CLASS = 6
+_MOST = 50
+_TOKENS_A_LINE = 9
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two submissions: `common` hashes, and their share of the smaller submission's own ones."""
+
+    first: str
+    second: str
+    common: int
+    share: float
+
+    @property
+    def lines(self) -> int:
+        """About how many lines of code that is: a hash every 6.5 tokens, some nine tokens a line."""
+        return round(self.common * (WINDOW + 1) / 2 / _TOKENS_A_LINE)
+
+
+def pairs(fingerprints: Mapping[str, tuple[int, ...]]) -> list[Pair]:
+    """The most alike, the largest share first; neither the sheet's own code nor what half of the class has counts.
+
+    Parameters
+    ----------
+    fingerprints : id of the submission -> hashes of its code
+    """
+    own = _own(fingerprints)
+    ids = [id_ for id_, hashes in own.items() if len(hashes) >= FEWEST]
+    if len(ids) < 2:
+        return []
+    common, sizes = _common(ids, own), np.array([len(own[id_]) for id_ in ids])
+    share = common / np.minimum.outer(sizes, sizes)
+    rows, columns = np.nonzero(np.triu((common >= FEWEST) & (share >= _SHARE), 1))
+    found = [Pair(ids[i], ids[j], int(common[i, j]), float(share[i, j])) for i, j in zip(rows, columns, strict=True)]
+    return sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:_MOST]
+
+
+def _own(fingerprints: Mapping[str, tuple[int, ...]]) -> dict[str, frozenset[int]]:
+    given = of_the_sheet()
+    own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
+    counts = Counter(value for hashes in own.values() for value in hashes)
+    most = max(_CLASS, _COMMON * len(own))  # a handout that the grader does not know
+    common = {value for value, count in counts.items() if count > most}
+    return {id_: hashes - common for id_, hashes in own.items()}
+
+
+def _common(ids: list[str], own: Mapping[str, frozenset[int]]) -> np.ndarray:
+    """(n, n) numbers of common hashes."""
+    from scipy.sparse import csr_array  # noqa: PLC0415 - slow to import, and pages of one submission do not need it
+
+    place = {value: k for k, value in enumerate(sorted(frozenset().union(*(own[id_] for id_ in ids))))}
+    columns = np.array([place[value] for id_ in ids for value in own[id_]])
+    borders = np.cumsum([0, *(len(own[id_]) for id_ in ids)])
+    holds = csr_array((np.ones(len(columns), dtype=np.int32), columns, borders), shape=(len(ids), len(place)))
+    return np.asarray((holds @ holds.T).toarray())

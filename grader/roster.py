@@ -1,0 +1,163 @@
+"""The roster: a CSV that gives names, sections, dates of their own and times of handing in to those who are in the class."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+
+from grader.errors import RequestError
+from grader.identity import Directory, Row, participant
+from grader.stamps import read_stamp, stamp
+from grader.standing import HandIn, Person
+from grader.text import printable
+
+MAX_BYTES = 16_000_000
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "canvas": (),
+    "moodle": ("identifier",),
+    "id": ("id", "student id", "sid", "username", "login", "sis user id", "sis login id"),
+    "name": ("name", "student", "full name"),
+    "first": ("first name", "first_name", "firstname"),
+    "last": ("last name", "last_name", "lastname"),
+    "email": ("email", "email address", "e-mail"),
+    "section": ("section", "sections", "group"),
+    "due": ("due", "due date", "extension"),
+    "submitted": ("submitted",),
+}
+"""What each column may be called: an export of Canvas, Moodle, Gradescope or Classroom 50 is a roster as it stands."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """One person of the roster. `due` and `submitted` are None and "" where the roster leaves them open."""
+
+    who: Row
+    section: str = ""
+    due: datetime | None = None
+    submitted: str = ""
+
+
+def load(path: Path) -> list[Listed]:
+    """Read a roster.
+
+    Raises
+    ------
+    RequestError
+        If it cannot be read, has no column that tells people apart, or a date that is none: one line with its number.
+    """
+    source = printable(str(path), 500)
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
+    if len(data) > MAX_BYTES:
+        raise RequestError(f"{source}: is larger than {MAX_BYTES // 1_000_000} MB; give a roster")
+    try:
+        text = data.decode("utf-8-sig")
+        return list(_rows(text, source))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
+
+
+def _rows(text: str, source: str) -> Iterator[Listed]:
+    head = text.partition("\n")[0]
+    table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
+    titles = [title.strip().casefold() for title in next(table, [])]
+    known = {**COLUMNS, "canvas": ("id",), "id": COLUMNS["id"][1:]} if titles[:2] == ["student", "id"] else COLUMNS
+    places = {kind: [i for i, title in enumerate(titles) if title in names] for kind, names in known.items()}
+    if not any(places[kind] for kind in ("canvas", "moodle", "id", "name", "first", "email")):
+        raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
+    for cells in table:
+        values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
+        if any(cells) and not cells[0].strip().startswith("Points Possible"):  # Canvas's second line is no person
+            yield _listed(values, f"{source}:{table.line_num}")
+
+
+def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
+    def first(kind: str) -> str:
+        return next(filter(None, values[kind]), "")
+
+    due, submitted = first("due"), first("submitted")
+    for what, text in (("due", due), ("submitted", submitted)):
+        if text and read_stamp(text) is None:
+            example = "2026-11-20T23:59+01:00"
+            raise RequestError(f"{place}: {what} must be a date and time with its offset from UTC, like {example}")
+    name = first("name") or " ".join(filter(None, (first("first"), first("last"))))
+    platform = next((each for each in ("canvas", "moodle") if first(each)), "")
+    key = participant(first(platform)) if platform else ""
+    who = Row(platform, key, tuple(filter(None, values["id"])), first("email"), name)
+    return Listed(who, first("section"), read_stamp(due) if due else None, stamp(submitted))
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The roster laid over a class: hand-ins with its names, dates and times, and rows and hand-ins without a partner."""
+
+    hand_ins: Mapping[str, HandIn]
+    due: Mapping[str, datetime]
+    submitted: Mapping[str, str]
+    absent: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+
+def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
+    """Give every hand-in what the roster knows of its people.
+
+    Parameters
+    ----------
+    roster
+        Its rows.
+    hand_ins
+        By id of the submission, as the platform tells them.
+    """
+    placed = {id_: _with_login(hand_in, roster) for id_, hand_in in hand_ins.items()}
+    directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
+    due: dict[str, datetime] = {}
+    submitted: dict[str, str] = {}
+    absent: list[str] = []
+    known: set[str] = set()
+    for listed in roster:
+        match = directory.find(listed.who)
+        if match is None:
+            absent.append(listed.who.told())
+            continue
+        known.add(match.id)
+        placed[match.id] = _enriched(placed[match.id], match.person, listed)
+        if listed.submitted:
+            submitted[match.id] = max(submitted.get(match.id, ""), listed.submitted)
+        if listed.due is not None:  # a group has the latest date that one of it has
+            due[match.id] = max(due.get(match.id, listed.due), listed.due)
+    unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
+    return Placed(placed, due, submitted, tuple(absent), unknown)
+
+
+def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
+    """A clone is called `<assignment>-<user>`: of the users that its name ends in, the longest is meant."""
+    if [person.platform for person in hand_in.people] != ["git"]:
+        return hand_in
+    (person,) = hand_in.people
+    folder = person.key.casefold()
+    fits = [number for listed in roster for number in listed.who.numbers if folder.endswith(f"-{number.casefold()}")]
+    return replace(hand_in, people=(replace(person, key=max(fits, key=len, default=person.key)),))
+
+
+def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
+    """The roster's words for the person that it means; the platform's own number stays, as its files are called by it."""
+    people = tuple(_mended(person, listed) if person == meant else person for person in hand_in.people)
+    return replace(hand_in, people=people)
+
+
+def _mended(person: Person, listed: Listed) -> Person:
+    who = listed.who
+    return replace(
+        person,
+        name=who.name or person.name,
+        sid=person.sid or next((number for number in who.numbers if number != person.key), ""),
+        email=who.email or person.email,
+        section=listed.section or person.section,
+    )

@@ -1,0 +1,421 @@
+"""One class in the shape of each platform, and what each platform makes of the upload: ``python -m tests.classes [N] [SHAPE …]``.
+
+The importers follow the rules of the platforms' own sources (canvas-lms `gradebook_importer.rb` and `content_zipper.rb`, Moodle's
+`importgradeslib.php` and `importziplib.php`), not our exporters.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import json
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from tests.corpus.pieces import FILTER_INCREMENT, tidy
+from tests.corpus.writing import Files, as_bytes, zipped
+
+ROOT = Path(__file__).parent.parent
+_ODD = (
+    ("Jürgen", "Müßig"),
+    ("Anna \"Ann\"", "Lee"),
+    ("=SUM(A1)", "Formula"),
+    ("Wei", "Li, Jr."),
+    ("Sean", "O'Brien-Smith"),
+    ("李", "雷"),
+    ("Zoë", "van der Berg"),
+)  # fmt: skip
+ASSIGNMENT = "Lab 04-01 (4711)"
+
+
+@dataclass(frozen=True)
+class Student:
+    """One of the class; `number` tells them apart everywhere."""
+
+    number: int
+    first: str
+    last: str
+    files: Files
+
+    @property
+    def name(self) -> str:
+        return f"{self.first} {self.last}"
+
+    @property
+    def canvas(self) -> str:
+        return str(10_000 + self.number)
+
+    @property
+    def moodle(self) -> str:
+        return str(500 + self.number)
+
+    @property
+    def sid(self) -> str:
+        return f"s{self.number:05}"
+
+    @property
+    def login(self) -> str:
+        return f"user{self.number:04}"
+
+    @property
+    def email(self) -> str:
+        return f"{self.login}@example.edu"
+
+
+def filters_alone(wrong: float) -> Files:
+    """Marked fast, and each with bytes of its own."""
+    return {
+        "filters.py": "import numpy as np\n\n\n"
+        + FILTER_INCREMENT.replace("self.alpha * (x", f"{wrong} * self.alpha * (x")
+    }
+
+
+def a_class(count: int, kinds: Sequence[Files] | None = None) -> list[Student]:
+    """Students with odd names, every one with a different one, and files by turns."""
+    kinds = kinds or (tidy(), filters_alone(1.0), filters_alone(0.5))
+    names = [(f"{first}{'' if turn == 0 else turn}", last) for turn in range(count) for first, last in _ODD]
+    return [Student(i, *names[i], kinds[i % len(kinds)]) for i in range(count)]
+
+
+# ---- in ----
+
+
+def folders(students: Sequence[Student], root: Path) -> Path:
+    """A folder each, every third an archive."""
+    for student in students:
+        if student.number % 3 == 2:
+            _put(root / f"{student.login}.zip", zipped(student.files))
+        else:
+            _tree(root / student.login, student.files)
+    return root
+
+
+def canvas(students: Sequence[Student], root: Path) -> Path:
+    """Loose files; some zipped by the student, some late, some handed in again."""
+    members: dict[str, bytes] = {}
+    for student in students:
+        late = "LATE_" if student.number % 4 == 3 else ""
+        sortable = re.sub(r"[^\w]", "", f"{student.last}, {student.first}".lower())
+        files = {"lab.zip": zipped(student.files)} if student.number % 3 == 2 else student.files
+        for at, (name, content) in enumerate(files.items()):
+            assert isinstance(content, (str, bytes))
+            again = re.sub(r"(\.\w+)$", r"-1\1", name) if student.number % 5 == 4 else name
+            flat = re.sub(r'[\x00/\\:*?"<>|]+', "_", again)
+            members[f"{sortable}_{late}{student.canvas}_{90_000 + 100 * student.number + at}_{flat}"] = as_bytes(
+                content
+            )
+    return _archive(root / "robotics-lab-04-01_submissions.zip", members)
+
+
+def moodle(students: Sequence[Student], root: Path) -> Path:
+    """Folder mode."""
+    return _archive(root / "ROB-Lab 04-01-77.zip", dict(_moodle(students, "assignsubmission_file/")))
+
+
+def moodle_flat(students: Sequence[Student], root: Path) -> Path:
+    return _archive(root / "ROB-Lab 04-01-77.zip", dict(_moodle(students, "assignsubmission_file_")))
+
+
+def moodle_unzipped(students: Sequence[Student], root: Path) -> Path:
+    """As Moodle before 4.1 named folders, unpacked by the teacher."""
+    for name, data in _moodle(students, "assignsubmission_file_/"):
+        _put(root / name, data)
+    return root
+
+
+def _moodle(students: Sequence[Student], middle: str) -> Iterator[tuple[str, bytes]]:
+    for student in students:
+        for name, content in student.files.items():
+            assert isinstance(content, (str, bytes))
+            yield f"{student.name.replace('_', ' ')}_{student.moodle}_{middle}{name}", as_bytes(content)
+
+
+def gradescope(students: Sequence[Student], root: Path) -> Path:
+    """The export; keys keep the colon of Ruby's symbols."""
+    members: dict[str, bytes] = {}
+    metadata: dict[str, object] = {}
+    for student in students:
+        folder = f"submission_{770_000 + student.number}"
+        metadata[folder] = {
+            ":submitters": [{":name": student.name, ":sid": student.sid, ":email": student.email}],
+            ":created_at": "2026-11-20 13:00:00.123456000 -08:00",
+            ":score": 0.0,
+            ":status": "processed",
+            ":results": {"tests": []},
+        }
+        for name, content in student.files.items():
+            assert isinstance(content, (str, bytes))
+            members[f"assignment_99_export/{folder}/{name}"] = as_bytes(content)
+    members["assignment_99_export/submission_metadata.yml"] = yaml.safe_dump(metadata, allow_unicode=True).encode()
+    return _archive(root / "assignment_99_export.zip", members)
+
+
+def classroom50(students: Sequence[Student], root: Path) -> Path:
+    """`gh teacher download`: clones, and a `scores.csv` beside them."""
+    with open(_made(root) / "scores.csv", "w", encoding="utf-8", newline="") as stream:
+        table = csv.writer(stream)
+        table.writerow(
+            [
+                "username",
+                "first_name",
+                "last_name",
+                "email",
+                "section",
+                "score",
+                "max_score",
+                "datetime",
+                "submission_tag",
+            ]
+        )
+        for s in students:
+            when = "2026-11-20T21:00:00Z"
+            table.writerow([s.login, s.first, s.last, s.email, "B", "", "", when, "submit/x"])
+            _clone(root / f"rob-lab4-{s.login}", s.files)
+            (root / f"rob-lab4-{s.login}" / "result.json").write_text("{}")
+    return root
+
+
+def git(students: Sequence[Student], root: Path) -> Path:
+    for student in students:
+        _clone(root / f"lab4-{student.login}", student.files)
+    return root
+
+
+SHAPES: dict[str, Callable[[Sequence[Student], Path], Path]] = {
+    "folders": folders,
+    "canvas": canvas,
+    "moodle": moodle,
+    "moodle_flat": moodle_flat,
+    "moodle_unzipped": moodle_unzipped,
+    "gradescope": gradescope,
+    "classroom50": classroom50,
+    "git": git,
+}
+
+
+def _clone(folder: Path, files: Files) -> None:
+    _tree(folder, files)
+    _put(folder / ".git" / "HEAD", b"ref: refs/heads/main\n")
+    _put(folder / ".git" / "config", b"[core]\n\tfsmonitor = touch /tmp/never\n")
+
+
+def _tree(folder: Path, files: Files) -> None:
+    for name, content in files.items():
+        assert isinstance(content, (str, bytes))
+        _put(folder / name, as_bytes(content))
+
+
+def _put(path: Path, data: bytes) -> None:
+    _made(path.parent)
+    path.write_bytes(data)
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _archive(path: Path, members: Mapping[str, bytes]) -> Path:
+    _put(path, zipped(members))
+    return path
+
+
+# ---- what the instructor exports from the platform ----
+
+
+def canvas_gradebook(students: Sequence[Student]) -> bytes:
+    """As `gradebook_exporter.rb` writes it: the points in the second line, read-only totals at the end."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    info = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
+    table.writerow([*info, "Lab 03 (4700)", ASSIGNMENT, "Current Score", "Final Score"])
+    table.writerow(["    Points Possible", "", "", "", "", "100.0", "100.0", "(read only)", "(read only)"])
+    for s in students:
+        table.writerow([f"{s.last}, {s.first}", s.canvas, s.sid, s.login, "Tue, 10:00", "55.0", "", "55.0", "27.5"])
+    table.writerow(["Student, Test", "99999", "", "abcdef", "Tue, 10:00", "", "", "", ""])
+    return text.getvalue().encode()
+
+
+def moodle_worksheet(students: Sequence[Student]) -> bytes:
+    """As Moodle writes it: a byte order mark, some cells in quotes that need none, CRLF."""
+    head = (
+        'Identifier,"Full name","Email address",Status,Grade,"Maximum grade","Grade can be changed",'
+        '"Last modified (submission)","Last modified (grade)","Feedback comments"'
+    )
+    lines = [head]
+    for s in students:
+        name = s.name.replace('"', '""')
+        status = "Submitted for grading"
+        lines.append(
+            f'"Participant {s.moodle}","{name}",{s.email},"{status}",,100.00,Yes,"Friday, 20 November 2026, 9:00 PM",-,'
+        )
+    lines.append('"Participant 9999","Never There",never@example.edu,"No submission",,100.00,Yes,-,-,')
+    return b"\xef\xbb\xbf" + "".join(f"{line}\r\n" for line in lines).encode()
+
+
+# ---- what the platform makes of an upload ----
+
+
+def canvas_import(data: bytes) -> dict[str, float | None]:
+    """Scores of the one assignment by Canvas id; None where there is none."""
+    rows = list(csv.reader(io.StringIO(data.decode(), newline="")))
+    head = rows[0]
+    assert "Student" in head[0]
+    assert "ID" in head[1]
+    assert len(head) > 3
+    assignments = [i for i, title in enumerate(head) if re.fullmatch(r"(.*)\s\((\d+)\)", title)]
+    assert [head[i] for i in assignments] == [ASSIGNMENT]
+    assert "Section" in head[assignments[0] - 1]
+    assert rows[1][0] == "    Points Possible"
+    assert rows[1][assignments[0]] == "100.0"
+    scores = {row[1]: row[assignments[0]] for row in rows[2:]}
+    return {id_: None if cell in ("", "-") else round(float(cell), 2) for id_, cell in scores.items()}
+
+
+def moodle_import(before: bytes, data: bytes) -> dict[str, float]:
+    """Grades by participant number that Moodle takes from a worksheet, and proof that nothing else in it changed."""
+    own = {"Grade", "Feedback comments"}
+    old, new = (list(csv.DictReader(io.StringIO(text.decode("utf-8-sig"), newline=""))) for text in (before, data))
+    assert [{k: v for k, v in row.items() if k not in own} for row in old] == [
+        {k: v for k, v in row.items() if k not in own} for row in new
+    ]
+    grades: dict[str, float] = {}
+    for row in new:
+        assert {"Identifier", "Grade", "Last modified (grade)"} <= set(row)
+        number = row["Identifier"].removeprefix("Participant ")
+        if (
+            row["Grade"].strip()
+            and row["Grade can be changed"] == "Yes"
+            and 0 <= float(row["Grade"]) <= float(row["Maximum grade"])
+        ):
+            grades[number] = float(row["Grade"])
+    return grades
+
+
+def moodle_feedback(data: bytes) -> dict[str, bytes]:
+    """Files by participant number that Moodle takes from a zip of feedback."""
+    taken: dict[str, bytes] = {}
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        for name in archive.namelist():
+            for part in name.split("/"):
+                words = part.split("_", 4)
+                if (
+                    len(words) >= 4
+                    and words[1].isdigit()
+                    and f"{words[2]}_{words[3]}" in ("assignsubmission_file", "assignfeedback_file")
+                ):
+                    assert words[1] not in taken
+                    taken[words[1]] = archive.read(name)
+    return taken
+
+
+def canvas_feedback(data: bytes) -> dict[tuple[str, str], bytes]:
+    """Files by user and attachment that Canvas takes: the first two tokens that are numbers."""
+    taken: dict[tuple[str, str], bytes] = {}
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        for name in archive.namelist():
+            numbers = [token for token in name.rpartition("/")[2].split("_") if token.isdigit()]
+            if len(numbers) >= 2:
+                taken[(numbers[0], numbers[1])] = archive.read(name)
+    return taken
+
+
+def marks_from(
+    shape: str, students: Sequence[Student], out: Path, run: Callable[..., object]
+) -> dict[str, float | None]:
+    """Export a graded class to its own platform and import it there: final points by student number.
+
+    Parameters
+    ----------
+    run
+        Runs `imugrade` with these arguments.
+    """
+    made = out / "upload.csv"
+    if shape == "canvas":
+        (out / "gradebook-export.csv").write_bytes(canvas_gradebook(students))
+        run(
+            "export",
+            out,
+            "--format",
+            "canvas",
+            "--template",
+            out / "gradebook-export.csv",
+            "--column",
+            "4711",
+            "-o",
+            made,
+        )
+        scores = canvas_import(made.read_bytes())
+        return {s.sid: scores[s.canvas] for s in students}
+    if shape.startswith("moodle"):
+        before = moodle_worksheet(students)
+        (out / "worksheet.csv").write_bytes(before)
+        run("export", out, "--format", "moodle", "--template", out / "worksheet.csv", "-o", made)
+        grades = moodle_import(before, made.read_bytes())
+        return {s.sid: grades.get(s.moodle) for s in students}
+    if shape == "gradescope":
+        run("export", out, "--format", "gradescope", "-o", made)
+        rows = {
+            row["SID"]: row["Total Score"] for row in csv.DictReader(io.StringIO(made.read_text(encoding="utf-8-sig")))
+        }
+        return {s.sid: float(rows[s.sid]) for s in students}
+    run("export", out, "--format", "csv", "-o", made)
+    totals = {
+        row["id"].rpartition("-")[2]: row["total"]
+        for row in csv.DictReader(io.StringIO(made.read_text(encoding="utf-8")))
+    }
+    return {s.sid: float(totals[s.login]) for s in students}
+
+
+# ---- by hand ----
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("count", nargs="?", type=int, default=300)
+    parser.add_argument("shapes", nargs="*", default=list(SHAPES))
+    parser.add_argument("--full", action="store_true", help="whole submissions only, as a real class has them")
+    arguments = parser.parse_args()
+    kinds = [tidy()] if arguments.full else None
+    students = a_class(arguments.count, kinds)
+    marks: dict[str, dict[str, float | None]] = {}
+    with tempfile.TemporaryDirectory() as scratch:
+        for shape in arguments.shapes:
+            out = Path(scratch) / f"out-{shape}"
+            path = SHAPES[shape](students, Path(scratch) / shape)
+            begun = time.perf_counter()
+            _imugrade("grade", path, "-o", out)
+            graded = time.perf_counter()
+            marks[shape] = marks_from(shape, students, out, _imugrade)
+            exported = time.perf_counter()
+            _imugrade("grade", path, "-o", out)
+            again = time.perf_counter() - exported
+            spread = sorted({m for m in marks[shape].values() if m is not None})
+            print(json.dumps({
+                "shape": shape, "students": len(students), "grade_s": round(graded - begun, 1),
+                "export_s": round(exported - graded, 2), "grade_again_s": round(again, 1), "marks": spread,
+                "same": marks[shape] == next(iter(marks.values())),
+            }), flush=True)  # fmt: skip
+    print(f"CPU of all: {resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime:.0f} s")
+    if any(each != next(iter(marks.values())) for each in marks.values()):
+        sys.exit("the marks differ between shapes")
+
+
+def _imugrade(*arguments: object) -> None:
+    command = [sys.executable, "-m", "grader", *map(str, arguments)]
+    subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""The hostile corpus in a reduced form, on the best rung that there is; in full by hand: ``python -m tests.hostile``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.corpus.pieces import FILTER_INCREMENT, tidy
+from tests.corpus.writing import Files, write
+from tests.durability import grade, results
+from tests.hostile.corpus import PROGRAMS
+from tests.hostile.judging import Court
+from tests.hostile.program import FAMILIES, Program
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for leftovers in /proc")
+
+REDUCED = (
+    "numpy-comparisons-say-yes", "mujoco-forward-makes-zeros-true", "json-writes-another-answer",
+    "axes-lie-about-their-labels", "curves-in-white-on-white", "canned-picture-copied-at-run-time",
+    "array-that-equals-everything", "writes-its-own-result", "exits-hard-with-success",
+    "an-answer-with-a-guessed-nonce", "an-answer-ahead-of-its-question", "a-thief-reads-the-next-question",
+    "changes-the-harness-in-memory", "recorded-traces-of-another-scenario",
+
+    "loops-in-c-code", "forks-twenty-times", "returns-a-cycle", "returns-a-huge-view", "source-nested-too-deep",
+    "zip-that-unpacks-to-600-megabytes",
+
+    "tcp", "unix-socket", "signals-another-process", "reads-another-process-environment", "reads-outside",
+    "reads-by-a-link-of-its-own", "writes-outside", "daemon", "shared-memory", "leaves-files-for-the-next",
+    "finds-what-another-left", "link-to-a-file-outside", "zip-that-slips-out",
+
+    "error-says-html", "error-says-ansi", "error-says-workflow-command", "labels-say-html",
+    "carries-hidden-states-in-an-error", "carries-hidden-states-in-a-line-number",
+)
+BY_NAME = {program.name: program for program in PROGRAMS}
+
+
+@pytest.mark.parametrize("name", REDUCED)
+def test_a_hostile_submission_gains_nothing_and_touches_nothing(court: Court, name: str) -> None:
+    assert court.try_(BY_NAME[name]).troubles == []
+
+
+def test_names_are_unique_and_every_family_is_there() -> None:
+    assert len(BY_NAME) == len(PROGRAMS) >= 80
+    assert {BY_NAME[name].family for name in REDUCED} == set(FAMILIES)
+
+
+def test_every_forgery_has_its_honest_twin() -> None:
+    assert [program.name for program in PROGRAMS if program.family == "forgery" and program.twin is None] == []
+
+
+NEIGHBOURS = ("builtins-say-yes", "daemon", "error-says-ansi")
+
+
+def test_a_class_has_the_same_marks_with_and_without_hostile_neighbours(tmp_path: Path) -> None:
+    honest, mixed = tmp_path / "honest", tmp_path / "mixed"
+    wrong = "import numpy as np\n\n\n" + FILTER_INCREMENT.replace("self.alpha * (x", "0.5 * self.alpha * (x")
+    for folder in (honest, mixed):
+        write({"filters.py": str(tidy()["filters.py"])}, folder / "m-sound")
+        write({"filters.py": wrong}, folder / "p-wrong")
+    for number, name in enumerate(NEIGHBOURS):
+        write(_alone(BY_NAME[name]), mixed / f"{'ago'[number % 3]}-hostile{number}")
+    assert grade(honest, tmp_path / "a").returncode == 0
+    assert grade(mixed, tmp_path / "b").returncode == 0
+    expected, found = results(tmp_path / "a"), results(tmp_path / "b")
+    assert len(found) == len(expected) + len(NEIGHBOURS)
+    assert {name: found[name] for name in expected} == expected
+
+
+def _alone(program: Program) -> Files:
+    """Its filter alone: all of these attacks are in the filter, and the other criteria cost time."""
+    return {"filters.py": program.files["filters.py"]}

@@ -1,0 +1,95 @@
+"""The court itself: what it would say of an attack that succeeds. Without this, `held` would mean nothing."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+import pytest
+
+from tests.hostile import outputs
+from tests.hostile.bait import SECRET
+from tests.hostile.forging import READS
+from tests.hostile.judging import Court
+from tests.hostile.program import FILTER, Program, in_method, last, sound
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for leftovers in /proc")
+
+
+ESCAPES = """
+if not hasattr(LowPassFilter, "done"):
+    LowPassFilter.done = True
+    import ctypes, os, signal, socket
+    open("@TARGET@", "a").write("owned")
+    open("@FOLDER@/new", "w").write("owned")
+    socket.create_connection(("127.0.0.1", @PORT@), 2)
+    socket.socket(socket.AF_UNIX).connect("\\0@ABSTRACT@")
+    ctypes.CDLL(None).shmget(@IPC@, 4096, 0o1600)
+    os.kill(@PID@, signal.SIGKILL)
+    if os.fork() == 0:
+        os.setsid()
+        for fd in range(64):
+            try: os.close(fd)
+            except OSError: pass
+        signal.alarm(20)
+        signal.pause()
+raise RuntimeError(open("@SECRET@").read())
+"""
+
+
+def in_filter(code: str) -> Program:
+    return Program("made-up", "escape", last(sound(), FILTER, in_method("LowPassFilter", "update", code)), only="filtering")
+
+
+def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
+    with Court("none") as unwalled:
+        troubles = unwalled.try_(in_filter(ESCAPES)).troubles
+    assert "report.html: it holds what the decoys hold" in troubles
+    assert "result.json: it holds what the decoys hold" in troubles
+    assert [trouble for trouble in troubles if "it holds" not in trouble] == [
+        "the listener PORT was reached",
+        "the listener ABSTRACT was reached",
+        "the decoy process was ended",
+        "shared memory or a queue changed",
+        "the decoy new changed",
+        "the decoy target.txt changed",
+        "1 processes are left over",
+    ]
+
+
+def test_more_points_than_the_honest_twin_are_seen(court: Court) -> None:
+    forged = Program("made-up", "forgery", sound(), READS, "sensor_access")
+    assert court.try_(forged).troubles == ["20 points, without the attack 8"]
+
+
+def test_points_lost_where_the_attack_is_not_are_seen(court: Court) -> None:
+    (trouble,) = court.try_(replace(in_filter("return 0.0"), keeps=("filtering",))).troubles
+    assert trouble.startswith("filtering lost points that the attack is not about: filtering.")
+
+
+def test_other_marks_of_a_neighbour_are_seen(court: Court, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Court, "_neighbour", lambda court: {"filtering.follows_recursion": 0.0})
+    assert court.try_(Program("made-up", "poison", sound(), only="filtering")).troubles == ["a neighbour's marks changed"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("result.json", f'{{"notes": ["{SECRET}"]}}'),
+        ("result.json", '{"notes": ["\\u202e"]}'),
+        ("result.json", '{"notes": ["\\ud800"]}'),
+        ("gradescope", '{"tests": [{"output": "\\u001b[2J"}]}'),
+        ("report.html", "<p><script>alert(1)</script>"),
+        ("report.html", '<p onmouseover="alert(1)">'),
+        ("index.html", '<a href="javascript:alert(1)">x</a>'),
+        ("gradebook.csv", "id,name\r\none,=1+1\r\n"),
+        ("gradebook.csv", 'id,name\r\none,"@SUM(1)"\r\n'),
+        ("the terminal", "\x1b[31mred"),
+        ("github commands", "::error file=a.py::x\n::stop-commands::y"),
+        ("github commands", "plain words"),
+        ("junit", "<testsuites><owned/></testsuites>"),
+        ("github summary", "\u202eevil"),
+    ],
+)
+def test_what_is_not_escaped_is_seen(name: str, text: str) -> None:
+    assert list(outputs.problems(name, text))

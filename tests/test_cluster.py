@@ -1,0 +1,340 @@
+"""A class on a Dask cluster of this machine: a scheduler and workers that are processes of their own, and are killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+from distributed import Client
+
+from grader import classroom, cluster, cluster_worker, rubric, traces
+from grader.batch import KILLED, Unmarked
+from grader.errors import GraderError, RequestError
+from grader.evidence import Evidence
+from grader.intake import Submission
+from grader.results import Result
+from grader.store import Store
+from tests.durability import hand_in, recorded, results
+from tests.made_up import FakeMarker, fake_marker, no_marker, submission
+
+ROOT = Path(__file__).parent.parent
+WITHIN_S = 60.0
+
+
+class Site:
+    """A scheduler and its workers, started as an instructor would."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._file = folder / "scheduler.json"
+        self._workers: list[subprocess.Popen[bytes]] = []
+        self.scheduler = self._start("scheduler", "--port", "0", "--scheduler-file", str(self._file))
+        until(lambda: self._file.exists() and self._file.read_text(encoding="utf-8").rstrip().endswith("}"))
+        self.address = json.loads(self._file.read_text(encoding="utf-8"))["address"]
+
+    def _start(self, *arguments: str) -> subprocess.Popen[bytes]:
+        environment = {
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "DASK_TEMPORARY_DIRECTORY": str(self._folder),
+            "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
+        }
+        with open(self._folder / "log", "ab") as log:
+            command = [sys.executable, "-m", "dask", *arguments, "--host", "127.0.0.1", "--no-dashboard"]
+            return subprocess.Popen(command, cwd=self._folder, env=environment, stdout=log, stderr=log)
+
+    def staff(self, count: int) -> list[int]:
+        """Have this many workers; their process ids."""
+        self._workers = [worker for worker in self._workers if worker.poll() is None]
+        for worker in self._workers[count:]:
+            worker.kill()
+            worker.wait()
+        missing = count - len(self._workers)
+        options = ("--nthreads", "1", "--no-nanny")
+        self._workers = self._workers[:count] + [
+            self._start("worker", self.address, *options) for _ in range(max(0, missing))
+        ]
+        with self.client() as client:
+            until(lambda: len(client.nthreads()) == count)
+        return [worker.pid for worker in self._workers]
+
+    def client(self) -> Client:
+        return Client(self.address, set_as_default=False)
+
+    def close(self) -> None:
+        for process in (*self._workers, self.scheduler):
+            process.kill()
+            process.wait()
+
+
+def until(holds: object) -> None:
+    end = time.monotonic() + WITHIN_S
+    while not holds():  # type: ignore[operator]
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with closing(Site(tmp_path_factory.mktemp("site"))) as site:
+        yield site
+
+
+def grade(site: Site, folder: Path, *ids: str) -> dict[str, Result | Unmarked]:
+    marked = list(cluster.mark_all(iter(map(submission, ids)), partial(fake_marker, folder), site.address))
+    assert len({each.id for each, _ in marked}) == len(marked), "a submission came back twice"
+    return {each.id: outcome for each, outcome in marked}
+
+
+# --- a class ------------------------------------------------------------------------------------------------------------
+
+
+class Killer(threading.Thread):
+    """Once the first result has come, kills a worker that is at work."""
+
+    def __init__(self, client: Client) -> None:
+        super().__init__()
+        self._client = client
+        self._pids = client.run(os.getpid)
+        self.told: list[str] = []
+
+    def begins(self, total: int) -> None: ...
+
+    def done(self, id_: str, result: Result, *, resumed: bool) -> None:
+        self.told.append(id_)
+        if len(self.told) == 1:
+            self.start()
+
+    def run(self) -> None:
+        until(self._busy)
+        os.kill(self._pids[self._busy()[0]], 9)
+
+    def _busy(self) -> list[str]:
+        return [address for address, keys in self._client.processing().items() if keys]
+
+
+def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(site: Site, tmp_path: Path) -> None:
+    site.staff(2)
+    students = hand_in(tmp_path / "class", full=False)
+    order = classroom.Order((students,), tmp_path / "there", rubric.load(), traces.shipped(), jobs=1, trusted=True)
+    found = classroom.find(order)
+    with site.client() as client:
+        killer = Killer(client)
+        outcome = classroom.grade_class(replace(order, cluster=site.address), found, killer)
+        killer.join()
+        assert len(client.nthreads()) == 1
+    assert sorted(killer.told) == sorted(outcome.results)
+    assert outcome.incomplete == []
+    assert all(result.evidence == Evidence() for result in outcome.results.values())  # recorded, not remembered
+    classroom.grade_class(replace(order, out=tmp_path / "here"), found, Nobody())
+    assert results(tmp_path / "there") == results(tmp_path / "here")
+    assert evidence(tmp_path / "there") == evidence(tmp_path / "here")
+    assert recorded(tmp_path / "there") == len(outcome.results) == 6
+
+
+def evidence(out: Path) -> tuple[object, ...]:
+    """What is recorded beside the results."""
+    with Store(out) as store:
+        charts, fingerprints = {id_: store.charts(id_) for id_ in store.present()}, store.fingerprints()
+    assert all(fingerprints.values())
+    assert any(charts.values())
+    return charts, fingerprints
+
+
+class Nobody:
+    def begins(self, total: int) -> None: ...
+
+    def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
+
+
+# --- how submissions are handed out ---------------------------------------------------------------------------------
+
+
+def test_every_submission_is_marked_once_and_every_marker_closed(site: Site, tmp_path: Path) -> None:
+    pids = site.staff(2)
+    names = [f"s{i}" for i in range(9)]
+    outcomes = grade(site, tmp_path, *names)
+    assert sorted(outcomes) == sorted(FakeMarker(tmp_path).marked()) == names
+    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
+    marked_by = {int(line.split()[1]) for line in (tmp_path / "marked").read_text().splitlines()}
+    assert marked_by <= set(pids)
+    assert {path.name for path in tmp_path.glob("closed-*")} == {f"closed-{pid}" for pid in marked_by}
+
+
+def test_no_more_submissions_are_in_memory_than_there_are_workers(site: Site, tmp_path: Path) -> None:
+    site.staff(2)
+    taken: list[str] = []
+
+    def reading() -> Iterator[Submission]:
+        for number in range(8):
+            taken.append(f"s{number}")
+            yield submission(taken[-1])
+
+    run = cluster.mark_all(reading(), partial(fake_marker, tmp_path), site.address)
+    for done, _ in enumerate(run):
+        assert len(taken) <= done + 2
+
+
+def test_a_fault_of_the_grader_is_handed_back_with_its_words_and_the_marker_replaced(
+    site: Site, tmp_path: Path
+) -> None:
+    site.staff(1)
+    outcomes = grade(site, tmp_path, "bug", "a")
+    assert outcomes["bug"] == Unmarked("GraderError: the zygote is gone")
+    assert isinstance(outcomes["a"], Result)
+    assert sorted(FakeMarker(tmp_path).marked()) == ["a", "bug", "bug"]
+
+
+def test_a_run_that_is_given_up_closes_its_markers(site: Site, tmp_path: Path) -> None:
+    (pid,) = site.staff(1)
+    run = cluster.mark_all(map(submission, "abc"), partial(fake_marker, tmp_path), site.address)
+    next(run)
+    run.close()
+    until((tmp_path / f"closed-{pid}").exists)
+    with site.client() as client:
+        assert not [name for seats in client.run(seats_taken).values() for name in seats]
+
+
+def seats_taken(dask_worker: object) -> list[str]:
+    return [name for name in dask_worker.plugins if name.startswith("imugrade")]  # type: ignore[attr-defined]
+
+
+def test_a_submission_that_kills_two_workers_is_handed_back_and_no_other_is_lost(site: Site, tmp_path: Path) -> None:
+    site.staff(3)
+    outcomes = grade(site, tmp_path, "a", "kill", "b", "c")
+    assert outcomes.pop("kill") == Unmarked(KILLED)
+    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
+    assert FakeMarker(tmp_path).marked().count("kill") == 2
+
+
+# --- what is refused, in one line -----------------------------------------------------------------------------------
+
+
+def refusal(address: str, opener: object = partial(fake_marker, Path())) -> str:
+    started = time.monotonic()
+    with pytest.raises(RequestError) as refused:
+        list(cluster.mark_all(iter([submission("a")]), opener, address))  # type: ignore[arg-type]
+    assert time.monotonic() - started < 2 * cluster.ANSWERS_WITHIN_S
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def test_a_marker_that_cannot_be_opened_ends_the_run_and_names_the_worker(site: Site, tmp_path: Path) -> None:
+    site.staff(1)
+    assert refusal(site.address, partial(no_marker, tmp_path)).startswith("worker tcp://127.0.0.1:")
+    assert refusal(site.address, partial(no_marker, tmp_path)).endswith(f": no marker for {tmp_path.name}")
+
+
+@pytest.mark.parametrize("package", ["imugrade", "mujoco"])
+def test_a_worker_with_other_versions_is_refused(
+    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: str
+) -> None:
+    site.staff(1)
+    ours = cluster_worker.versions()
+    monkeypatch.setattr(cluster_worker, "versions", lambda: {**ours, package: "9.9"})
+    told = refusal(site.address, partial(fake_marker, tmp_path))
+    assert told.startswith(f"--cluster {site.address}: worker tcp://127.0.0.1:")
+    assert told.endswith(f" has {package} {ours[package]}, this machine has 9.9; install the same on both")
+    assert not (tmp_path / "marked").exists()
+
+
+def test_a_worker_without_imugrade_is_refused(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    site.staff(1)
+    monkeypatch.setattr(cluster_worker.Seat, "__reduce__", lambda seat: (not_there, ()))
+    told = refusal(site.address)
+    assert told.startswith(f"--cluster {site.address}: a worker cannot mark (")
+    assert "No module named 'imugrade_not_there'" in told
+    assert told.endswith("; install the same imugrade[cluster] there")
+
+
+def not_there() -> object:
+    import imugrade_not_there
+
+    return imugrade_not_there
+
+
+def test_a_cluster_without_workers_is_refused(site: Site) -> None:
+    site.staff(0)
+    assert refusal(site.address) == (
+        f"--cluster {site.address}: it has no worker; start some with: dask worker {site.address} --nthreads 1"
+    )
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [
+        ("tcp://127.0.0.1:1", "Timed out trying to connect to tcp://127.0.0.1:1 after 0.5 s"),
+        ("nowhere", "missing port number in address 'nowhere'"),
+        ("no://where:1", "unknown address scheme 'no' "),
+        ("tls://127.0.0.1:1", "TLS expects a `ssl_context` argument "),
+    ],
+)
+def test_an_address_where_no_scheduler_is_is_refused(
+    monkeypatch: pytest.MonkeyPatch, address: str, reason: str
+) -> None:
+    monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 0.5)
+    assert refusal(address).startswith(f"--cluster {address}: no Dask scheduler answers there ({reason}")
+
+
+def test_an_address_where_something_else_is_is_refused(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        assert refusal(address).endswith("no Dask scheduler answers there (nothing came within 0.5 s)")
+    site.staff(1)
+    with site.client() as client:
+        (worker,) = client.nthreads()
+    assert refusal(worker).endswith("no Dask scheduler answers there (it is a Worker)")
+
+
+def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert refusal("tcp://127.0.0.1:1") == "--cluster needs Dask; install it with: pip install 'imugrade[cluster]'"
+
+
+# --- a cluster that goes away -----------------------------------------------------------------------------------------
+
+
+def lost(site: Site, folder: Path, victim: int) -> str:
+    """What is told when a process of the cluster is killed while it marks."""
+
+    def kill() -> None:
+        until((folder / "marked").exists)
+        os.kill(victim, 9)
+
+    threading.Thread(target=kill).start()
+    with pytest.raises(GraderError) as told:
+        grade(site, folder, "wait")
+    return str(told.value)
+
+
+def test_a_cluster_that_loses_its_last_worker_is_given_up_in_time(
+    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "LOOK_EVERY_S", 0.2)
+    monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
+    (pid,) = site.staff(1)
+    assert lost(site, tmp_path, pid) == (
+        f"the cluster at {site.address} has had no worker for 1 s; "
+        "start some, then the same command goes on where this one ended"
+    )
+
+
+def test_a_scheduler_that_goes_away_ends_the_run(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The last test here: it takes the scheduler with it."""
+    monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 2.0)
+    site.staff(1)
+    assert lost(site, tmp_path, site.scheduler.pid) == (
+        f"the cluster at {site.address} was lost; the same command goes on where this one ended, here or elsewhere"
+    )
