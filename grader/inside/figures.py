@@ -81,7 +81,7 @@ def watch() -> None:
         asked = rcParams["savefig.dpi"] if dpi is None else dpi
         if _kind(filename, kwargs) == "png":
             kwargs["pil_kwargs"] = {"compress_level": 1, **(kwargs.get("pil_kwargs") or {})}
-        with draw_once():
+        with draw_once(self.figure):
             answer = really_print(self, filename, _quick(asked, self.figure.dpi), *args, **kwargs)
         RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=_kind(filename, kwargs))
         self.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
@@ -113,39 +113,44 @@ def watch() -> None:
     seeing.remember_classes()
 
 
-def _draw_once() -> Callable[[], contextlib.AbstractContextManager[None]]:
-    """A context in which saving draws a figure once.
+def _draw_once() -> Callable[[Any], contextlib.AbstractContextManager[None]]:
+    """A context in which saving draws a figure once, and without pixels where nobody has to look at them.
 
-    Where a figure has a layout to find, matplotlib draws it twice: with the renderer switched off, to lay it out, and then for
-    the picture. Here the first time draws in earnest, and the second takes the picture as it stands.
+    Where a figure has a layout to find, matplotlib draws it twice: with the renderer switched off, and then for the picture.
+    Here the first time counts. Drawing with the renderer switched off runs every artist, so that what raises still raises.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 
-    really_draw, renderer = FigureCanvasAgg.draw, cast(Any, RendererAgg)
-    switched_off = renderer._draw_disabled
-    drawn: list[bool] = []  # one for each save that is going on: whether its picture stands
+    really_draw, agg = cast(Any, FigureCanvasAgg.draw), cast(Any, RendererAgg)
+    switched_off = agg._draw_disabled
+    blind: list[bool] = []  # one for each save that is going on, the innermost last
+    drawn: list[bool] = []
 
     def draw(self: Any) -> None:
         asks_for_a_renderer = "draw" in vars(self.figure)
-        if asks_for_a_renderer or not (drawn and drawn[-1]):
-            really_draw(self)  # type: ignore[no-untyped-call,unused-ignore] # matplotlib has no types here
+        if not blind or asks_for_a_renderer:
+            really_draw(self)
+        elif not drawn[-1]:
+            with switched_off(self.get_renderer()) if blind[-1] else contextlib.nullcontext():
+                really_draw(self)
 
     def draw_disabled(self: Any) -> Any:
-        if not drawn:
-            return switched_off(self)
-        drawn[-1] = True
-        return contextlib.nullcontext()
+        if blind:
+            drawn[-1] = True
+        return contextlib.nullcontext() if blind and not blind[-1] else switched_off(self)
 
     @contextlib.contextmanager
-    def once() -> Iterator[None]:
+    def once(figure: Any) -> Iterator[None]:
+        blind.append(seeing.nothing_covers(figure))
         drawn.append(False)
         try:
             yield
         finally:
+            blind.pop()
             drawn.pop()
 
     setattr(FigureCanvasAgg, "draw", draw)  # noqa: B010 - a method is replaced on purpose
-    renderer._draw_disabled = draw_disabled
+    agg._draw_disabled = draw_disabled
     return once
 
 
@@ -205,6 +210,8 @@ def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
 def _take_out_what_is_covered(figure: Any, axes: list[Any], facts: list[dict[str, Any]]) -> None:
     """Where none of a panel's curves leaves a pixel in its colour, something lies over them or they are not drawn."""
     picture = None
+    if seeing.nothing_covers(figure):
+        return
     for one, panel in zip(axes, facts, strict=True):
         seen = [curve for curve in panel["curves"] if curve["visible"] and curve["n"] > 3]
         if not panel["visible"] or not seen:
