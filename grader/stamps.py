@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from datetime import datetime, timezone
+
+_FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *(?:([+-]\d\d):?(\d\d)|[Zz])", re.ASCII)
 
 
 def read_stamp(value: object) -> datetime | None:
-    """A point in time from text or what a YAML reader made of it; None if it is none, or has no offset."""
-    text = str(value).strip()
-    if text.endswith(("Z", "z")):  # Python 3.10 does not take it
-        text = f"{text[:-1]}+00:00"
+    """A point in time from text or what a YAML reader made of it, to the second; None if it is none, or has no offset."""
+    if isinstance(value, datetime):
+        return value.astimezone(timezone.utc).replace(microsecond=0) if value.tzinfo else None
+    found = _FORM.fullmatch(str(value).strip())
+    if found is None:
+        return None
     try:
-        when = value if isinstance(value, datetime) else datetime.fromisoformat(text)
-        return when.astimezone(timezone.utc) if when.tzinfo else None
+        when = datetime.fromisoformat(f"{found[1]}T{found[2]}{found[3] or '+00'}:{found[4] or '00'}")
+        return when.astimezone(timezone.utc)
     except (ValueError, OverflowError):
         return None
 

@@ -19,6 +19,7 @@ import time
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 import yaml
@@ -149,7 +150,7 @@ def gradescope(students: Sequence[Student], root: Path) -> Path:
         folder = f"submission_{770_000 + student.number}"
         metadata[folder] = {
             ":submitters": [{":name": student.name, ":sid": student.sid, ":email": student.email}],
-            ":created_at": "2026-11-20 13:00:00.123456000 -08:00",
+            ":created_at": datetime.fromisoformat("2026-11-20T13:00:00.123456-08:00"),
             ":score": 0.0,
             ":status": "processed",
             ":results": {"tests": []},

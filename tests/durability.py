@@ -133,13 +133,13 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
         process = subprocess.Popen(command(students, out), cwd=ROOT, stdout=said, stderr=said)
         run.hit = _kill_one(process, target, chance)
         seen = below(process.pid)
-        code = process.wait(timeout=_WITHIN_S)
+        code = _wait(process)
         run.runs = 1
         if run.hit and target == "grader":
             run.troubles += _left(seen)
-        if code and not (run.hit and target == "grader"):
+        if code != 0 and not (run.hit and target == "grader"):
             said.seek(0)
-            run.troubles.append(f"exit code {code}: {said.read()[-300:]!r}")
+            run.troubles.append(f"{'did not end' if code is None else f'exit code {code}'}: {said.read()[-300:]!r}")
     run.recorded_before = recorded(out)
     again = grade(students, out)
     run.runs += 1
@@ -156,6 +156,16 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
     if recorded(out) != len(expected):
         run.troubles.append(f"{recorded(out)} results for {len(expected)} submissions")
     return run
+
+
+def _wait(process: subprocess.Popen[bytes]) -> int | None:
+    """The exit code; None where there would never be one."""
+    try:
+        return process.wait(timeout=_WITHIN_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+        return None
 
 
 def _kill_one(process: subprocess.Popen[bytes], target: str, chance: random.Random) -> bool:

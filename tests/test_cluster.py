@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from grader import classroom, cluster, cluster_worker, rubric, traces
+from grader import classroom, cli, cluster, cluster_worker, rubric, traces
 from grader.batch import KILLED, Unmarked
 from grader.errors import GraderError, RequestError
 from grader.evidence import Evidence
@@ -301,6 +301,21 @@ def test_an_address_where_something_else_is_is_refused(site: Site, monkeypatch: 
 def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert refusal("tcp://127.0.0.1:1") == "--cluster needs Dask; install it with: pip install 'imugrade[cluster]'"
+
+
+def test_the_command_tells_it_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
+    monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 0.2)
+    arguments = ["grade", str(hand_in(tmp_path / "class", full=False)), "-o", str(tmp_path / "out")]
+    assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1"]) == 2
+    assert capsys.readouterr().err.splitlines()[1:] == [
+        "imugrade: --cluster tcp://127.0.0.1:1: no Dask scheduler answers there "
+        "(Timed out trying to connect to tcp://127.0.0.1:1 after 0.2 s)"
+    ]
+    assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1", "--jobs", "2"]) == 2
+    assert capsys.readouterr().err == "imugrade: --jobs is for this machine; a cluster has the workers that it has\n"
 
 
 # --- a cluster that goes away -----------------------------------------------------------------------------------------

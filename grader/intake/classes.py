@@ -57,9 +57,8 @@ def _read_folders(download: Download) -> Shape:
     """Forced only: every folder and archive at the top of a zip is a submission."""
     fits = {name: is_folder or has_suffix(name, ARCHIVES) for name, is_folder in download.top.items()}
     found = tuple(
-        Found(f"folder:{name}", original(name), original(name), download.path, _all_of(download, name))
-        for name, fit in fits.items()
-        if fit
+        Found(f"folder:{name}", called, called, download.path, _all_of(download, name))
+        for name, called in ((n, original(n) if download.top[n] else original_name(Path(n))) for n in fits if fits[n])
     )
     return Shape("folders of submissions", found, tuple((name, UNPLACED) for name, fit in fits.items() if not fit))
 
@@ -125,13 +124,13 @@ def _shape_at(path: Path, wanted: str | None) -> Shape | None:
     if not os.path.exists(path):
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     if wanted == "folders":
-        download = None if os.path.isdir(path) else open_download(path)
-        return None if download is None else _read_folders(download)
-    download = open_download(path) if os.path.isdir(path) or has_suffix(path.name, (".zip",)) else None
-    for name, read in PLATFORMS.items():
-        shape = read(download) if download is not None and wanted in (None, name) else None
-        if shape is not None and shape.found and download is not None:
-            return Shape(shape.title, shape.found, (*shape.left, *download.left))
+        tops = [] if os.path.isdir(path) else open_download(path)
+        return next((_read_folders(top) for top in reversed(tops)), None)
+    for top in open_download(path) if os.path.isdir(path) or has_suffix(path.name, (".zip",)) else ():
+        for name, read in PLATFORMS.items():
+            shape = read(top) if wanted in (None, name) else None
+            if shape is not None and shape.found:
+                return Shape(shape.title, shape.found, (*shape.left, *top.left))
     if wanted is not None:
         raise RequestError(f"--from {wanted}: {printable(str(path), 500)} does not have that shape; leave --from out")
     return None

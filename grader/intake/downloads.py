@@ -24,10 +24,7 @@ REFUSED = "the system refused it"
 
 @dataclass(frozen=True)
 class Download:
-    """What lies at the top of a download, `root` down in it: names to whether they are folders, and what stays out and why.
-
-    A download that is one folder in a zip, or in a folder, is looked at from inside that folder.
-    """
+    """What lies at the top of a download, `root` down in it: names to whether they are folders, and what stays out and why."""
 
     path: Path
     root: str
@@ -59,19 +56,14 @@ class Download:
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 
 
-def open_download(path: Path) -> Download | None:
-    """The top of a folder or a zip; None if it is neither."""
-    if os.path.isdir(path):
-        download = _folder(path, "")
-    elif zipfile.is_zipfile(path):
-        download = _zip(path, "")
-    else:
-        return None
-    folders = [name for name, is_folder in download.top.items() if is_folder]
-    if len(folders) == 1 and len(download.top) == 1:
-        inner = _folder(path, folders[0]) if os.path.isdir(path) else _zip(path, folders[0])
-        return inner if inner.top else download
-    return download
+def open_download(path: Path) -> list[Download]:
+    """The top of a folder or a zip, and where that is a single folder the top of it, too; nothing if it is neither."""
+    if not os.path.isdir(path) and not zipfile.is_zipfile(path):
+        return []
+    look = _folder if os.path.isdir(path) else _zip
+    download = look(path, "")
+    lone = [name for name, is_folder in download.top.items() if is_folder and len(download.top) == 1]
+    return [download, *(look(path, name) for name in lone)]
 
 
 def gather_sources(path: Path, sources: Sources) -> Pile:
@@ -115,7 +107,7 @@ def _zip(path: Path, root: str) -> Download:
             first, *below = name[len(start) :].split("/")
             top[first] = top.get(first, False) or bool(below)
     shown = {name: top[name] for name in sorted(top) if name and not name.startswith(".")}
-    return Download(path, root, shown, tuple((name, UNSAFE) for name in contents.unsafe if not root))
+    return Download(path, root, shown, tuple((name, UNSAFE) for name in contents.unsafe))
 
 
 @dataclass(frozen=True)

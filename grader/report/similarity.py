@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from grader.fingerprint import WINDOW, of_the_sheet
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 FEWEST = 20
 """Common hashes, of about seven tokens each: some 15 lines."""
@@ -17,6 +21,8 @@ _COMMON = 0.5
 _CLASS = 6
 _MOST = 50
 _TOKENS_A_LINE = 9
+_BLOCK = 256
+"""Submissions that are compared with the class at a time: memory grows with the class, not with its square."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +51,18 @@ def pairs(fingerprints: Mapping[str, tuple[int, ...]]) -> list[Pair]:
     ids = [id_ for id_, hashes in own.items() if len(hashes) >= FEWEST]
     if len(ids) < 2:
         return []
-    common, sizes = _common(ids, own), np.array([len(own[id_]) for id_ in ids])
-    share = common / np.minimum.outer(sizes, sizes)
-    rows, columns = np.nonzero(np.triu((common >= FEWEST) & (share >= _SHARE), 1))
-    found = [Pair(ids[i], ids[j], int(common[i, j]), float(share[i, j])) for i, j in zip(rows, columns, strict=True)]
-    return sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:_MOST]
+    holds, sizes = _holds(ids, own), np.array([len(own[id_]) for id_ in ids])
+    found: list[Pair] = []
+    for start in range(0, len(ids), _BLOCK):
+        common = np.asarray((holds[start : start + _BLOCK] @ holds.T).toarray())
+        share = common / np.minimum.outer(sizes[start : start + _BLOCK], sizes)
+        rows, columns = np.nonzero(np.triu((common >= FEWEST) & (share >= _SHARE), start + 1))
+        found += [
+            Pair(ids[start + i], ids[j], int(common[i, j]), float(share[i, j]))
+            for i, j in zip(rows, columns, strict=True)
+        ]
+        found = sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:_MOST]
+    return found
 
 
 def _own(fingerprints: Mapping[str, tuple[int, ...]]) -> dict[str, frozenset[int]]:
@@ -61,12 +74,11 @@ def _own(fingerprints: Mapping[str, tuple[int, ...]]) -> dict[str, frozenset[int
     return {id_: hashes - common for id_, hashes in own.items()}
 
 
-def _common(ids: list[str], own: Mapping[str, frozenset[int]]) -> np.ndarray:
-    """(n, n) numbers of common hashes."""
+def _holds(ids: list[str], own: Mapping[str, frozenset[int]]) -> csr_array:
+    """(n, hashes) matrix of which submission holds which hash."""
     from scipy.sparse import csr_array  # noqa: PLC0415 - slow to import, and pages of one submission do not need it
 
     place = {value: k for k, value in enumerate(sorted(frozenset().union(*(own[id_] for id_ in ids))))}
     columns = np.array([place[value] for id_ in ids for value in own[id_]])
     borders = np.cumsum([0, *(len(own[id_]) for id_ in ids)])
-    holds = csr_array((np.ones(len(columns), dtype=np.int32), columns, borders), shape=(len(ids), len(place)))
-    return np.asarray((holds @ holds.T).toarray())
+    return csr_array((np.ones(len(columns), dtype=np.int32), columns, borders), shape=(len(ids), len(place)))

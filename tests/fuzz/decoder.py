@@ -56,6 +56,13 @@ def _one(data: bytes) -> None:
     check_decoder(data[1:] if data[:1] < b"\x40" else framed(data[1:]))
 
 
+def _words(path: Path) -> Path:
+    """What a mutation may put in: the names and signs of a frame."""
+    words = ["fields", "arrays", *wire.DTYPES, "null", "true", "NaN", "1e400", "-0", "[[", "]]", "{}", ",", ":", "\\\\ud800", "2147483647"]
+    path.write_text("".join(f'"{word}"\n' for word in words), encoding="utf-8")
+    return path
+
+
 def _seeds(folder: Path) -> Path:
     text = FRAME[wire.HEADER.size :].partition(b"\0")[0]
     body = FRAME[wire.HEADER.size + len(text) :]
@@ -75,10 +82,12 @@ def main() -> None:
     for function in (wire.unpack, wire.pack, *vars(wire.Incoming).values(), *vars(wire).values()):
         if getattr(function, "__module__", "") == wire.__name__ and hasattr(function, "__code__"):
             atheris.instrument_func(function)
-    folder = _seeds(Path(tempfile.mkdtemp(prefix="imugrade-fuzz-")))
-    limits = [f"-max_total_time={options.seconds}", f"-rss_limit_mb={_MEMORY_MB}", "-max_len=4096", "-timeout=5"]
+    scratch = Path(tempfile.mkdtemp(prefix="imugrade-fuzz-"))
+    folder = _seeds(scratch)
+    words = _words(scratch.with_name(f"{scratch.name}.dict"))
+    limits = [f"-max_total_time={options.seconds}", f"-rss_limit_mb={_MEMORY_MB}", "-max_len=4096", "-timeout=5", f"-dict={words}"]
     atheris.Setup([sys.argv[0], *limits, "-print_final_stats=1", str(folder)], _one)
-    atheris.Fuzz()
+    atheris.Fuzz()  # ends the process
 
 
 if __name__ == "__main__":

@@ -37,14 +37,16 @@ const filters = document.getElementById("filters");
 const find = document.getElementById("find");
 const only = document.getElementById("only");
 const shown = document.getElementById("shown");
-const rows = Array.from(document.getElementById("submissions").tBodies[0].rows);
+const rows = Array.from(document.getElementById("submissions").tBodies[0].rows, (row) => {
+  const text = Array.from(row.querySelectorAll("[data-find]"), (cell) => cell.textContent).join(" ");
+  return { row, text: text.toLocaleLowerCase(), tags: row.dataset.tags.split(" ") };
+});
 
 function filter() {
   const words = find.value.trim().toLocaleLowerCase().split(/\s+/);
   let count = 0;
-  for (const row of rows) {
-    const text = row.textContent.toLocaleLowerCase();
-    const tagged = !only.value || row.dataset.tags.split(" ").includes(only.value);
+  for (const { row, text, tags } of rows) {
+    const tagged = !only.value || tags.includes(only.value);
     row.hidden = !tagged || !words.every((word) => text.includes(word));
     count += row.hidden ? 0 : 1;
   }

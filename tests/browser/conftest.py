@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from grader import rubric, traces
+from grader.evidence import unpacked
+from grader.intake import read_submission
+from grader.marking import Marker
+from grader.report.pages import index_page, report_page
+from grader.results import CriterionResult, Result
+from grader.standing import Adjustment, HandIn, Lateness, Person, Standing
+from tests.examples import FOLDER
+from tests.made_up import HOSTILE, check, lost, result
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+STUDENTS = 36
+
+
+def made_up(number: int) -> Result:
+    """Scores from 0 to 20 in an order that is neither that of the names nor of the ids."""
+    points = number * 7 % 15
+    wrong = lost(id="sensor_access.matches_truth", title="Reads what is there", max_points=14.0)
+    first = check(points=float(number % 7), outcome="partial" if number % 7 < 6 else "passed")
+    second = replace(wrong, points=float(points), misconceptions=("sign-flipped",) if points < 3 else ())
+    made = result(first, second, name=HOSTILE if number == 5 else f"Student {number}", duration_s=0.2 + number / 100)
+    return replace(made, criteria=(CriterionResult("sensor_access", "Sensor access", 20.0, made.criteria[0].checks),))
+
+
+def standing(number: int) -> Standing:
+    made = made_up(number)
+    person = Person(made.submission, section="Tue" if number % 2 else "Thu")
+    late = Lateness("", 7200 * number, 1, 2.0) if number % 12 == 3 else None
+    by_hand = (Adjustment("sensor_access", 11.0, "Shown.", "Ada", "2026-11-21T21:00:00+00:00", {}),) * (number == 9)
+    return Standing(f"s{number:02}", made, HandIn((person,), late=late), by_hand)
+
+
+@pytest.fixture(scope="session")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A class on disk as `grade` leaves it: one submission really marked, with its charts, and made-up ones."""
+    folder = tmp_path_factory.mktemp("out")
+    with Marker(rubric.load(), traces.shipped()) as marker:
+        marked = marker.mark(read_submission(FOLDER / "s09-variance-as-std"))
+    standings = {s.id: s for s in map(standing, range(STUDENTS))} | {"real": Standing("real", marked)}
+    for id_, each in standings.items():
+        place = folder / "submissions" / id_
+        place.mkdir(parents=True)
+        charts = unpacked(each.result.evidence.charts)
+        (place / "report.html").write_text(report_page(each, charts), encoding="utf-8")
+    prints = {id_: tuple(range(60)) for id_ in ("s01", "s02")}
+    (folder / "index.html").write_text(index_page(standings, prints), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        launched = playwright.chromium.launch(executable_path=CHROMIUM)
+        yield launched
+        launched.close()
+
+
+class Watched:
+    """Pages that are opened from disk, without a network; what goes wrong in them is written down."""
+
+    def __init__(self, browser: Browser, out: Path) -> None:
+        self._browser, self._out = browser, out
+        self.troubles: list[str] = []
+
+    def open(self, path: str, **options: object) -> Page:
+        context = self._browser.new_context(offline=True, **options)  # type: ignore[arg-type]
+        page = context.new_page()
+        page.on("console", lambda message: self.troubles.append(message.text))
+        page.on("pageerror", lambda error: self.troubles.append(str(error)))
+        page.on("dialog", lambda dialog: self.troubles.append(dialog.message))
+        page.on("request", lambda request: self._local(request.url))
+        page.goto((self._out / path).as_uri())
+        return page
+
+    def _local(self, url: str) -> None:
+        if not url.startswith("file:"):
+            self.troubles.append(url)
+
+    def close(self) -> None:
+        for context in self._browser.contexts:
+            context.close()
+
+
+@pytest.fixture
+def watched(browser: Browser, out: Path) -> Iterator[Watched]:
+    pages = Watched(browser, out)
+    yield pages
+    pages.close()
+    assert pages.troubles == []

@@ -1,0 +1,191 @@
+"""The pages in a real browser: Debian's Chromium, as `.ci/run` installs it."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import CHROMIUM, STUDENTS, Watched
+
+if CHROMIUM is None:
+    pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
+
+INDEX, REPORT, BY_HAND = "index.html", "submissions/real/report.html", "submissions/s09/report.html"
+PHONE = {"width": 320, "height": 640}
+"""The narrowest that WCAG 2.2 asks for (1.4.10, reflow)."""
+
+
+def column(page: Page, heading: str) -> list[str]:
+    """The cells that are shown below a heading of the class table, from top to bottom."""
+    return page.evaluate(
+        """heading => {
+            const table = document.getElementById("submissions");
+            const place = Array.from(table.tHead.rows[0].cells).findIndex(cell => cell.textContent.trim() === heading);
+            return Array.from(table.tBodies[0].rows).filter(row => !row.hidden).map(row => row.cells[place].textContent.trim());
+        }""",
+        heading,
+    )
+
+
+# --- the class ------------------------------------------------------------------------------------------------------
+
+
+def test_a_click_on_a_heading_sorts_by_it_and_a_second_one_the_other_way(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    before = [float(cell) for cell in column(page, "Score")]
+    assert before != sorted(before)
+    page.locator("#submissions").get_by_role("button", name="Score").click()
+    assert [float(cell) for cell in column(page, "Score")] == sorted(before, reverse=True)
+    expect(page.locator("#submissions th[aria-sort]")).to_have_attribute("aria-sort", "descending")
+    page.locator("#submissions").get_by_role("button", name="Score").click()
+    assert [float(cell) for cell in column(page, "Score")] == sorted(before)
+    expect(page.locator("#submissions th[aria-sort]")).to_have_attribute("aria-sort", "ascending")
+
+
+def test_names_sort_by_their_numbers_and_with_the_keyboard(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.locator("#submissions").get_by_role("button", name="Name").focus()
+    page.keyboard.press("Enter")
+    names = [name for name in column(page, "Name") if re.fullmatch(r"Student \d+", name)]
+    assert names == [f"Student {number}" for number in range(STUDENTS) if number != 5]
+
+
+def test_a_word_filters_the_class_and_the_count_is_told(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    expect(page.locator("#shown")).to_have_text("")
+    page.get_by_label("Find").fill("thu 1")
+    assert column(page, "Name") == [f"Student {number}" for number in (10, 12, 14, 16, 18)]
+    expect(page.locator("#shown")).to_have_text(f"5 of {STUDENTS + 1}")
+    page.get_by_label("Find").fill("no such name")
+    assert column(page, "Name") == []
+    expect(page.locator("#shown")).to_have_text(f"0 of {STUDENTS + 1}")
+
+
+def test_a_choice_filters_the_class_by_status_and_both_filters_go_together(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.get_by_label("Show").select_option(label="late (3)")
+    assert column(page, "Name") == ["Student 3", "Student 15", "Student 27"]
+    page.get_by_label("Find").fill("27")
+    assert column(page, "Name") == ["Student 27"]
+
+
+def test_a_mistake_leads_to_those_who_made_it_and_a_name_to_the_report(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.get_by_role("button", name="variance as std").click()
+    assert column(page, "Name") == ["s09-variance-as-std"]
+    page.locator("#submissions").get_by_role("link", name="s09-variance-as-std").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("s09-variance-as-std")
+    page.locator(".losses a").first.click()
+    expect(page.locator(".check:target h3")).to_have_text(
+        "The noise of each sensor has the standard deviation that was asked for"
+    )
+    expect(page.locator(".check:target")).to_be_in_viewport()
+
+
+def test_a_check_leads_to_those_who_lost_points_on_it(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.locator("#checks + p + .scroll").get_by_role("button", name="Reads what is there").click()
+    lost = [number for number in range(STUDENTS) if number * 7 % 15 < 14]
+    assert len(column(page, "Name")) == len(lost) < STUDENTS
+    expect(page.get_by_label("Show")).to_be_focused()
+
+
+def test_other_tables_sort_as_well(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    table = page.locator("table.items")
+    table.get_by_role("button", name="Earned").click()
+    shares = [int(cell.split()[0]) for cell in table.locator("tbody tr td:nth-child(4)").all_inner_texts()]
+    assert shares == sorted(shares, reverse=True)
+
+
+def test_without_scripts_the_class_page_is_whole(watched: Watched) -> None:
+    page = watched.open(INDEX, java_script_enabled=False)
+    expect(page.locator("#submissions tbody tr")).to_have_count(STUDENTS + 1)
+    expect(page.get_by_label("Find")).to_be_hidden()
+    watched.troubles.clear()  # Chromium says that the script was blocked, which is what was asked for
+
+
+# --- a report -------------------------------------------------------------------------------------------------------
+
+
+def test_every_chart_is_drawn_inside_its_frame(watched: Watched) -> None:
+    page = watched.open(REPORT)
+    boxes = page.evaluate(
+        """() => Array.from(document.querySelectorAll("svg.plane"), svg => {
+            const frame = svg.getBoundingClientRect();
+            const strokes = Array.from(svg.querySelectorAll(".stroke, path.bars"), each => each.getBoundingClientRect());
+            const outside = strokes.filter(box => box.left < frame.left - 1 || box.right > frame.right + 1
+                || box.top < frame.top - 1 || box.bottom > frame.bottom + 1);
+            const widest = Math.max(...strokes.map(box => box.width));
+            return { wide: frame.width, strokes: strokes.length, outside: outside.length, widest };
+        })"""
+    )
+    assert len(boxes) == 13
+    for box in boxes:
+        assert box["wide"] > 300
+        assert box["strokes"] >= 1
+        assert box["outside"] == 0
+        assert box["widest"] > 0.7 * box["wide"]
+
+
+def test_curves_have_the_colours_of_their_kind_in_light_and_dark(watched: Watched) -> None:
+    def stroke(scheme: str) -> str:
+        page = watched.open(REPORT, color_scheme=scheme)
+        return str(page.locator(".stroke.x").first.evaluate("each => getComputedStyle(each).stroke"))
+
+    assert stroke("light") == "rgb(43, 98, 168)"
+    assert stroke("dark") == "rgb(127, 176, 238)"
+
+
+def test_on_paper_nothing_is_cut_off_and_no_control_is_printed(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.emulate_media(media="print")
+    expect(page.locator("nav")).to_be_hidden()
+    expect(page.get_by_label("Find")).to_be_hidden()
+    report = watched.open(REPORT)
+    assert report.pdf(format="A4")[:5] == b"%PDF-"
+
+
+# --- everyone -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("path", "scheme"), [(INDEX, "light"), (INDEX, "dark"), (REPORT, "light"), (REPORT, "dark"), (BY_HAND, "light")]
+)
+def test_axe_finds_nothing_to_complain_of(watched: Watched, path: str, scheme: str) -> None:
+    page = watched.open(path, color_scheme=scheme, bypass_csp=True)
+    found = Axe().run(page).response["violations"]
+    told = [(each["id"], [node["html"][:120] for node in each["nodes"][:3]]) for each in found]
+    assert told == []
+
+
+@pytest.mark.parametrize("path", [INDEX, REPORT, BY_HAND])
+def test_a_phone_needs_no_sideways_scrolling(watched: Watched, path: str) -> None:
+    page = watched.open(path, viewport=PHONE, has_touch=True)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    smallest = page.evaluate(
+        """() => Math.min(...Array.from(document.querySelectorAll("main p, main td, main dd, main li, main h3"))
+            .filter(each => each.offsetParent !== null).map(each => parseFloat(getComputedStyle(each).fontSize)))"""
+    )
+    assert smallest >= 12
+
+
+def test_nothing_that_a_student_wrote_runs(watched: Watched) -> None:
+    page = watched.open("submissions/s05/report.html")
+    expect(page.get_by_role("heading", level=1)).to_contain_text("<script>alert(1)</script>")
+    page = watched.open(INDEX)
+    page.get_by_label("Find").fill("alert(1)")
+    assert len(column(page, "Name")) == 1
+
+
+def test_the_policy_stops_a_script_that_is_not_ours(watched: Watched) -> None:
+    page = watched.open(REPORT)
+    page.evaluate(
+        "document.body.append(Object.assign(document.createElement('script'), {textContent: 'window.ran = 1'}))"
+    )
+    assert page.evaluate("window.ran") is None
+    assert len(watched.troubles) == 1
+    assert "Content Security Policy" in watched.troubles.pop()

@@ -1,0 +1,298 @@
+"""What platforms give is recognised by its shape, taken apart to the last file, and nothing of it is dropped in silence."""
+
+from __future__ import annotations
+
+import pickle
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+from grader.errors import RequestError
+from grader.intake import Intake, read_class
+from grader.standing import Lateness, Person
+from tests import classes
+from tests.corpus.writing import as_bytes
+
+FILTERS = {"filters.py": b"alpha = 0.1\n"}
+STUDENTS = classes.a_class(7, [{"imu_reader.py": "a = 1\n", "filters.py": "b = 2\n"}, {"filters.py": "c = 3\n"}])
+
+
+def zip_of(path: Path, members: dict[str, bytes | str]) -> Path:
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+    return path
+
+
+def files_of(found: Intake) -> dict[str, dict[str, bytes]]:
+    return {entry.id: dict(entry.read().files) for entry in found.entries}
+
+
+# ---- every shape ----
+
+
+@pytest.mark.parametrize("shape", classes.SHAPES)
+def test_every_student_of_every_shape_is_found_with_their_own_files(shape: str, tmp_path: Path) -> None:
+    found = read_class([classes.SHAPES[shape](STUDENTS, tmp_path / "in")])
+    assert found.leftovers == ()
+    assert len(found.entries) == len({entry.id for entry in found.entries}) == len(STUDENTS)
+    assert pickle.loads(pickle.dumps(found.entries)) == found.entries
+    handed_in = sorted(sorted((n, as_bytes(c)) for n, c in s.files.items()) for s in STUDENTS)  # type: ignore[arg-type]
+    own = sorted(sorted((n, d) for n, d in files.items() if n != "result.json") for files in files_of(found).values())
+    assert own == handed_in
+
+
+@pytest.mark.parametrize(
+    ("shape", "title"),
+    [
+        ("canvas", "Canvas submissions"),
+        ("moodle", "Moodle submissions"),
+        ("moodle_flat", "Moodle submissions"),
+        ("moodle_unzipped", "Moodle submissions"),
+        ("gradescope", "Gradescope export"),
+        ("classroom50", "Classroom 50 clones"),
+        ("git", "git clones"),
+    ],
+)
+def test_the_shape_is_told_in_one_line(shape: str, title: str, tmp_path: Path) -> None:
+    path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
+    assert read_class([path]).told == (f"{path}: {title}, 7 submissions",)
+
+
+def test_a_plain_folder_of_folders_is_told_by_nothing(tmp_path: Path) -> None:
+    assert read_class([classes.folders(STUDENTS, tmp_path / "in")]).told == ()
+
+
+@pytest.mark.parametrize("shape", ["canvas", "moodle", "gradescope"])
+def test_a_download_that_was_unpacked_is_read_as_the_zip_is(shape: str, tmp_path: Path) -> None:
+    path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "unpacked")
+    packed, unpacked = read_class([path]), read_class([tmp_path / "unpacked"])
+    assert [(e.id, e.name, e.hand_in) for e in packed.entries] == [(e.id, e.name, e.hand_in) for e in unpacked.entries]
+    assert [e.read().sha256 for e in packed.entries] == [e.read().sha256 for e in unpacked.entries]
+
+
+def test_a_shape_can_be_forced_and_one_that_does_not_fit_is_refused(tmp_path: Path) -> None:
+    path = classes.moodle(STUDENTS, tmp_path / "in")
+    assert len(read_class([path], "moodle").entries) == 7
+    with pytest.raises(RequestError) as refusal:
+        read_class([path], "canvas")
+    assert str(refusal.value) == f"--from canvas: {path} does not have that shape; leave --from out"
+
+
+def test_a_zip_of_folders_is_one_submission_unless_it_is_forced_to_be_a_class(tmp_path: Path) -> None:
+    inner = zip_of(tmp_path / "carol.zip", FILTERS)  # type: ignore[arg-type]
+    members = {"alice/filters.py": "a", "bob/filters.py": "b", "carol.zip": inner.read_bytes(), "notes.txt": "?"}
+    path = zip_of(tmp_path / "class.zip", members)
+    assert [entry.id for entry in read_class([path]).entries] == ["class"]
+    found = read_class([path], "folders")
+    assert files_of(found) == {"alice": {"filters.py": b"a"}, "bob": {"filters.py": b"b"}, "carol": FILTERS}
+    assert found.leftovers == (f"{path}/notes.txt: not a folder, a .zip or a .tar.gz, so whose it is cannot be told",)
+
+
+def test_a_students_own_archive_is_never_taken_for_a_download(tmp_path: Path) -> None:
+    """Else a student could hand in under other people's names."""
+    room = tmp_path / "class"
+    room.mkdir()
+    zip_of(room / "mallory.zip", {"Alice_12_assignsubmission_file_filters.py": "a", "imu_reader.py": "b"})
+    zip_of(room / "bob.zip", FILTERS)  # type: ignore[arg-type]
+    assert [entry.id for entry in read_class([room]).entries] == ["bob", "mallory"]
+
+
+def test_names_that_lead_out_of_a_download_are_listed_and_not_followed(tmp_path: Path) -> None:
+    path = zip_of(
+        tmp_path / "m.zip",
+        {"A_1_assignsubmission_file_/filters.py": "a", "../B_2_assignsubmission_file_/filters.py": "b"},
+    )
+    found = read_class([path])
+    assert [entry.id for entry in found.entries] == ["A_1"]
+    assert found.leftovers == (
+        f"{path}/../B_2_assignsubmission_file_/filters.py: the path leads out of the archive or names a drive",
+    )
+
+
+# ---- Canvas ----
+
+
+def canvas(tmp_path: Path, *names: str) -> Intake:
+    return read_class([zip_of(tmp_path / "c.zip", {name: f"# {name}\n" for name in names})])
+
+
+def test_canvas_names_give_who_late_and_where_feedback_goes(tmp_path: Path) -> None:
+    found = canvas(
+        tmp_path, "doejane_LATE_101_9001_imu_reader.py", "doejane_LATE_101_9002_filters.py", "li2_102_9003_filters.py"
+    )
+    jane, li = found.entries
+    assert (jane.id, jane.name, jane.hand_in.people) == (
+        "doejane_101",
+        "doejane",
+        (Person("doejane", "101", "canvas"),),
+    )
+    assert jane.hand_in.late == Lateness("", None)
+    assert jane.hand_in.reply == "doejane_LATE_101_9002_"
+    assert set(jane.read().files) == {"imu_reader.py", "filters.py"}
+    assert (li.id, li.hand_in.late, li.hand_in.people[0].key) == ("li2_102", None, "102")
+
+
+def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp_path: Path) -> None:
+    found = canvas(tmp_path, "a_1_10_filters.py", "a_1_12_filters-1.py", "a_1_11_lab-04-01.ipynb", "a_1_13_data-2.csv")
+    assert dict(found.entries[0].read().files) == {
+        "filters.py": b"# a_1_12_filters-1.py\n",
+        "lab-04-01.ipynb": b"# a_1_11_lab-04-01.ipynb\n",
+        "data-2.csv": b"# a_1_13_data-2.csv\n",
+    }
+    assert found.leftovers == (
+        f"{tmp_path}/c.zip/a_1_10_filters.py: an older file of the same name and student; the newer one is graded",
+    )
+
+
+def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_path: Path) -> None:
+    found = canvas(tmp_path, "LATE_anon_x7Qz1_500_filters.py", "roe_103_text.html", "b_2_20_filters.py", "readme.md")
+    assert [(e.id, e.read().status) for e in found.entries] == [
+        ("anon_x7Qz1", "ready"),
+        ("b_2", "ready"),
+        ("roe_103", "empty"),
+    ]
+    assert found.entries[0].hand_in.people == (Person("anon_x7Qz1", "", "canvas"),)
+    assert found.entries[0].hand_in.late is not None
+    assert found.leftovers == (
+        f"{tmp_path}/c.zip/readme.md: not named as Canvas names files, so whose it is cannot be told",
+    )
+
+
+# ---- several attempts ----
+
+
+def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_listed(tmp_path: Path) -> None:
+    first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old", "b_2_11_filters.py": "b"})
+    second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
+    found = read_class([first, second])
+    assert files_of(found) == {"a_1": {"filters.py": b"new"}, "b_2": {"filters.py": b"b"}}
+    assert found.leftovers == (f"{first}/a_1_10_filters.py: an earlier attempt; the latest one is graded",)
+
+
+def test_all_attempts_are_found_where_the_best_is_to_count(tmp_path: Path) -> None:
+    first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old"})
+    second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
+    found = read_class([second, first], attempts="best")
+    assert [(e.id, e.read().files["filters.py"]) for e in found.entries] == [("a_1", b"old"), ("a_1", b"new")]
+    assert found.leftovers == ()
+
+
+def test_the_same_download_twice_is_one(tmp_path: Path) -> None:
+    path = zip_of(tmp_path / "m.zip", {"a_1_10_filters.py": "x"})
+    found = read_class([path, tmp_path / "." / "m.zip"])
+    assert (len(found.entries), found.leftovers) == (1, ())
+
+
+# ---- Moodle ----
+
+
+def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) -> None:
+    members = {
+        "Jane Doe_12_assignsubmission_file/filters.py": "f",
+        "Jane Doe_12_assignsubmission_onlinetext/onlinetext.html": "<p>hello</p>",
+        "Jane Doe_12_assignfeedback_file/old.html": "x",
+        "Only Text_13_assignsubmission_onlinetext/onlinetext.html": "<p>see attachment</p>",
+    }  # fmt: skip
+    found = read_class([zip_of(tmp_path / "m.zip", dict(members))])
+    jane, text = found.entries
+    assert (jane.id, jane.name, jane.hand_in.people) == (
+        "Jane_Doe_12",
+        "Jane Doe",
+        (Person("Jane Doe", "12", "moodle"),),
+    )
+    assert jane.hand_in.reply == "Jane Doe_12_assignsubmission_file/"
+    assert set(jane.read().files) == {"filters.py", "onlinetext.html"}
+    assert (text.id, text.read().status) == ("Only_Text_13", "empty")
+    assert found.leftovers == (
+        f"{tmp_path}/m.zip/Jane Doe_12_assignfeedback_file: feedback, not handed in by the student",
+    )
+
+
+@pytest.mark.parametrize(
+    ("member", "reply"),
+    [
+        ("Jane Doe_12_assignsubmission_file_/filters.py", "Jane Doe_12_assignsubmission_file_/"),
+        ("Jane Doe_12_assignsubmission_file_filters.py", "Jane Doe_12_assignsubmission_file_"),
+    ],
+)
+def test_feedback_goes_back_under_the_very_name_that_came(member: str, reply: str, tmp_path: Path) -> None:
+    found = read_class([zip_of(tmp_path / "m.zip", {member: "f", "B_9_assignsubmission_file_/filters.py": "g"})])
+    replies = {entry.id: entry.hand_in.reply for entry in found.entries}
+    assert replies.get("Jane_Doe_12") == reply
+
+
+# ---- Gradescope ----
+
+
+def export(tmp_path: Path, records: object, *folders: str) -> Intake:
+    members = {f"{folder}/filters.py": f"# {folder}\n" for folder in folders}
+    text = records if isinstance(records, str) else yaml.safe_dump(records)
+    return read_class([zip_of(tmp_path / "g.zip", {**members, "submission_metadata.yml": text})])
+
+
+def submitter(name: str, sid: str) -> dict[str, str]:
+    return {":name": name, ":sid": sid, ":email": f"{sid}@example.edu"}
+
+
+def test_a_group_is_one_submission_of_all_its_people_in_any_order(tmp_path: Path) -> None:
+    both = [submitter("Bob Roe", "s2"), submitter("Ann Lee", "s1")]
+    records = {
+        "submission_1": {":submitters": both, ":created_at": "2026-11-20 13:00:00.5 -08:00"},
+        "submission_7": {":submitters": both[::-1], ":created_at": "2026-11-21 13:00:00.5 -08:00"},
+    }
+    found = export(tmp_path, records, "submission_1", "submission_7")
+    (group,) = found.entries
+    assert (group.id, group.name) == ("Ann_Lee_s1", "Ann Lee; Bob Roe")
+    assert [person.sid for person in group.hand_in.people] == ["s1", "s2"]
+    assert (group.hand_in.submitted, group.hand_in.number) == ("2026-11-21T21:00:00+00:00", "7")
+    assert found.leftovers == (f"{tmp_path}/g.zip/submission_1: an earlier attempt; the latest one is graded",)
+
+
+def test_a_submission_without_people_and_folders_on_one_side_only_are_kept_in_sight(tmp_path: Path) -> None:
+    records = {
+        "submission_1": {":submitters": None, ":created_at": "2026-11-20 13:00:00"},
+        "submission_2": {":submitters": [submitter("Ann Lee", "s1")]},
+    }
+    found = export(tmp_path, records, "submission_1", "submission_3")
+    assert [(entry.id, entry.hand_in.submitted) for entry in found.entries] == [("submission_1", "")]
+    assert found.leftovers == (
+        f"{tmp_path}/g.zip/submission_2: submission_metadata.yml names it, and it has no folder",
+        f"{tmp_path}/g.zip/submission_3: submission_metadata.yml does not name it, so whose it is cannot be told",
+    )
+
+
+@pytest.mark.parametrize("text", ["{", "- a", "!!python/object/apply:os.system ['true']", "\0", ""])
+def test_metadata_that_cannot_be_read_is_no_export(text: str, tmp_path: Path) -> None:
+    found = export(tmp_path, text, "submission_1")
+    assert (found.told, [entry.id for entry in found.entries]) == ((), ["g"])
+
+
+# ---- clones ----
+
+
+def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Path) -> None:
+    rows = [
+        "username,first_name,last_name,email,section,score,max_score,datetime,submission_tag,submitted_by,review_url,late,override",
+        "a,Al,Short,al@example.edu,1,,,2026-11-20T21:00:00Z,submit/x,,,false,",
+        "anna-a,Anna,Long,anna@example.edu,2,,,2026-11-21T21:00:00Z,submit/y,,,true,",
+    ]
+    (tmp_path / "scores.csv").write_text("\n".join(rows) + "\n")
+    for name in ("rob-lab4-a", "rob-lab4-anna-a", "rob-lab4-new"):
+        classes._clone(tmp_path / name, {"filters.py": "x"})
+    found = {entry.id: entry.hand_in for entry in read_class([tmp_path]).entries}
+    assert found["rob-lab4-a"].people == (Person("Al Short", "a", "git", email="al@example.edu", section="1"),)
+    assert found["rob-lab4-anna-a"].people[0].name == "Anna Long"
+    assert found["rob-lab4-anna-a"].submitted == "2026-11-21T21:00:00+00:00"
+    assert (found["rob-lab4-a"].late, found["rob-lab4-anna-a"].late) == (None, Lateness("", None))
+    assert found["rob-lab4-new"].people[0].name == "rob-lab4-new"
+
+
+def test_one_clone_is_one_submission_also_where_it_holds_another(tmp_path: Path) -> None:
+    classes._clone(tmp_path / "me", {"solution.py": "x"})
+    classes._clone(tmp_path / "me" / "vendored", {"tool.py": "x"})
+    assert [entry.id for entry in read_class([tmp_path / "me"]).entries] == ["me"]
