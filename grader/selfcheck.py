@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grader.errors import RequestError
 from grader.intake import read_submission
-from grader.marking import Marker
+from grader.marking import Marker, libraries_of
 from grader.results import Result
 from grader.rubric import Rubric
 from grader.text import printable
@@ -30,7 +30,7 @@ def check(path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None
     """
     know_part(rubric, only)
     submission = read_submission(path)
-    with Marker(rubric, traces, rung=rung) as marker:
+    with Marker(rubric, traces, rung=rung, libraries=libraries_of(submission.files)) as marker:
         return marker.mark(submission, only=only)
 
 

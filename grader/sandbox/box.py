@@ -46,6 +46,8 @@ class Box:
         One of ``"full"``, ``"bubblewrap"``, ``"landlock"``, ``"none"``; None for the best that this machine allows.
     readable
         Further paths that the box shows read-only.
+    warm
+        Modules that are imported once for all workers. On the lowest rung each worker imports what it needs.
 
     Attributes
     ----------
@@ -60,15 +62,17 @@ class Box:
         If the rung that was asked for cannot be had here.
     """
 
-    def __init__(self, harness: Path, *, rung: str | None = None, readable: Sequence[Path] = ()) -> None:
+    def __init__(
+        self, harness: Path, *, rung: str | None = None, readable: Sequence[Path] = (), warm: Sequence[str] = ()
+    ) -> None:
         self._harness = Path(harness).resolve()
-        self._readable = tuple(readable)
+        self._readable, self._warm = tuple(readable), tuple(warm)
         self._workers: list[Worker] = []
         self._zygote: Zygote | None = None
         self._closed = False
         _hide_this_process()
         if rung is None:
-            self._zygote, self.why = ladder.climb(self._harness, self._readable)
+            self._zygote, self.why = ladder.climb(self._harness, self._readable, self._warm)
             self.rung = self._zygote.rung if self._zygote else "none"
         else:
             self.rung, self.why = rung, f"{rung} was asked for"
@@ -116,7 +120,7 @@ class Box:
         if self.rung == "none":
             return None
         try:
-            return ladder.raise_walls(self.rung, self._harness, self._readable)
+            return ladder.raise_walls(self.rung, self._harness, self._readable, self._warm)
         except WallsRefusedError as error:
             raise GraderError(f"this machine does not allow the rung {self.rung!r}: {error}") from None
 

@@ -45,7 +45,7 @@ def caveat(zygote: Zygote) -> str:
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 
-def raise_walls(name: str, harness: Path, readable: Sequence[Path] = ()) -> Zygote:
+def raise_walls(name: str, harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> Zygote:
     """Start a zygote on this very rung, or raise WallsRefusedError."""
     if sys.platform != "linux":
         raise WallsRefusedError("needs Linux")
@@ -53,15 +53,15 @@ def raise_walls(name: str, harness: Path, readable: Sequence[Path] = ()) -> Zygo
 
     if name == "bubblewrap" and not bubblewrap.is_installed():
         raise WallsRefusedError("the program bwrap is not installed")
-    return launch.Zygote(name, harness, readable)
+    return launch.Zygote(name, harness, readable, warm)
 
 
-def climb(harness: Path, readable: Sequence[Path] = ()) -> tuple[Zygote | None, str]:
+def climb(harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> tuple[Zygote | None, str]:
     """Start a zygote on the best rung that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
     for name in RUNGS[:-1]:
         try:
-            zygote = raise_walls(name, harness, readable)
+            zygote = raise_walls(name, harness, readable, warm)
         except WallsRefusedError as error:
             refused.append(f"{name}: {error}")
             continue

@@ -46,7 +46,8 @@ class Zygote:
         If the walls could not be raised, or did not hold when tried from inside.
     """
 
-    def __init__(self, rung: str, harness: Path, readable: Sequence[Path] = ()) -> None:
+    def __init__(self, rung: str, harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> None:
+        self._warm = tuple(warm)
         self.rung = rung
         self.without_landlock = False
         self.start_cpu_s = 0.0
@@ -117,6 +118,7 @@ class Zygote:
             hidden=surroundings.hidden(),
             code=surroundings.code(),
             search=surroundings.search(visible),
+            warm=self._warm,
             fonts=tuple(path for path in surroundings.font_lists() if not uid or _open_to_all(path)),
             scratch=scratch,
             cache=cache,

@@ -25,6 +25,8 @@ class Plan:
         The sandbox's own modules that run in the box.
     search
         `sys.path` of the box.
+    warm
+        Modules that are imported before the first worker is forked, so that none pays for them.
     fonts
         Files for the zygote's cache: matplotlib's lists of fonts, which take 150 ms to make.
     scratch
@@ -43,6 +45,7 @@ class Plan:
     hidden: tuple[str, ...]
     code: tuple[str, ...]
     search: tuple[str, ...]
+    warm: tuple[str, ...]
     fonts: tuple[str, ...]
     scratch: tuple[str, ...]
     cache: str

@@ -202,7 +202,9 @@ def _warm_up(plan: Plan) -> Any:
     """Import everything once, freeze it, and return the harness's `answer`."""
     from .imports import load_harness  # noqa: PLC0415 - it pulls numpy, which must come after the walls
 
-    harness = load_harness(rootfs.HARNESS if plan.rung in ("full", "bubblewrap") else plan.harness, plan.search)
+    harness = load_harness(
+        rootfs.HARNESS if plan.rung in ("full", "bubblewrap") else plan.harness, plan.search, plan.warm
+    )
     gc.collect()
     gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
     tempfile.tempdir = None
