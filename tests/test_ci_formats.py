@@ -14,6 +14,7 @@ import jsonschema
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from junitparser import xunit2
 from markdown_it import MarkdownIt
 
 from grader.errors import GraderError, RequestError
@@ -267,6 +268,16 @@ def test_junit_has_a_suite_a_criterion_and_a_case_a_check_with_its_points() -> N
         "mistake": "sensor-id-as-address",
     }
     assert (case.get("classname"), case.get("name")) == ("imugrade.sensor_access", "c")
+
+
+def test_another_parser_reads_the_same_points_and_outcomes_from_junit() -> None:
+    suites = list(xunit2.JUnitXml.fromstring(junit(mixed()).encode()))
+    assert [(suite.name, suite.tests) for suite in suites] == [
+        (part.id, len(part.checks)) for part in (*mixed().criteria, *mixed().extensions) if part.checks
+    ]
+    told = [{each.name: each.value for each in case.properties()} for suite in suites for case in suite]
+    rows = [row for part in (*mixed().criteria, *mixed().extensions) for row in part.checks]
+    assert [(float(case["score"]), case["outcome"]) for case in told] == [(row.points, row.outcome) for row in rows]
 
 
 def test_a_part_earned_is_a_failure_with_the_fraction() -> None:
