@@ -232,7 +232,7 @@ class Student(Conversation):
 
 def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
     """The state that a run is said to start from; nothing where it is none: a student's process may claim anything."""
-    names = ("qpos", "qvel", "gravity", "timestep")
+    names = ("qpos", "qvel", "gravity", "timestep", "force")
     claim = {name: arrays[f"first_{name}"] for name in names if f"first_{name}" in arrays}
     sound = len(claim) == len(names) and all(np.isfinite(value).all() for value in claim.values())
     return claim if sound and 1e-6 <= claim["timestep"][0] <= 1.0 else {}

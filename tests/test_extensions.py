@@ -22,6 +22,7 @@ from grader.intake import Submission, read_submission
 from grader.marking import Marker
 from grader.report.pages import report_page
 from grader.results import ExtensionResult, Result, from_dict, to_dict
+from grader.standing import Standing
 from grader.student_extensions import EXTENSIONS, attempts
 from reference.allan_variance import allan_deviation, cluster_sizes, noise_density
 from reference.complementary_filter import ComplementaryFilter, euler_rates, heading_of, tilt_of
@@ -212,7 +213,7 @@ def test_the_cap_and_the_part_that_is_shown_are_told(truth: traces.Traces, mark:
     with Marker(granted("2"), truth) as marker:
         earning = mark(files, by=marker)
     assert (words.extension_points(earning.extensions[1]), words.extra_credit(earning)) == ("2.86 / 5", "2 / 2")
-    assert "extra credit 2 / 2" in report_page(earning)
+    assert "extra credit 2 / 2" in report_page(Standing("x", earning))
     assert (words.extension_points(mark(files).extensions[1]), words.extra_credit(mark(files))) == ("4 of 5 shown", "")
 
 

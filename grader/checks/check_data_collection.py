@@ -264,6 +264,9 @@ def _other_push(worlds: Worlds) -> None:
     claim = worlds.claim
     assert claim is not None
     pushed = np.flatnonzero(np.abs(claim.qvel) > _SAME_START)
+    if claim.force.any():
+        got = f"a series under a force of up to {np.abs(claim.force).max():.3g} N or Nm"
+        raise Lost("data.qvel[0] = 0.5 after the reset, and no force", got, mistakes=["wrong-perturbation"])
     if not len(pushed):
         raise Lost("data.qvel[0] = 0.5 after the reset", "a series without a push", mistakes=["no-perturbation"])
     if len(pushed) != 1 or pushed[0] != 0 or abs(claim.qvel[0] - 0.5) > _SAME_START:
@@ -312,9 +315,9 @@ def _story(student: Student, truth: Traces, name: str, series: Collection) -> tu
     if not _complete(series):
         return None, worlds
     story = diagnosis.explain(series, worlds)
-    if story is None and set(series.first_step) >= {"qpos", "qvel", "gravity", "timestep"}:
-        qpos, qvel, gravity = (series.first_step[key] for key in ("qpos", "qvel", "gravity"))
-        claim = Claim(qpos, qvel, gravity, float(series.first_step["timestep"][0]))
+    if story is None and series.first_step:
+        qpos, qvel, gravity, force = (series.first_step[key] for key in ("qpos", "qvel", "gravity", "force"))
+        claim = Claim(qpos, qvel, gravity, float(series.first_step["timestep"][0]), force)
         steps = min(_length(series) + 2, _LONGEST_REPLAY)
         runs = [student.replay(series.first_step, steps, held=held) for held in (False, True)]
         address = np.asarray(truth["reading_lab"]["sensor_adr"], int)

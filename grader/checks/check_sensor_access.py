@@ -68,6 +68,7 @@ def check_follows_address(student: Student, truth: Traces) -> None:
     first = diagnosis.explain(torso.accel, torso.gyro, scene)
     if first is not None and first.place_mistake:
         _place_lost(torso, scene, [first.place_mistake])
+    first = first or diagnosis.treated(torso.accel, torso.gyro, scene)
     for name, pairs in (("reading_lab", slice(1, None)), ("reading_shuffled", slice(None))):
         _follows(student, truth, name, pairs, first)
 

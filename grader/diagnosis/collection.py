@@ -36,12 +36,14 @@ class Claim:
     Attributes
     ----------
     qpos, qvel : the state before the first step; gravity : (3,); timestep : seconds
+    force : what was applied to the joints and bodies then
     """
 
     qpos: Array
     qvel: Array
     gravity: Array
     timestep: float
+    force: Array
 
 
 @dataclass(frozen=True)

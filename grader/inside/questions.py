@@ -143,7 +143,7 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``model`` (XML text), ``steps``, ``held`` (set ``qvel[0]`` to its first value before every step)
-    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,)
+    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,), ``force``: what is applied all the time
 
     Returns
     -------
@@ -155,6 +155,7 @@ def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     model.opt.timestep, model.opt.gravity[:] = float(arrays["timestep"][0]), arrays["gravity"]
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = arrays["qpos"], arrays["qvel"]
+    data.qfrc_applied[:], data.xfrc_applied[:] = arrays["force"][: model.nv], arrays["force"][model.nv :].reshape(-1, 6)
     rows = np.empty((fields["steps"], model.nsensordata))
     for row in rows:
         if fields["held"]:

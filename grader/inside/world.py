@@ -232,6 +232,7 @@ def _watch_first_step() -> None:
                 FIRST_STEP.update(
                     qpos=np.array(data.qpos), qvel=np.array(data.qvel), gravity=np.array(model.opt.gravity),
                     timestep=np.array([model.opt.timestep], dtype=np.float64),
+                    force=np.concatenate([data.qfrc_applied, data.xfrc_applied.ravel()]),
                 )  # fmt: skip
             return step(model, data, *args, **kwargs)
 

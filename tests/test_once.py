@@ -1,0 +1,58 @@
+"""One fault costs once even where no list knows it, and what does nothing earns no more than its form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader import rubric, traces
+from grader.intake import Submission
+from grader.marking import Marker
+from grader.results import CriterionResult
+from tests.corpus.pieces import lab
+
+READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
+CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"
+SCALED = READER + "    return 0.7 * data.sensor(accel_sensor_id).data, data.sensor(gyro_sensor_id).data.copy()\n"
+STUCK = """\
+class LowPassFilter:
+    def __init__(self, alpha=0.1, initial_value=None):
+        pass
+
+    def update(self, measurement):
+        return np.zeros(3)
+"""
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(), traces.shipped()) as marker:
+        yield marker
+
+
+def _criterion(marker: Marker, criterion: str, files: dict[str, str]) -> CriterionResult:
+    content = {name: text.encode() for name, text in files.items()}
+    result = marker.mark(Submission("s", "s", content, (), "ready", ""), only=criterion)
+    return result.criteria[0]
+
+
+def test_a_reader_of_constants_earns_the_form_of_its_answer_alone(marker: Marker) -> None:
+    criterion = _criterion(marker, "sensor_access", lab(read=CONSTANT))
+    assert {check.id: check.outcome for check in criterion.checks if check.points} == {
+        "sensor_access.returns_two_vectors": "passed"
+    }
+    assert criterion.checks[3].message.startswith("Needs a reading that follows the simulation")
+
+
+def test_an_unknown_treatment_of_the_right_sensor_costs_once(marker: Marker) -> None:
+    criterion = _criterion(marker, "sensor_access", lab(read=SCALED))
+    lost = {check.id: check.points for check in criterion.checks if check.outcome != "passed"}
+    assert lost == {"sensor_access.matches_truth": 3.0}  # one of two sensors is right
+    assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
+
+
+def test_a_filter_of_zeros_earns_nothing_and_is_called_stuck(marker: Marker) -> None:
+    criterion = _criterion(marker, "filtering", lab(low_pass=STUCK))
+    assert criterion.points == 0
+    assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"output-stuck"}
