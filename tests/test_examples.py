@@ -14,6 +14,7 @@ import pytest
 
 from grader.results import from_dict
 from tests.examples import FOLDER, folders, summary
+from tests.made_up import without_durations
 
 SCHEMA = json.loads(
     (Path(__file__).parent.parent / "grader" / "data" / "result.schema.json").read_text(encoding="utf-8")
@@ -60,11 +61,5 @@ def test_grading_again_gives_the_same_bytes_but_for_durations(out: Path, tmp_pat
     assert _grade(again).returncode == 0
     for folder in folders():
         first, second = _record(out, folder.name), _record(again, folder.name)
-        assert _without_durations(first) == _without_durations(second)
+        assert without_durations(first) == without_durations(second)
         assert list(first) == list(second)
-
-
-def _without_durations(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _without_durations(part) for key, part in value.items() if key != "duration_s"}
-    return [_without_durations(part) for part in value] if isinstance(value, list) else value

@@ -1,0 +1,70 @@
+"""What makes grading cheap changes no mark: the example class is marked with every saving, and without any."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from unittest import mock
+
+import pytest
+
+from grader import marking, plugin, rubric, traces
+from grader.intake import read_submission
+from grader.marking import HARNESS, Marker
+from grader.results import to_json
+from tests.examples import FOLDER, folders
+from tests.made_up import without_durations
+
+LONG = ("s12-endless-loop",)  # ten seconds, twice, and no picture
+
+PICTURES_IN_FULL = {
+    "seeing.py": "\n\ndef nothing_covers(figure):\n    return False\n\n\nLARGEST_DPI = 1000.0\n",
+    "figures.py": (
+        "\n\ndef _draw_once():\n    return lambda figure: contextlib.nullcontext()\n"
+        "\n\ndef _quick(asked, own):\n    return own if asked is None or asked == 'figure' else float(asked)\n"
+    ),
+}
+"""Every picture is drawn as the student's code asks, and looked at."""
+
+
+def marks(marker: Marker, folder: Path) -> object:
+    return without_durations(json.loads(to_json(marker.mark(read_submission(folder)))))
+
+
+@contextmanager
+def without_savings(folder: Path) -> Iterator[Marker]:
+    """A marker that imports no library beforehand and draws in full."""
+    harness = shutil.copytree(HARNESS, folder / "inside", ignore=shutil.ignore_patterns("__pycache__"))
+    for name, text in PICTURES_IN_FULL.items():
+        own = (harness / name).read_text(encoding="utf-8")
+        replaced = re.findall(r"^(?:def )?(\w+)(?:\(| =)", text, re.MULTILINE)
+        assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
+        (harness / name).write_text(own + text, encoding="utf-8")
+    with mock.patch.object(marking, "HARNESS", harness), Marker(rubric.load(), traces.shipped(), libraries=()) as slow:
+        yield slow
+
+
+def test_no_saving_changes_a_mark(tmp_path: Path) -> None:
+    chosen = [folder for folder in folders() if folder.name not in LONG]
+    with Marker(rubric.load(), traces.shipped()) as marker:
+        cheap = {folder.name: marks(marker, folder) for folder in chosen}
+    with without_savings(tmp_path) as marker:
+        for folder in chosen:
+            plugin.session.cache_clear()  # the checks are collected anew for each submission
+            assert marks(marker, folder) == cheap[folder.name], folder.name
+
+
+@pytest.mark.parametrize(
+    ("code", "wanted"),
+    [
+        (b"from scipy import signal\n", ("scipy.signal",)),
+        (b"import numpy\n", ()),
+        (b"import scipy.stats as st, mujoco.viewer\n", ("scipy.stats", "mujoco.viewer")),
+    ],
+)
+def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:
+    assert marking.libraries_of({"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
