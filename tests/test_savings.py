@@ -16,7 +16,7 @@ from grader import marking, plugin, rubric, traces
 from grader.intake import read_submission
 from grader.marking import HARNESS, Marker
 from grader.results import to_json
-from tests.examples import FOLDER, folders
+from tests.examples import folders
 from tests.made_up import without_durations
 
 LONG = ("s12-endless-loop",)  # ten seconds, twice, and no picture
