@@ -15,10 +15,11 @@ from xml.etree import ElementTree
 from rich.console import Console
 
 from grader.evidence import unpacked
-from grader.formats import github
+from grader.formats import github, moodle
 from grader.formats.classroom50 import Identity, classroom50
 from grader.formats.gradebook import gradebook
 from grader.formats.gradescope import gradescope
+from grader.formats.gradescope_csv import gradescope_csv
 from grader.formats.junit import junit
 from grader.formats.places import Places
 from grader.formats.prairielearn import prairielearn
@@ -59,8 +60,10 @@ def _standing(result: Result) -> Standing:
 WRITERS: Mapping[str, Callable[[Result], str]] = {
     "result.json": to_json,
     "report.html": lambda result: report_page(_standing(result), unpacked(result.evidence.charts)),
-    "index.html": lambda result: index_page({"one": _standing(result)}),
+    "index.html": lambda result: index_page({"one": _standing(result)}, {"one": result.evidence.fingerprint}),
     "gradebook.csv": lambda result: gradebook({"one": _standing(result)}),
+    "gradescope.csv": lambda result: gradescope_csv({"one": _standing(result)}),
+    "moodle comment": lambda result: moodle.comment(_standing(result)),
     "the terminal": _on_terminal,
     "github commands": lambda result: github.commands(result, Places()),
     "github summary": github.summary,
