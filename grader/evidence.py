@@ -40,12 +40,16 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels below one heading, with the sentence that says what they show; stands with the criterion `part`."""
+    """Panels below one heading, with the sentence that says what they show; stands with the criterion `part`.
+
+    `png` is a picture in their place, in base 64.
+    """
 
     part: str
     title: str
     caption: str
-    panels: tuple[Panel, ...]
+    panels: tuple[Panel, ...] = ()
+    png: str = ""
 
 
 @dataclass(frozen=True)
