@@ -282,6 +282,21 @@ def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "first", "last"),
+    [
+        ("Jane Doe", "Jane", "Doe"),
+        ("Doe, Jane", "Jane", "Doe"),
+        ("Wei Li, Jr.", "Wei", "Li, Jr."),
+        ("Jane van Doe", "Jane van", "Doe"),
+        ("Plato", "", "Plato"),
+    ],
+)
+def test_a_name_is_split_where_it_says_so(name: str, first: str, last: str) -> None:
+    row = next(csv.DictReader(io.StringIO(gradescope_csv(class_of(standing("a", Person(name)))))))
+    assert (row["First Name"], row["Last Name"]) == (first, last)
+
+
 @given(
     st.lists(
         st.lists(
