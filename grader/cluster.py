@@ -15,6 +15,7 @@ import uuid
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from grader.batch import KILLED, Backlog, OpenMarker, Task, Unmarked, words
@@ -60,8 +61,11 @@ def mark_all(
     GraderError
         If the cluster is lost, or has no worker for `PATIENCE_S`.
     """
+    first = next(submissions, None)
+    if first is None:  # all on record: no cluster is needed
+        return
     with _connected(address) as client, _seats(client, open_marker, address) as run:
-        yield from _Errands(client, run, address, submissions).run()
+        yield from _Errands(client, run, address, chain([first], submissions)).run()
 
 
 @contextmanager
@@ -91,7 +95,7 @@ async def _find_scheduler(address: str) -> None:
 
     try:
         options = Security().get_connection_args("client")
-        async with rpc(address, connection_args=options, timeout=ANSWERS_WITHIN_S) as other:
+        async with rpc(address, connection_args=options) as other:
             identity = await asyncio.wait_for(other.identity(), ANSWERS_WITHIN_S)
     except asyncio.TimeoutError:  # before Python 3.11 this is no OSError
         raise _NoSchedulerError(f"nothing came within {ANSWERS_WITHIN_S:g} s") from None

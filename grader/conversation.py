@@ -265,7 +265,7 @@ class Conversation:
         for path in self._elsewhere(name, home):
             if name in self.load(path).names:
                 self.used += [path] if path not in self.used else []
-                self._note(f"{name} was found in {printable(path, 80)}; the sheet expects it in {home}")
+                self.note(f"{name} was found in {printable(path, 80)}; the sheet expects it in {home}")
                 return path
         raise self._missing(name, home)
 
@@ -307,6 +307,7 @@ class Conversation:
         loaded = self._answers.get(("load", path))
         return loaded.faults[0] if loaded is not None and loaded.faults else None
 
-    def _note(self, text: str) -> None:
+    def note(self, text: str) -> None:
+        """Tell the instructor something, once."""
         if text not in self.notes:
             self.notes.append(text)

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-Role = Literal["x", "y", "z", "own", "wanted", "model", "raw", "bars", "drawn"]
-"""How a curve is set: an axis, the student's own, the truth beneath it, a law, an input, bars, or as the student drew it."""
+Role = Literal["x", "y", "z", "true-x", "true-y", "true-z", "own", "wanted", "model", "raw", "bars", "drawn"]
+"""How a curve is set: an axis, the truth beneath it, the student's own, the sheet's, a law, an input, bars, or as it was drawn."""
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,16 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels below one heading, with the sentence that says what they show; stands with the criterion `part`."""
+    """Panels below one heading, with the sentence that says what they show; stands with the criterion `part`.
+
+    `png` is a picture in their place, in base 64.
+    """
 
     part: str
     title: str
     caption: str
-    panels: tuple[Panel, ...]
+    panels: tuple[Panel, ...] = ()
+    png: str = ""
 
 
 @dataclass(frozen=True)

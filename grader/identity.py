@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from grader.standing import Person
 
 _PARTICIPANT = re.compile(r"\D*?(\d+)")
+_NUMBERING = ("canvas", "moodle")  # their numbers mean nothing elsewhere; a user name or a student number does
 _NO_WORD = re.compile(r"[\W_]+")
 
 
@@ -75,7 +76,7 @@ class Directory:
 
 
 def _called(person: Person) -> Iterator[tuple[str, str]]:
-    yield person.platform or "number", person.key
+    yield (person.platform if person.platform in _NUMBERING else "number"), person.key
     yield "foreign", person.key
     yield "number", person.sid
     yield "email", person.email

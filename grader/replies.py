@@ -25,6 +25,7 @@ _SHORT = 200
 _DEPTH = 6
 _WHOLE = 1_000_000_000
 _COORDINATE = 1e12
+_MOST_PIXELS = 640 * 640
 
 
 class _Wrong(Exception):  # noqa: N818 - it never leaves this module
@@ -283,8 +284,18 @@ def _image(answer: _Answer) -> None:
         answer.part("size_px", _listed(_whole, 2, 2))
         answer.part("colours", _whole)
         answer.part("ink", _number)
+        _pixels(answer)
     else:
         answer.part("reason", _short)
+
+
+def _pixels(answer: _Answer) -> None:
+    """A small picture of 64 colours."""
+    preview, palette = (answer.frame.arrays.get(name) for name in ("preview", "palette"))
+    if preview is None or palette is None or not preview.dtype == palette.dtype == np.uint8:
+        raise _Wrong("a picture without pixels")
+    if preview.ndim != 2 or not 0 < preview.size <= _MOST_PIXELS or palette.shape != (64, 3) or preview.max() >= 64:
+        raise _Wrong(f"a picture of shape {preview.shape} and {palette.shape} colours")
 
 
 # --- questions about the extensions --------------------------------------------------------------------------------------

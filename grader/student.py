@@ -225,7 +225,7 @@ class Student(Conversation):
         content = np.frombuffer(self.files[name], dtype=np.uint8)
         try:
             frame = self.retried(lambda: self.ask_aside("image", {}, {"bytes": content}))
-            return checked("image", frame, {}, {}).fields
+            return {**checked("image", frame, {}, {}).fields, **frame.arrays}
         except NoAnswer:
             return {"readable": False, "reason": "it could not be decoded"}
 

@@ -65,9 +65,10 @@ SHAKEN = Ride(0.01, 2000, (0.4, 0.8, 1.2), (0.35, 0.8, 1.2), 5.0, 0.0)
 STEEP = Ride(0.02, 2000, (0.2, 0.3, 0.5), (1.1, 0.25, 0.35), 4.0, 0.015)
 
 
-def _wave(rng: np.random.Generator, amplitude: float, low: float, high: float, parts: int = 2) -> Wave:
-    shares = np.array([0.75, 0.25])[:parts] if parts > 1 else np.ones(1)
-    return Wave(amplitude * shares, rng.uniform(low, high, parts), rng.uniform(0.0, 2.0 * np.pi, parts))
+def _wave(rng: np.random.Generator, amplitude: float, low: float, high: float) -> Wave:
+    """A turn that starts level: what a slow filter needs to forget a wrong start is asked of it at rest, not here."""
+    shares = np.array([0.75, 0.25])
+    return Wave(amplitude * shares, rng.uniform(low, high, 2), rng.choice([0.0, np.pi], 2))
 
 
 def _shake(rng: np.random.Generator, acceleration: float) -> Wave:

@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 
 MODEL_PATH = Path(__file__).resolve().parent / "models" / "humanoid-sensors.xml"
 FRAMES_PER_SECOND = 25
+LONGEST_WAIT = 0.5  # s between two pictures, however slow the drawing
 PUSH = 0.5  # m/s forward, as in Step 3
 PANELS = (
     ("torso_accelerometer", "Acceleration (m/s²)", ("X", "Y", "Z")),
@@ -49,19 +50,24 @@ class Trace:
 def live_plot(model: mujoco.MjModel, data: mujoco.MjData, duration_seconds: float = 5.0) -> None:
     """Simulate on from the state in `data` and draw the torso IMU's six channels as they come in, 25 times a second.
 
-    In a window it takes as long as it simulates. Without one it is as fast as it can be, and nothing is seen.
+    In a window it takes as long as it simulates: where drawing is slow, pictures are left out, not more than for half a second.
+    Without one it is as fast as it can be, and nothing is seen.
     """
     figure, traces = canvas(model, duration_seconds, start=data.time)
     window = getattr(figure.canvas, "required_interactive_framework", None) is not None
     if window:
         figure.show()
-    began, start = time.monotonic(), data.time
+    began = drawn = time.monotonic()
+    start = data.time
     for _ in frames(model, data, traces, duration_seconds):
+        late = (time.monotonic() - began) - (data.time - start)
+        if window and late > 0 and time.monotonic() - drawn < LONGEST_WAIT:
+            continue
         figure.canvas.draw_idle()
         figure.canvas.flush_events()
-        ahead = (data.time - start) - (time.monotonic() - began)
-        if window and ahead > 0:
-            time.sleep(ahead)
+        drawn = time.monotonic()
+        if window and late < 0:
+            time.sleep(-late)
     plt.close(figure)
 
 

@@ -150,12 +150,20 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
         run.troubles.append(f"{run.recorded_before} results were on record, {run.resumed} were taken from there")
     found = results(out)
     if found != expected:
-        run.troubles.append(
-            f"other results: {sorted(k for k in expected.keys() | found if found.get(k) != expected.get(k))}"
-        )
+        run.troubles.append(f"other results: {'; '.join(_differences(expected, found))}")
     if recorded(out) != len(expected):
         run.troubles.append(f"{recorded(out)} results for {len(expected)} submissions")
     return run
+
+
+def _differences(expected: Any, found: Any, where: str = "") -> list[str]:
+    if isinstance(expected, dict) and isinstance(found, dict):
+        keys = sorted(expected.keys() | found)
+        return [line for k in keys for line in _differences(expected.get(k), found.get(k), f"{where}/{k}")]
+    if isinstance(expected, list) and isinstance(found, list) and len(expected) == len(found):
+        pairs = enumerate(zip(expected, found, strict=True))
+        return [line for n, pair in pairs for line in _differences(*pair, f"{where}/{n}")]
+    return [] if expected == found else [f"{where} is {str(found)[:60]} in place of {str(expected)[:60]}"]
 
 
 def _wait(process: subprocess.Popen[bytes]) -> int | None:

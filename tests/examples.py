@@ -32,7 +32,14 @@ def summary(result: Result) -> dict[str, Any]:
         "checks": {check.id: [check.outcome, check.points] for check in checks},
         "misconceptions": list(result.misconceptions),
         "notes": list(result.notes),
+        **_extensions(result),
     }
+
+
+def _extensions(result: Result) -> dict[str, Any]:
+    """The outcomes of the extensions that were handed in."""
+    tried = {e.id: {check.id: check.outcome for check in e.checks} for e in result.extensions if e.attempted}
+    return {"extensions": tried} if tried else {}
 
 
 def main() -> None:

@@ -398,14 +398,16 @@ def test_the_version_is_one_line(run: Run) -> None:
     assert run("--version") == (0, f"imugrade {grader.__version__}\n", "")
 
 
-@pytest.mark.parametrize("command", ["", "check", "grade", "traces", "traces plot", "doctor"])
+@pytest.mark.parametrize(
+    "command", ["", "check", "grade", "adjust", "diff", "export", "traces", "traces plot", "doctor"]
+)
 def test_help_is_shown_for_every_command(run: Run, command: str) -> None:
     code, out, err = run(*command.split(), "--help")
     assert (code, err) == (0, "")
     assert out.startswith(f"Usage: imugrade {command}".rstrip())
 
 
-@pytest.mark.parametrize("command", ["check", "grade"])
+@pytest.mark.parametrize("command", ["check", "grade", "adjust", "export"])
 def test_help_teaches_with_examples(run: Run, command: str) -> None:
     assert f"Examples:\n    imugrade {command}" in run(command, "--help")[1]
 

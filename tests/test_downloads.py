@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from grader.errors import RequestError
 from grader.intake import Intake, read_class
@@ -65,6 +67,14 @@ def test_a_plain_folder_of_folders_is_told_by_nothing(tmp_path: Path) -> None:
     assert read_class([classes.folders(STUDENTS, tmp_path / "in")]).told == ()
 
 
+def test_zipped_clones_are_clones_and_one_without_a_file_is_an_empty_submission(tmp_path: Path) -> None:
+    members = {"lab-a/filters.py": "a", "lab-a/.git/HEAD": "x", "lab-b/.git/": "", "__MACOSX/lab-a": "x"}
+    found = read_class([zip_of(tmp_path / "c.zip", dict(members))])
+    assert found.told == (f"{tmp_path}/c.zip: git clones, 2 submissions",)
+    assert [(entry.id, entry.read().status) for entry in found.entries] == [("lab-a", "ready"), ("lab-b", "empty")]
+    assert found.leftovers == ()
+
+
 @pytest.mark.parametrize("shape", ["canvas", "moodle", "gradescope"])
 def test_a_download_that_was_unpacked_is_read_as_the_zip_is(shape: str, tmp_path: Path) -> None:
     path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
@@ -112,6 +122,46 @@ def test_names_that_lead_out_of_a_download_are_listed_and_not_followed(tmp_path:
     assert found.leftovers == (
         f"{path}/../B_2_assignsubmission_file_/filters.py: the path leads out of the archive or names a drive",
     )
+
+
+NAMES = st.one_of(
+    st.sampled_from(
+        [
+            "readme.md",
+            "lab.zip",
+            "submission_metadata.yml",
+            "scores.csv",
+            "text.html",
+            "1_2_3_4",
+            "_1_2_x",
+            "anon_1_2_x",
+        ]
+    ),
+    st.from_regex(r"[a-zé]{0,3}_?(LATE_)?\d{1,2}_\d{1,2}_(filters|a)(-1)?\.(py|txt)", fullmatch=True),
+    st.from_regex(r"[A-Z][a-z ]{0,4}_\d{1,2}_assign(submission|feedback)_(file|onlinetext)(_|_x\.py|)", fullmatch=True),
+    st.from_regex(r"(submission_\d|rob-[a-z])", fullmatch=True),
+)
+
+
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.sets(NAMES, min_size=1, max_size=6),
+    st.sampled_from(["", "/filters.py", "/.git/HEAD"]),
+    st.sampled_from(["latest", "best"]),
+)
+def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
+    tmp_path: Path, names: set[str], below: str, attempts: str
+) -> None:
+    members: dict[str, bytes | str] = {name + below * (i % 2): "x" for i, name in enumerate(sorted(names))}
+    found = read_class([zip_of(tmp_path / "d.zip", members)], attempts=attempts)
+    places = [place for entry in found.entries for place, _ in entry.sources]
+    listed = {line.removeprefix(f"{tmp_path}/d.zip/").rpartition(": ")[0] for line in found.leftovers}
+    known = {"submission_metadata.yml", "scores.csv"}  # the platform's own
+    if found.told:
+        assert {name.split("/")[0] for name in members} <= {p.split("/")[0] for p in (*places, *listed)} | known
+        assert len(places) == len(set(places))
+    for entry in found.entries:
+        assert entry.read().status in {"ready", "empty", "unreadable"}
 
 
 # ---- Canvas ----

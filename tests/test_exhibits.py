@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import base64
+import io
 import json
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from grader import exhibits, rubric, traces
 from grader.answers import Collection, FilterRun, NoiseRun
@@ -107,6 +110,26 @@ def test_of_hidden_scenarios_nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -
     assert result.score == 20
     assert result.evidence.charts == b""
     assert result.evidence.fingerprint
+
+
+def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scenarios(tmp_path: Path) -> None:
+    sheet = read_submission(FOLDER / "s01-sheet-verbatim")
+    reader = sheet.files["imu_reader.py"].decode().partition("def plot_imu_data")[0]
+    plain = {
+        "imu_reader.py": f"{reader}def plot_imu_data(imu_data):\n    pass\n".encode(),
+        "imu_data.png": sheet.files["imu_data.png"],
+        "filtered_imu.png": b"\x89PNG no picture",
+    }
+    with Marker(rubric.load(), replace(TRUTH, name="hidden")) as marker:
+        result = marker.mark(replace(sheet, files=plain), only="visualization")
+    (shown,) = unpacked(result.evidence.charts)
+    assert shown.title == "imu_data.png as it was handed in"
+    content = base64.b64decode(shown.png)
+    assert len(content) < 40_000
+    with Image.open(io.BytesIO(content)) as picture:
+        assert (picture.format, picture.mode, picture.size) == ("PNG", "P", (640, 427))
+        assert {"Software", "comment"}.isdisjoint(picture.info)
+    assert f'<img src="data:image/png;base64,{shown.png}"' in report_page(Standing("x", result), (shown,))
 
 
 def test_charts_that_cannot_be_gathered_cost_no_mark(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -142,6 +142,13 @@ def test_the_wheel_is_as_pip_wants_it_and_the_same_each_time(students: Path) -> 
     assert wheel.build() == content
 
 
+def test_the_wheel_has_what_the_pages_and_fingerprints_are_made_from(students: Path) -> None:
+    packed = unpacked((students / wheel.name()).read_bytes())
+    templates = Path(wheel.__file__).parent.parent / "report" / "templates"
+    assert {f"grader/report/templates/{path.name}" for path in templates.iterdir()} <= set(packed)
+    assert "grader/data/sheet.txt" in packed
+
+
 def test_the_wheel_carries_the_rubric_that_is_named(tmp_path: Path) -> None:
     other = tmp_path / "rubric.yaml"
     other.write_text((ROOT / "rubric.yaml").read_text().replace("matches_truth: 6", "matches_truth: 7", 1))

@@ -189,7 +189,9 @@ def test_the_policy_of_a_page_allows_its_own_style_sheet_and_script_and_nothing_
 
     policy = next(attributes for tag, attributes in Tags(page).tags if attributes.get("http-equiv"))
     script = f"; script-src {digest('script')}" if "<script" in page else ""
-    wanted = f"default-src 'none'; style-src {digest('style')}{script}; base-uri 'none'; form-action 'none'"
+    wanted = (
+        f"default-src 'none'; style-src {digest('style')}; img-src data:{script}; base-uri 'none'; form-action 'none'"
+    )
     assert policy["content"] == wanted
 
 
@@ -238,6 +240,8 @@ def test_what_cost_points_is_told_first_with_what_to_try() -> None:
         r"−6\s*A large loss\s*data.sensordata is flat: sensor i starts at model.sensor_adr\[i\], not at i\s*−2\s*A small loss",
         head,
     )
+    skipped = Tags(report(result(lost(), check("skipped", 0.0, id="sensor_access.b", message="Needs a reader.")))).text
+    assert re.search(r"−6\s*1 check not reached\s*Each names what it needs\.", skipped)
     assert "What cost points" not in report(result())
     assert "Every check was earned." in report(result())
 

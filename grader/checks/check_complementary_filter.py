@@ -16,12 +16,13 @@ _LEVEL_ATOL = 0.01
 """rad. A filter that starts at zero or at the accelerometer's tilt is level from the first sample on, to rounding."""
 _SETTLED_ATOL = 0.03
 """rad, after 30 s. The sheet's alpha 0.98 forgets a wrong start in 1 s, a slow Mahony filter (gain 0.5) in 2 s."""
-_BETTER_THAN_GYRO, _BETTER_THAN_ACCEL = 3.0, 1.5
-"""How many times smaller the error must be. Over 25 hidden seeds the sheet's filter is at least 28 times better than the gyroscope
-where that drifts, 5 times better than the accelerometer where it is shaken, 6 times where it is steep, with a spread of log(factor)
-of 0.25 at most: seven deviations above the limit. Alpha 0.9 to 0.995, Mahony with gains 0.5 to 2 and Madgwick with 0.04 to 0.1
-are at least 7, 2.2 and 2.1 times better, four deviations above it. Weights the wrong way round give 1.0, a time step wrong by two
-1.3."""
+_BETTER_THAN_GYRO, _BETTER_THAN_ACCEL = 3.0, 1.4
+"""How many times smaller the error must be: exp(mean - 6.7 deviations) of log(factor) over hidden motions, for the weakest
+setting that is still sound. Six deviations are 1e-9; the rest allows for a deviation that 20 motions tell to 12 %. Weakest are,
+with mean factor and deviation of its logarithm: alpha 0.995 where the gyroscope drifts, 7.8 and 0.034 (limit 6.2); alpha 0.9 where
+the accelerometer is shaken, 2.56 and 0.089 (limit 1.41); Madgwick's filter with 0.04 where it is steep, 2.88 and 0.107 (limit
+1.41). Alpha 0.98, Mahony with gains 0.5 to 2 and Madgwick with 0.1 lie higher in all. Weights the wrong way round give 1.00, a
+time step twice too long 0.7 where it is steep."""
 
 
 @check("complementary_filter.returns_roll_and_pitch")

@@ -84,6 +84,9 @@ def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
     if saved:
         raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
     if _picture_shows_something(student, _PICTURE) and not drawing.figures:
+        student.note(
+            f"{_PICTURE} was handed in, and no code draws it: whoever looks at it may give more for what it shows"
+        )
         return  # nothing draws it, and it is there to be seen
     drawn = "a figure that is drawn and never saved" if any(map(_curves, drawing.figures)) else "no figure"
     raise Lost(f"a saved picture, {_PICTURE}", drawn, mistakes=["plot-not-saved"])

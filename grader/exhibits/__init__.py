@@ -7,17 +7,21 @@ import numpy as np
 from ..conversation import Conversation
 from ..evidence import Chart
 from ..traces import Traces
-from . import drawn, filtering, motion, noise
+from . import drawn, filtering, handed_in, motion, noise
+
+_PICTURES = ("imu_data.png", "filtered_imu.png")
 
 
 def charts(student: Conversation, truth: Traces) -> tuple[Chart, ...]:
     """Every chart that the answers allow; none of hidden scenarios, and none of what code said that has seen one."""
+    pictures = tuple(handed_in.chart(name, student.answered(("picture", name))) for name in _PICTURES)
     if truth.name != "public":
-        return ()
+        return tuple(chart for chart in pictures if chart is not None)
     with np.errstate(all="ignore"):  # a student's numbers may overflow
         found = (
             motion.chart(student.answered(("simulate", "push")), truth["push"]),
             *drawn.charts(student.answered("plot"), student.drawings()),
+            *pictures,
             *noise.charts(student.answered(("noise", "given")), truth),
             filtering.chart(student.answered(("filter", "cases")), truth["filter"]),
         )

@@ -29,7 +29,9 @@ def chart(series: Collection | None, truth: Scenario) -> Chart | None:
         return None
     sizes = " and ".join(size for _, size in known if size)
     said = f"Largest difference: {sizes}." if sizes else "They agree."
-    caption = f"Your rows in colour, the truth as the wide grey line beneath them, row by row. {said}"
+    caption = (
+        f"Your rows in colour, the truth as the wide pale line of the same colour beneath them, row by row. {said}"
+    )
     return Chart(
         "data_collection", "Your series and the truth", caption, tuple(p for panels, _ in known for p in panels)
     )
@@ -50,7 +52,7 @@ def _sensor(
         "Time (s)",
         unit,
         (
-            *(curve(f"true {axis}", "wanted", at, true[rows, i]) for i, axis in enumerate(_AXES)),
+            *(curve(f"true {axis}", f"true-{axis}", at, true[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
             *(curve(axis, axis, at, got[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
         ),
     )

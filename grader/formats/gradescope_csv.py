@@ -14,6 +14,7 @@ COLUMNS = (
     "First Name", "Last Name", "SID", "Email", "Sections", "Total Score", "Max Points", "Status", "Submission ID",
     "Submission Time", "Lateness (H:M:S)", "View Count", "Submission Count",
 )  # fmt: skip
+_SUFFIXES = ("jr", "jr.", "sr", "sr.", "ii", "iii", "iv")
 
 
 def gradescope_csv(standings: Mapping[str, Standing]) -> str:
@@ -35,8 +36,7 @@ def _row(standing: Standing, person: Person) -> list[str]:
         "" if final is None else words.number(final),
         words.number(standing.result.max_score),
         "Ungraded" if final is None else "Graded",
-        csv_cell(standing.hand_in.number),
-        csv_cell(standing.hand_in.submitted),
+        *(csv_cell(printable(text, 80)) for text in (standing.hand_in.number, standing.hand_in.submitted)),
         _lateness(standing),
         "",
         "",
@@ -44,12 +44,12 @@ def _row(standing: Standing, person: Person) -> list[str]:
 
 
 def _names(name: str) -> tuple[str, str]:
-    """First and last; ``Doe, Jane`` says which is which, otherwise the last word is the last name."""
-    if "," in name:
-        last, _, first = name.partition(",")
-        return first.strip(), last.strip()
-    first, _, last = name.strip().rpartition(" ")
-    return first.strip(), last
+    """First and last; ``Doe, Jane`` says which is which, otherwise the last word is the last name, with its suffix."""
+    last, comma, first = (part.strip() for part in name.partition(","))
+    if comma and first.casefold() not in _SUFFIXES:
+        return first, last
+    given, _, family = last.rpartition(" ")
+    return given.strip(), f"{family}, {first}" if comma else family
 
 
 def _lateness(standing: Standing) -> str:

@@ -23,7 +23,9 @@ _INDEX = """# Handbook
 | [Checks](checks.md) | what is checked, for how many points |
 | [Mistakes](mistakes.md) | every mistake that a report may name, with the lines that mend it |
 | [Rubric](rubric.md) | every key of `rubric.yaml` |
+| [A class](classes.md) | from the download to the upload: rosters, lateness, points by hand, regrades |
 | [Platforms](platforms.md) | GitHub, Gradescope, Classroom 50, GitLab, PrairieLearn |
+| [Clusters](clusters.md) | `--cluster` on SLURM and Kubernetes, and how many machines a class needs |
 | [Architecture](architecture.md) | the way of a submission, and what each module is for |
 
 `imugrade explain ID` prints one entry of *Checks* or *Mistakes*.
@@ -45,6 +47,8 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
         "mistakes.md": _mistakes(),
         "rubric.md": rubric_keys.page(),
         "platforms.md": _platforms(),
+        "classes.md": (FOLDER / "classes.txt").read_text(encoding="utf-8"),
+        "clusters.md": (FOLDER / "clusters.txt").read_text(encoding="utf-8"),
         "architecture.md": modules.page(),
     }
     return {**{name: _MADE + text for name, text in made.items()}, "flow.svg": flow.picture()}

@@ -106,7 +106,7 @@ def _zip(path: Path, root: str) -> Download:
         if name.startswith(start):
             first, *below = name[len(start) :].split("/")
             top[first] = top.get(first, False) or bool(below)
-    shown = {name: top[name] for name in sorted(top) if name and not name.startswith(".")}
+    shown = {name: top[name] for name in sorted(top) if not name.startswith(".") and not is_litter((name,))}
     return Download(path, root, shown, tuple((name, UNSAFE) for name in contents.unsafe))
 
 
@@ -141,9 +141,9 @@ def _opened(path: str, _size: int, _stamp: int) -> _Contents:
         parts = archive_parts(zip_name(entry))
         if parts is None:
             unsafe.append(zip_name(entry))
-        elif parts and not is_litter(parts) and not entry.is_dir():
+        elif parts:
             name = "/".join(parts)
-            names.append(name)
+            names.append(f"{name}/" if entry.is_dir() else name)
             for depth in range(1, len(parts) + 1):
-                below["/".join(parts[:depth])].append((name, entry))
+                below["/".join(parts[:depth])] += [] if entry.is_dir() else [(name, entry)]
     return _Contents(archive, tuple(names), tuple(unsafe), below)

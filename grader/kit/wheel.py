@@ -20,7 +20,7 @@ from grader.rubric import shipped as shipped_rubric
 from grader.traces import lab_model
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".md", ".svg")
+_KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg")
 _BUNDLES = (".npz", ".json")
 _PUBLIC = (
     "public.npz",

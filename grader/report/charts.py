@@ -12,7 +12,8 @@ WIDTH, HEIGHT = 480, 220
 _TOP, _BOTTOM, _RIGHT = 8, 26, 10
 _DIGIT = 7.6  # width of one in the ticks' font
 _INTERVALS = 5  # about
-_SPOKEN = {"bars": "bars", "wanted": "wide line", "model": "dashed line"}
+_WIDE = ("true-x", "true-y", "true-z", "wanted")
+_SPOKEN = {"bars": "bars", "model": "dashed line"} | dict.fromkeys(_WIDE, "wide line")
 
 
 @dataclass(frozen=True)
@@ -165,8 +166,9 @@ def _bars(curve: Curve, across: Callable[[float], float], up: Callable[[float], 
 
 def _legend(strokes: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
     """One entry a name; the three curves of the truth are one."""
-    named = {("true" if s.role == "wanted" and s.name.startswith("true") else s.name): s for s in strokes if s.name}
-    return tuple(Stroke(s.role, name, s.colour, "") for name, s in named.items())
+    truth = {"true": Stroke("wanted", "true", "", "")} if any(s.role.startswith("true-") for s in strokes) else {}
+    named = {s.name: Stroke(s.role, s.name, s.colour, "") for s in strokes if s.name and not s.role.startswith("true-")}
+    return tuple((truth | named).values())
 
 
 def _told(panel: Panel, curves: list[Curve], x: _Scale, y: _Scale) -> str:

@@ -41,6 +41,7 @@ class Figure:
     width: int
     height: int
     views: tuple[charts.View, ...]
+    png: str
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,7 @@ def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tup
 def _page(template: str, script: str | None, **values: object) -> str:
     style, style_hash = _inlined("style.css")
     text, script_hash = _inlined(script) if script else (Markup(), "")
-    policy = f"default-src 'none'; style-src '{style_hash}'"
+    policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"
     policy += f"; script-src '{script_hash}'" if script else ""
     return (
         _environment()
@@ -197,9 +198,9 @@ def _part(part: CriterionResult | ExtensionResult, shown: tuple[Chart, ...]) -> 
         points = words.extension_points(part)
         title, unjudged = part.id.replace("_", " ").capitalize(), False
     figures = tuple(
-        Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views)
+        Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
         for chart in shown
-        if chart.part == part.id and (views := charts.views(chart))
+        if chart.part == part.id and ((views := charts.views(chart)) or chart.png)
     )
     return Part(part.id, printable(title, 300), points, share, unjudged, rows, figures)
 
@@ -209,7 +210,7 @@ def _anchor(check: CheckResult) -> str:
 
 
 def _losses(result: Result) -> list[Loss]:
-    """What cost points, the dearest first; what was skipped stands with the check that it waited for."""
+    """What cost points, the dearest first; what was skipped comes last."""
     lost = [
         (check.max_points - check.points, check, words.row(check, criterion.id))
         for criterion in result.criteria
@@ -218,8 +219,23 @@ def _losses(result: Result) -> list[Loss]:
     ]
     lost.sort(key=lambda each: -each[0])
     return [
-        Loss(_anchor(check), row.title, f"−{words.number(round(points, 2))}", _hint(row)) for points, check, row in lost
+        *(Loss(_anchor(check), row.title, _minus(points), _hint(row)) for points, check, row in lost),
+        *_skipped(result),
     ]
+
+
+def _skipped(result: Result) -> list[Loss]:
+    """What could not be asked, in one line: it comes back with what it waits for."""
+    checks = [check for criterion in result.criteria for check in criterion.checks if check.outcome == "skipped"]
+    if not checks:
+        return []
+    points = sum(check.max_points for check in checks)
+    count = f"{len(checks)} check{'s' * (len(checks) > 1)}"
+    return [Loss(_anchor(checks[0]), f"{count} not reached", _minus(points), "Each names what it needs.")]
+
+
+def _minus(points: float) -> str:
+    return f"−{words.number(round(points, 2))}"
 
 
 def _hint(row: words.Row) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .plan import RUNGS
-from .process import WallsRefusedError
+from .process import WallsRefusedError, ZygoteGoneError
 
 if TYPE_CHECKING:
     from .launch import Zygote
@@ -53,7 +54,12 @@ def raise_walls(name: str, harness: Path, readable: Sequence[Path] = (), warm: S
 
     if name == "bubblewrap" and not bubblewrap.is_installed():
         raise WallsRefusedError("the program bwrap is not installed")
-    return launch.Zygote(name, harness, readable, warm)
+    with contextlib.suppress(ZygoteGoneError):
+        return launch.Zygote(name, harness, readable, warm)
+    try:
+        return launch.Zygote(name, harness, readable, warm)
+    except ZygoteGoneError as error:
+        raise WallsRefusedError(f"{error}, twice") from None
 
 
 def climb(harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> tuple[Zygote | None, str]:

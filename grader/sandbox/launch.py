@@ -34,6 +34,7 @@ _WORKER_WITHIN_S = 60.0
 _END_WITHIN_S = 30.0
 _MAX_MESSAGE = 1 << 20
 _SCRATCH_FOLDERS = 4
+_KILLED = (-signal.SIGKILL, signal.SIGKILL, 128 + signal.SIGKILL)  # itself; what serve and bwrap make of their child's
 _UCRED = struct.Struct("3i")
 
 
@@ -44,6 +45,8 @@ class Zygote:
     ------
     WallsRefusedError
         If the walls could not be raised, or did not hold when tried from inside.
+    ZygoteGoneError
+        If it was killed before they were up, which says nothing about the machine.
     """
 
     def __init__(self, rung: str, harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> None:
@@ -148,11 +151,19 @@ class Zygote:
 
     def _await_walls(self) -> None:
         message, _ = self._next(_WALLS_WITHIN_S)
+        if message is None and self._was_killed():
+            raise ZygoteGoneError("it was killed before its walls were up")
         if message is None:
             raise WallsRefusedError(self._last_words() or "the process ended without a word")
         if not message.get("walls"):
             raise WallsRefusedError(str(message.get("reason")))
         self.without_landlock = bool(message.get("without_landlock"))
+
+    def _was_killed(self) -> bool:
+        """Whether somebody ended it with SIGKILL, or the first of its processes in its own namespace."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self._process.wait(1.0) in _KILLED
+        return False
 
     def await_ready(self) -> None:
         """Wait for the imports and the harness's warm-up.

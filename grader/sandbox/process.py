@@ -17,7 +17,7 @@ class WallsRefusedError(Exception):
 
 
 class ZygoteGoneError(Exception):
-    """The zygote died after its walls had been up."""
+    """The zygote died, or was killed before its walls were up."""
 
 
 class Process(Protocol):

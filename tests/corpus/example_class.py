@@ -16,6 +16,7 @@ from pathlib import Path
 from PIL import Image
 
 from tests.corpus import sheet
+from tests.corpus.extensions import FAULTY_EXTENSIONS, SOUND_EXTENSIONS
 from tests.corpus.faulty import FAULTY
 from tests.corpus.machine import REAL_MODEL, SHEET_MODEL
 from tests.corpus.pieces import READ_FANCY, edit, lab, listy, verbatim
@@ -52,6 +53,13 @@ CLASS: dict[str, Files] = {
     ),
     "s13-rows-all-the-same": fault("views-appended"),
     "s14-empty": {".gitkeep": ""},
+    "s15-extensions": {
+        **lab(),
+        "complementary_filter.py": next(f.source for f in FAULTY_EXTENSIONS if f.mistake == "weights-swapped"),
+        "allan_variance.py": SOUND_EXTENSIONS["allan_variance"]["phase"],
+        "multi_imu.py": SOUND_EXTENSIONS["multiple_imus"]["named"],
+        "live_plot.py": SOUND_EXTENSIONS["realtime_visualization"]["func-animation"],
+    },
 }
 
 
@@ -94,7 +102,10 @@ def small(path: Path) -> bytes:
 
 
 def main() -> None:
+    """All of the class, or those that are named on the command line."""
     for name, files in CLASS.items():
+        if sys.argv[1:] and name not in sys.argv[1:]:
+            continue
         folder = EXAMPLES / name
         folder.mkdir(parents=True, exist_ok=True)
         whole: Files = {**files, **drawn(files)} if name != "s14-empty" else files

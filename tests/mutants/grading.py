@@ -56,7 +56,7 @@ def reasons() -> Reasons:
     return Reasons(why, said["unjudged"])
 
 
-def all_mutants(files: Sequence[str] = FILES) -> list[Mutant]:
+def all_mutants(files: Sequence[str] = SHEET) -> list[Mutant]:
     """The mutants of these files of the reference, in the order of the code."""
     unjudged = reasons().unjudged
     return [

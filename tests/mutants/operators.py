@@ -174,7 +174,7 @@ def _exchange(node: ast.AST) -> Change:
     if isinstance(node, ast.Call) and not any(isinstance(a, ast.Starred) for a in node.args):
         for i in range(len(node.args) - 1):
             yield ast.Call(node.func, _swapped(node.args, i), node.keywords)
-    if isinstance(node, ast.Tuple):
+    if isinstance(node, ast.Tuple) and not any(isinstance(e, ast.Slice) for e in node.elts):
         for i in range(len(node.elts) - 1):
             yield ast.Tuple(_swapped(node.elts, i), node.ctx)
 

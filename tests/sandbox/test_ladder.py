@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,6 +18,7 @@ from grader.errors import GraderError
 from grader.sandbox import ladder
 from grader.sandbox.box import Box
 from grader.sandbox.ladder import Rung
+from grader.sandbox.launch import Zygote
 from grader.sandbox.process import WallsRefusedError
 
 from .conftest import HARNESS, run
@@ -79,6 +82,30 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
         ladder.raise_walls(walled_box.rung, HARNESS)
+
+
+@pytest.mark.parametrize("times", [1, 2])
+@pytest.mark.parametrize("rung", ["full", "landlock"])  # what bwrap started outlives it, and goes on
+def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
+    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], rung: str, times: int
+) -> None:
+    box_on(rung)
+    kills, await_walls = iter(range(times)), Zygote._await_walls
+
+    def killed(zygote: Zygote) -> None:
+        if next(kills, None) is not None:
+            os.kill(zygote.pid, signal.SIGKILL)
+            with contextlib.suppress(OSError):
+                while zygote._control.recv(1 << 20):  # what it had said so far, until nobody is there any more
+                    pass
+        await_walls(zygote)
+
+    monkeypatch.setattr(Zygote, "_await_walls", killed)
+    if times == 1:
+        ladder.raise_walls(rung, HARNESS).close()
+    else:
+        with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
+            ladder.raise_walls(rung, HARNESS)
 
 
 def test_a_plain_user_has_the_same_walls() -> None:

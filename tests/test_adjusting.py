@@ -1,0 +1,339 @@
+"""Points by hand, regrades and what moved: the command on a class that a made-up marker marks."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Callable
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from grader import classroom, cli
+from grader.batch import OpenMarker
+from grader.intake import Submission
+from grader.results import Result
+from grader.store import FILE_NAME, Store
+from tests.made_up import FakeMarker, check, lost, result
+from tests.test_downloads import zip_of
+
+NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
+Run = Callable[..., tuple[int, str, str]]
+
+
+class ByWords:
+    """Marks what the first line of filters.py asks for: ``# 14`` has 14 of 20, ``# open`` is not judged."""
+
+    isolation = "full"
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def mark(self, submission: Submission, *, only: str | None = None) -> Result:
+        with open(self._folder / "marked", "a", encoding="utf-8") as log:
+            log.write(f"{submission.id} 0\n")
+        wanted = submission.files["filters.py"].decode().strip("# \n")
+        if wanted == "open":
+            return result(check("not_judged", None), status="incomplete", name=submission.id)
+        return result(check(points=float(wanted), max_points=20.0), name=submission.id)
+
+
+@contextmanager
+def by_words(folder: Path):  # type: ignore[no-untyped-def]
+    yield ByWords(folder)
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    """The command in this process; a class is marked here, by words."""
+    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
+    (tmp_path / "marked").touch()
+
+    def mark_all(submissions, opener: OpenMarker, jobs: int):  # type: ignore[no-untyped-def]
+        with by_words(tmp_path) as marker:
+            yield from ((each, marker.mark(each)) for each in submissions)
+
+    monkeypatch.setattr(classroom, "mark_all", mark_all)
+
+    def command(*arguments: object) -> tuple[int, str, str]:
+        code = cli.main([str(argument) for argument in arguments])
+        told = capsys.readouterr()
+        return code, told.out, told.err.removeprefix(NO_SEED)
+
+    return command
+
+
+def marked(tmp_path: Path) -> list[str]:
+    return sorted(FakeMarker(tmp_path).marked())
+
+
+def hand_in(root: Path, **points: object) -> Path:
+    for name, each in points.items():
+        (root / name).mkdir(parents=True, exist_ok=True)
+        (root / name / "filters.py").write_text(f"# {each}\n")
+    return root
+
+
+@pytest.fixture
+def out(tmp_path: Path, run: Run) -> Path:
+    run("grade", hand_in(tmp_path / "class", alice=14, bob=20), "-o", tmp_path / "out")
+    return tmp_path / "out"
+
+
+# ---- adjust ----
+
+
+def test_points_by_hand_are_told_listed_and_kept_apart_from_the_marks(run: Run, out: Path) -> None:
+    before = (out / "submissions" / "alice" / "result.json").read_bytes()
+    words = ("--criterion", "sensor_access", "--points", 18, "--comment", "shown in the lab hour", "--author", "prof")
+    assert run("adjust", out, "alice", *words) == (0, "alice sensor_access 18, final 18\n", "")
+    assert (out / "submissions" / "alice" / "result.json").read_bytes() == before
+    table = (out / "gradebook.csv").read_text()
+    assert (
+        table
+        == "id,name,sensor_access,total,adjusted,final,status\nalice,alice,14,14,18,18,graded\nbob,bob,20,20,20,20,graded\n"
+    )
+    (line,) = run("adjust", out)[1].splitlines()
+    when = line.split()[3]
+    assert line == f"alice sensor_access 18  {when} by prof: shown in the lab hour"
+    assert when.endswith("+00:00")
+
+
+def test_the_same_again_changes_nothing_and_withdrawing_brings_the_automatic_points_back(run: Run, out: Path) -> None:
+    words = ("--criterion", "sensor_access", "--comment", "x", "--points", 18)
+    run("adjust", out, "alice", *words)
+    assert run("adjust", out, "alice", *words)[1] == "alice sensor_access 18 (as before), final 18\n"
+    assert run("adjust", out, "alice", *words[:4], "--withdraw")[1] == "alice sensor_access withdrawn, final 14\n"
+    assert [line.split()[2] for line in run("adjust", out)[1].splitlines()] == ["18", "withdrawn"]
+    assert "adjusted" not in (out / "gradebook.csv").read_text()
+
+
+def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path, tmp_path: Path) -> None:
+    table = tmp_path / "a.csv"
+    table.write_text(
+        "\ufeffid,criterion,points,comment\nalice,sensor_access,18,ok\nalicia,sensor_access,1,x\nbob,sensoraccess,1,x\n"
+        "bob,sensor_access,21,x\nbob,sensor_access,1.005,x\nbob,sensor_access,nan,x\nbob,sensor_access,1,\nbob,sensor_access,,x\n"
+    )
+    code, _, err = run("adjust", out, "--csv", table)
+    assert (code, err.splitlines()) == (
+        2,
+        [
+            f"imugrade: {table}:3: there is no submission alicia (did you mean alice?)",
+            f"imugrade: {table}:4: there is no criterion sensoraccess (did you mean sensor_access?)",
+            f"imugrade: {table}:5: points must be a number from 0 to 20, not 21",
+            f"imugrade: {table}:6: points must be a number from 0 to 20, not 1.005",
+            f"imugrade: {table}:7: points must be a number from 0 to 20, not nan",
+            f"imugrade: {table}:8: say why in a comment of at most 2000 characters",
+            f"imugrade: {table}:9: bob has no adjustment of sensor_access to withdraw",
+        ],
+    )
+    assert run("adjust", out)[1] == ""
+    table.write_text('id,criterion,points,comment\nalice,sensor_access,18,ok\nbob,sensor_access,19.5,"a, ""b"""\n')
+    assert (
+        run("adjust", out, "--csv", table)[1]
+        == "alice sensor_access 18, final 18\nbob sensor_access 19.5, final 19.5\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["alice"], "adjust: give --points, or --withdraw"),
+        (["alice", "--points", "1", "--withdraw"], "adjust: give --points, or --withdraw"),
+        (["alice", "--csv", "x"], "adjust: give an ID or --csv, not both"),
+        (["alice", "--points", "1"], "adjust: there is no criterion "),
+        (
+            ["--csv", "nowhere.csv"],
+            "nowhere.csv: cannot be read (No such file or directory); give the path of a CSV file",
+        ),
+    ],
+)
+def test_a_wish_that_is_not_whole_is_one_line(arguments: list[str], line: str, run: Run, out: Path) -> None:
+    assert run("adjust", out, *arguments) == (2, "", f"imugrade: {line}\n")
+
+
+def test_an_adjustment_survives_a_regrade_which_flags_it_when_the_marks_beneath_changed(
+    run: Run, out: Path, tmp_path: Path
+) -> None:
+    run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 18, "--comment", "x")
+    assert run("grade", tmp_path / "class", "-o", out, "--force")[2] == ""
+    hand_in(tmp_path / "class", alice=16)
+    flag = "imugrade: alice: sensor_access was set to 18 by hand when it had 14; the automatic marks are now 16 / 20. Adjust it again or withdraw it\n"
+    assert run("grade", tmp_path / "class", "-o", out)[2] == flag
+    assert "alice,alice,16,16,18,18,graded" in (out / "gradebook.csv").read_text()
+    assert run("grade", tmp_path / "class", "-o", out)[2] == flag
+    run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 18, "--comment", "x")
+    assert run("grade", tmp_path / "class", "-o", out)[2] == ""
+
+
+def test_an_open_criterion_can_be_closed_by_hand(run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run("grade", hand_in(tmp_path / "class", alice="open"), "-o", out)[0] == 3
+    assert (
+        run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 5, "--comment", "by eye")[1]
+        == "alice sensor_access 5, final 5\n"
+    )
+
+
+# ---- what is graded again ----
+
+
+def with_rubric(tmp_path: Path, old: str, new: str) -> Path:
+    from grader.rubric import shipped
+
+    text = shipped().read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "rubric.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    return tmp_path / "rubric.yaml"
+
+
+LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "again"),
+    [
+        ("# The rubric", "# Our rubric", []),
+        (*LATE, []),
+        ("follows_address: 6", "follows_address: 5", ["alice", "bob"]),
+    ],
+)
+def test_a_rubric_change_grades_again_only_if_marks_depend_on_it(
+    old: str, new: str, again: list[str], run: Run, out: Path, tmp_path: Path
+) -> None:
+    assert run("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, old, new))[0] == 0
+    assert marked(tmp_path) == sorted(["alice", "bob", *again])
+
+
+def test_new_submissions_are_graded_and_the_others_are_not(run: Run, out: Path, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", carol=7)
+    told = run("grade", tmp_path / "class", "-o", out)[1]
+    assert "1 graded · 2 on record" in told
+    assert marked(tmp_path) == ["alice", "bob", "carol"]
+
+
+def test_only_with_force_grades_one_again_and_a_change_back_is_on_record(run: Run, out: Path, tmp_path: Path) -> None:
+    run("grade", tmp_path / "class", "-o", out, "--only", "bob", "--force")
+    hand_in(tmp_path / "class", bob=3)
+    run("grade", tmp_path / "class", "-o", out)
+    hand_in(tmp_path / "class", bob=20)
+    run("grade", tmp_path / "class", "-o", out)
+    assert marked(tmp_path) == ["alice", "bob", "bob", "bob"]
+    assert "bob,bob,20,20,graded" in (out / "gradebook.csv").read_text()
+
+
+def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(run: Run, out: Path, tmp_path: Path) -> None:
+    roster = tmp_path / "roster.csv"
+    roster.write_text(
+        'id,name,section,submitted,due\nalice,"Müller, A.",B,2026-11-21T13:00Z,\nbob,Bob,A,2026-11-25T12:00Z,2026-11-30T00:00Z\nx,Gone,A,,\n'
+    )
+    code, _, err = run(
+        "grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, *LATE), "--roster", roster
+    )
+    assert (code, err) == (0, "imugrade: in the roster, and nothing handed in: Gone\n")
+    assert marked(tmp_path) == ["alice", "bob"]
+    assert (out / "gradebook.csv").read_text() == (
+        "id,name,section,sensor_access,total,submitted,late,late_deduction,final,status\n"
+        'alice,"Müller, A.",B,14,14,2026-11-21T13:00:00+00:00,2,14,0,graded\n'
+        "bob,Bob,A,20,20,2026-11-25T12:00:00+00:00,0,0,20,graded\n"
+    )
+
+
+# ---- several attempts ----
+
+
+def attempts(tmp_path: Path, *points: object) -> list[Path]:
+    return [zip_of(tmp_path / f"{i}.zip", {f"doe_1_{100 + i}_filters.py": f"# {p}\n"}) for i, p in enumerate(points)]
+
+
+@pytest.mark.parametrize(
+    ("points", "which", "total"),
+    [
+        ((14, 20, 16), "latest", "16"),
+        ((14, 20, 16), "best", "20"),
+        ((14, "open", 16), "best", ""),
+        ((16, 14), "latest", "14"),
+    ],
+)
+def test_of_several_attempts_the_latest_or_the_best_counts(
+    points: tuple[object, ...], which: str, total: str, run: Run, tmp_path: Path
+) -> None:
+    run("grade", *attempts(tmp_path, *points), "-o", tmp_path / "out", "--attempts", which)
+    row = (tmp_path / "out" / "gradebook.csv").read_text().splitlines()[1]
+    assert row.split(",")[3] == total
+    record = json.loads((tmp_path / "out" / "submissions" / "doe_1" / "result.json").read_text())
+    assert record["status"] == ("graded" if total else "incomplete")
+
+
+def test_a_second_run_with_the_best_attempts_grades_nothing_and_ends_the_same(run: Run, tmp_path: Path) -> None:
+    paths = attempts(tmp_path, 14, 20, 16)
+    run("grade", *paths, "-o", tmp_path / "out", "--attempts", "best")
+    before = (tmp_path / "out" / "gradebook.csv").read_bytes()
+    run("grade", *paths, "-o", tmp_path / "out", "--attempts", "best")
+    assert len(marked(tmp_path)) == 3
+    assert (tmp_path / "out" / "gradebook.csv").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--attempts", "first"], "--attempts first: there is no such; choose latest, best"),
+        (
+            ["--from", "blackboard"],
+            "--from blackboard: there is no such; choose folders, gradescope, moodle, canvas, classroom50, git",
+        ),
+    ],
+)
+def test_an_unknown_word_is_one_line(arguments: list[str], line: str, run: Run, out: Path, tmp_path: Path) -> None:
+    assert run("grade", tmp_path / "class", "-o", out, *arguments) == (2, "", f"imugrade: {line}\n")
+
+
+# ---- diff ----
+
+
+def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    hand_in(tmp_path / "class2", alice=17, bob=20, carol=1)
+    run("grade", tmp_path / "class2", "-o", other)
+    run("adjust", other, "bob", "--criterion", "sensor_access", "--points", 19, "--comment", "x")
+    assert run("diff", out, other) == (
+        0,
+        "alice  14 → 17\n"
+        "  sensor_access.follows_address  passed 14 / 20 → passed 17 / 20\n"
+        "bob  20 → 19\n"
+        "  sensor_access by hand  none → 19\n"
+        "carol  only in the second: 1\n"
+        "2 of 2 moved; mean 17.0 → 18.0\n",
+        "",
+    )
+    assert run("diff", out, out)[1] == "0 of 2 moved; mean 17.0 → 17.0\n"
+
+
+def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    from grader.differences import told
+    from grader.standing import Standing
+
+    old = result(lost(), name="a")
+    new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
+    lines = list(told({"a": Standing("a", old)}, {"a": Standing("a", new)}))
+    assert lines[:2] == ["a  0 → 20", "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6"]
+    assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean 0.0 → 20.0"]
+
+
+# ---- the record ----
+
+
+def test_nothing_that_was_ever_said_by_hand_is_lost(out: Path) -> None:
+    from grader.standing import Adjustment
+
+    said = [("alice", Adjustment("sensor_access", float(p), f"{p}", "me", "now", {})) for p in (1, 2, 3)]
+    with Store(out) as store:
+        store.adjust(said)
+        assert store.history() == said
+        assert [a.points for a in store.adjustments()["alice"]] == [3.0]
+    with sqlite3.connect(out / FILE_NAME) as database:
+        assert database.execute("SELECT count(*) FROM adjustments").fetchone() == (3,)
+    database.close()

@@ -1,0 +1,380 @@
+"""Uploads: a platform takes from them what was meant, and what it had itself written is still there byte for byte."""
+
+from __future__ import annotations
+
+import csv
+import io
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader import classroom, cli, traces
+from grader.batch import OpenMarker
+from grader.errors import RequestError
+from grader.formats import canvas, moodle
+from grader.formats.gradescope_csv import COLUMNS, gradescope_csv
+from grader.formats.sheet import read_sheet
+from grader.intake import Submission
+from grader.marking import Marker
+from grader.results import Result
+from grader.rubric import load
+from grader.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
+from tests import classes
+from tests.made_up import check, result
+
+Run = Callable[..., object]
+
+
+def standing(id_: str, *people: Person, points: float = 87.5, **more: object) -> Standing:
+    made = result(check(points=points, max_points=100.0))
+    return Standing(id_, made, HandIn(people, **more))  # type: ignore[arg-type]
+
+
+def class_of(*standings: Standing) -> dict[str, Standing]:
+    return {each.id: each for each in standings}
+
+
+JANE = Person('Doe, Jane "JD"', "101", "canvas", sid="s1")
+HEAD = "Student,ID,SIS User ID,SIS Login ID,Section,Lab 03 (4700),Lab 04-01 (4711),Final Score\n"
+POINTS = "    Points Possible,,,,,50.0,100.0,(read only)\n"
+
+
+def canvas_file(*rows: str, head: str = HEAD, points: str = POINTS) -> bytes:
+    return (head + points + "".join(f"{row}\n" for row in rows)).encode()
+
+
+# ---- in at one end, out at the other ----
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(load(), traces.obtain(None, None)) as opened:
+        yield opened
+
+
+@pytest.fixture
+def run(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """The command in this process, with one warm marker for all of its runs."""
+
+    def mark_all(
+        submissions: Iterator[Submission], opener: OpenMarker, jobs: int
+    ) -> Iterator[tuple[Submission, Result]]:
+        return ((each, marker.mark(each)) for each in submissions)
+
+    monkeypatch.setattr(classroom, "mark_all", mark_all)
+
+    def command(*arguments: object) -> None:
+        assert cli.main([str(argument) for argument in arguments]) == 0
+
+    return command
+
+
+CLASS = classes.a_class(3, [classes.filters_alone(1.0), classes.filters_alone(0.5)])
+
+
+@pytest.mark.parametrize("shape", classes.SHAPES)
+def test_a_class_in_each_shape_gets_the_same_marks_and_its_reports_back(shape: str, tmp_path: Path, run: Run) -> None:
+    path, out = classes.SHAPES[shape](CLASS, tmp_path / "in"), tmp_path / "out"
+    run("grade", path, "-o", out)
+    assert classes.marks_from(shape, CLASS, out, run) == {"s00000": 20.0, "s00001": 14.0, "s00002": 20.0}
+    run("export", out, "-f", "csv", "--feedback", tmp_path / "reports.zip")
+    reports = (tmp_path / "reports.zip").read_bytes()
+    pages = {page.read_bytes() for page in out.glob("submissions/*/report.html")}
+    assert len(pages) == len(CLASS)
+    if shape == "canvas":
+        taken = classes.canvas_feedback(reports)
+        with zipfile.ZipFile(path) as archive:
+            handed_in = {tuple(t for t in name.split("_") if t.isdigit())[:2] for name in archive.namelist()}
+        assert set(taken) <= handed_in
+        assert ({user for user, _ in taken}, set(taken.values())) == ({s.canvas for s in CLASS}, pages)
+    elif shape.startswith("moodle"):
+        taken_by_number = classes.moodle_feedback(reports)
+        assert (set(taken_by_number), set(taken_by_number.values())) == ({s.moodle for s in CLASS}, pages)
+    else:
+        assert zipfile.ZipFile(io.BytesIO(reports)).namelist() == []
+
+
+# ---- Canvas ----
+
+
+def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> None:
+    template = canvas_file(
+        '"Doe, Jane ""JD""",101,s1,jd,"Tue, 10:00",40,,40', "Müller,102,s2,m,A,41,12.0,41", head=HEAD
+    )
+    filled = canvas.fill(template, "t.csv", "Lab 04-01", class_of(standing("jd_101", JANE)))
+    assert filled.data.decode() == (
+        "Student,ID,SIS User ID,SIS Login ID,Section,Lab 04-01 (4711)\n"
+        "    Points Possible,,,,,100.0\n"
+        '"Doe, Jane ""JD""",101,s1,jd,"Tue, 10:00",87.5\n'
+        "Müller,102,s2,m,A,12.0\n"
+    )
+    assert filled.grades == 1
+    assert list(filled.left_out(class_of(standing("jd_101", JANE)))) == [
+        "in the file, and not graded (left as it is): Müller"
+    ]
+
+
+@pytest.mark.parametrize("column", ["Lab 04-01", "4711", "Lab 04-01 (4711)"])
+def test_the_assignment_may_be_called_by_title_number_or_heading(column: str) -> None:
+    assert canvas.fill(canvas_file("D,101,s1,jd,A,,,"), "t.csv", column, class_of(standing("x", JANE))).grades == 1
+
+
+@pytest.mark.parametrize(
+    ("template", "column", "line"),
+    [
+        (canvas_file(), None, "t.csv: name the assignment with --column; there are: Lab 03 (4700), Lab 04-01 (4711)"),
+        (canvas_file(), "Lab", "t.csv: --column Lab means none or several; there are: Lab 03 (4700), Lab 04-01 (4711)"),
+        (
+            canvas_file(),
+            "4700",
+            "t.csv: the assignment is out of 50, and the rubric out of 100; make them equal on the platform or in rubric.yaml",
+        ),
+        (b"a,b\n", None, "t.csv: is no gradebook of Canvas; export it there with Grades > Export"),
+        (b"", None, "t.csv: is empty; give the file that the platform exports"),
+        (b"Student\xff", None, "t.csv: is not UTF-8; export it again as UTF-8 CSV"),
+        (b'Student,"x\nID', None, "t.csv:1: is not CSV here; export the file again"),
+    ],
+)
+def test_a_gradebook_that_cannot_be_filled_is_refused_in_one_line(
+    template: bytes, column: str | None, line: str
+) -> None:
+    with pytest.raises(RequestError) as refusal:
+        canvas.fill(template, "t.csv", column, class_of(standing("x", JANE)))
+    assert str(refusal.value) == line
+
+
+def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
+    open_ = Standing(
+        "li",
+        result(check("not_judged", None, max_points=100.0), status="incomplete"),
+        HandIn((Person("Li", "102", "canvas"),)),
+    )
+    template = canvas_file("Doe,101,,,A,,EX,", "Li,102,,,A,,7,")
+    everyone = class_of(standing("jd", JANE), open_)
+    filled = canvas.fill(template, "t.csv", "4711", everyone)
+    assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["EX", "7"]
+    assert list(filled.left_out(everyone)) == [
+        "not judged, through a fault of the grader (left as it is): li",
+        "not to be changed in the file (left as it is): Doe",
+    ]
+
+
+def test_two_students_of_one_name_never_get_each_others_marks() -> None:
+    """One of two handed in; the other's row has another number, and so stays as it is."""
+    everyone = class_of(standing("doejane_101", Person("doejane", "101", "canvas")))
+    filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", everyone)
+    assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["", "87.5"]
+    by_name = class_of(standing("a", Person("Jane Doe")))
+    filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", by_name)
+    assert filled.grades == 0
+    assert list(filled.left_out(by_name)) == [
+        "graded, and not in the file: a",
+        "in the file, and not graded (left as it is): Doe, Jane, Doe, Jane",
+    ]
+
+
+def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
+    text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
+    filled = canvas.fill(text.encode(), "t.csv", None, class_of(standing("a", Person("Jane Doe"))))
+    assert filled.data.decode() == text + "87.5"
+
+
+# ---- Moodle ----
+
+
+def worksheet(*rows: str) -> bytes:
+    head = 'Identifier,"Full name","Email address",Status,Group,Grade,"Maximum Grade","Grade can be changed","Last modified (grade)","Feedback comments"'
+    return b"\xef\xbb\xbf" + "".join(f"{row}\r\n" for row in (head, *rows)).encode()
+
+
+MOODLE = Person("Jürgen Müßig", "12", "moodle")
+
+
+def test_a_worksheet_comes_back_with_every_other_byte_as_it_was() -> None:
+    row = '"Participant 12","Jürgen Müßig", j@example.edu ,"Submitted, late",,{},100.00,Yes,-,{}'
+    other = '"Participant 13","=1+1 ""X""",x@example.edu,-,"",55.00,100.00,Yes,"Friday, 1",""'
+    filled = moodle.fill(worksheet(row.format("", ""), other), "w.csv", None, class_of(standing("a", MOODLE)))
+    assert filled.data == worksheet(row.format("87.5", '"Marks: Sensor access 87.5 / 100"'), other)
+
+
+def test_a_teachers_own_comment_and_a_locked_grade_stay() -> None:
+    rows = ['"Participant 12",J,,,,,100,Yes,-,well done', '"Participant 13",K,,,,1,100,No,-,']
+    everyone = class_of(standing("a", MOODLE), standing("b", Person("K", "13", "moodle")))
+    filled = moodle.fill(worksheet(*rows), "w.csv", None, everyone)
+    assert filled.data == worksheet('"Participant 12",J,,,,87.5,100,Yes,-,well done', rows[1])
+    assert list(filled.left_out(everyone)) == ["not to be changed in the file (left as it is): K"]
+
+
+def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_of_ours() -> None:
+    one = standing("a", MOODLE, late=Lateness("2026-11-20T23:59+01:00", 90_000, 2, 20.0))
+    criterion = one.result.criteria[0]
+    one = replace(one, adjustments=(Adjustment(criterion.id, 90.0, "seen", "me", "now", beneath(criterion)),))
+    filled = moodle.fill(worksheet('"Participant 12",J,,,,87.5,100,Yes,-,"Marks: old"'), "w.csv", None, class_of(one))
+    assert filled.data == worksheet(
+        '"Participant 12",J,,,,70,100,Yes,-,"Marks: Sensor access 90 / 100 (by hand); late −20"'
+    )
+
+
+def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_column() -> None:
+    team = class_of(standing("Team_Red_4", Person("Team Red", "4", "moodle")))
+    rows = ['"Participant 12",J,,,"Team Red",,100,Yes,-,', '"Participant 4",K,,,"Team Blue",,100,Yes,-,']
+    filled = moodle.fill(worksheet(*rows), "w.csv", None, team)
+    assert [line.split(",")[5] for line in filled.data.decode().splitlines()[1:2]] == ["87.5"]
+    german = 'ID;"Vollständiger Name";Bewertung;Bestwertung\nTeilnehmer/in12;"Jürgen Müßig";;100,00\n'
+    filled = moodle.fill(german.encode(), "w.csv", "Bewertung", class_of(standing("a", MOODLE)))
+    assert filled.data.decode() == german.replace('";;', '";87.5;')
+    with pytest.raises(RequestError, match=r"^w.csv: has no column Grade; download the grading worksheet, or name the"):
+        moodle.fill(german.encode(), "w.csv", None, team)
+
+
+# ---- Gradescope, and CSV in general ----
+
+
+def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
+    ann = Person("Lee, Ann", sid="s1", email="ann@example.edu", section="B")
+    group = standing(
+        "g",
+        ann,
+        Person('=CMD("x")', sid="s2"),
+        number="77",
+        submitted="2026-11-20T21:00:00+00:00",
+        late=Lateness("x", 3725, 1, 8.0),
+    )
+    rows = list(csv.reader(io.StringIO(gradescope_csv(class_of(group)))))
+    assert rows == [
+        list(COLUMNS),
+        [
+            "Ann",
+            "Lee",
+            "s1",
+            "ann@example.edu",
+            "B",
+            "79.5",
+            "100",
+            "Graded",
+            "77",
+            "2026-11-20T21:00:00+00:00",
+            "01:02:05",
+            "",
+            "",
+        ],
+        [
+            "",
+            '\'=CMD("x")',
+            "s2",
+            "",
+            "",
+            "79.5",
+            "100",
+            "Graded",
+            "77",
+            "2026-11-20T21:00:00+00:00",
+            "01:02:05",
+            "",
+            "",
+        ],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "last"),
+    [
+        ("Jane Doe", "Jane", "Doe"),
+        ("Doe, Jane", "Jane", "Doe"),
+        ("Wei Li, Jr.", "Wei", "Li, Jr."),
+        ("Jane van Doe", "Jane van", "Doe"),
+        ("Plato", "", "Plato"),
+    ],
+)
+def test_a_name_is_split_where_it_says_so(name: str, first: str, last: str) -> None:
+    row = next(csv.DictReader(io.StringIO(gradescope_csv(class_of(standing("a", Person(name)))))))
+    assert (row["First Name"], row["Last Name"]) == (first, last)
+
+
+@given(
+    st.lists(
+        st.lists(
+            st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0\r"), max_size=5),
+            min_size=2,
+            max_size=4,
+        ),
+        min_size=1,
+        max_size=4,
+    ),
+    st.sampled_from(",;\t"),
+    st.sampled_from(["\n", "\r\n"]),
+    st.booleans(),
+)
+def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
+    table: list[list[str]], delimiter: str, end: str, marked: bool
+) -> None:
+    """But for a bare carriage return, which Python's writer leaves without quotes and no reader can place."""
+    table = [["Student", "ID", "Name", "Section"], *table]
+    text = io.StringIO()
+    csv.writer(
+        text, delimiter=delimiter, lineterminator=end, quoting=csv.QUOTE_ALL if marked else csv.QUOTE_MINIMAL
+    ).writerows(table)
+    data = (b"\xef\xbb\xbf" if marked else b"") + text.getvalue().encode()
+    sheet = read_sheet(data, "t.csv")
+    assert sheet.data() == data
+    assert [[row.value(i) for i in range(len(row.cells))] for row in sheet.rows] == table
+
+
+# ---- the command ----
+
+
+@contextmanager
+def graded(out: Path) -> Iterator[Path]:
+    from grader.store import Key, Store
+
+    with Store(out) as store:
+        store.keep(Key("alice", "s", "r", "t", "0"), result())
+    yield out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["-f", "excel"], "--format excel: there is no such; choose csv, canvas, moodle, gradescope"),
+        (["-f", "canvas"], "--format canvas needs --template with the file that it exports"),
+        (["-f", "csv", "--template", "x"], "--format csv takes no --template"),
+        (
+            ["-f", "moodle", "--template", "nowhere.csv"],
+            "nowhere.csv: cannot be read (No such file or directory); give the file that the platform exports",
+        ),
+    ],
+)
+def test_an_export_that_makes_no_sense_is_one_line(
+    arguments: list[str], line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with graded(tmp_path / "out") as out:
+        assert cli.main(["export", str(out), *arguments]) == 2
+    assert capsys.readouterr().err == f"imugrade: {line}\n"
+
+
+def test_a_folder_that_holds_no_graded_class_is_told_and_stays_empty(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command in (["export", "-f", "csv"], ["adjust"], ["diff", str(tmp_path)]):
+        assert cli.main([command[0], str(tmp_path), *command[1:]]) == 2
+        assert (
+            capsys.readouterr().err
+            == f"imugrade: {tmp_path}: no class was graded there; give the OUT of `imugrade grade`\n"
+        )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_reports_of_a_plain_class_have_no_place_to_go_and_that_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with graded(tmp_path / "out") as out:
+        assert cli.main(["export", str(out), "-f", "csv", "--feedback", str(tmp_path / "r.zip")]) == 0
+    told = capsys.readouterr()
+    assert told.out == f"{out}/gradebook.csv  1 grade\n{tmp_path}/r.zip  0 reports\n"
+    assert told.err == "imugrade: no report for the platform to place: alice\n"

@@ -1,0 +1,293 @@
+"""What stands beside the marks: lateness, rosters, points by hand. None of it ever changes a result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import datetime, timedelta, timezone
+from pathlib import Path
+
+import pytest
+
+from grader import roster
+from grader.errors import RequestError
+from grader.formats.gradebook import gradebook
+from grader.identity import Directory, Row, participant, spellings
+from grader.lateness import judged
+from grader.remarks import remarks
+from grader.results import to_json
+from grader.rubric import LatePolicy
+from grader.stamps import read_stamp, stamp
+from grader.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath, hand_in_from_dict, hand_in_to_dict
+from tests.made_up import check, lost, result
+
+DUE = datetime(2026, 11, 20, 23, 0, tzinfo=timezone.utc)
+POLICY = LatePolicy(DUE, grace_minutes=10, per_day=10.0, cut_off_days=3)
+
+
+def handed_in(
+    seconds: float, policy: LatePolicy | None = POLICY, due: datetime | None = None, **person: str
+) -> Lateness | None:
+    came = (DUE + timedelta(seconds=seconds)).isoformat()
+    return judged(HandIn((Person("Jane", **person),), came), policy, due, ("jane_1",)).late
+
+
+# ---- lateness ----
+
+
+@pytest.mark.parametrize(
+    ("seconds", "late"),
+    [
+        (-1, None),
+        (0, None),
+        (600, None),
+        (601, (601, 1, 10.0, False)),
+        (86_400, (86_400, 1, 10.0, False)),
+        (86_401, (86_401, 2, 20.0, False)),
+        (3 * 86_400, (3 * 86_400, 3, 30.0, False)),
+        (3 * 86_400 + 1, (3 * 86_400 + 1, 4, 40.0, True)),
+    ],
+)
+def test_days_begun_count_from_the_due_date_once_the_grace_is_over(
+    seconds: int, late: tuple[int, int, float, bool] | None
+) -> None:
+    assert handed_in(seconds) == (late and Lateness("2026-11-20T23:00+00:00", *late))
+
+
+def test_without_a_policy_only_the_platforms_own_word_stands() -> None:
+    assert handed_in(10**6, None) is None
+    marked = HandIn(late=Lateness("", None))
+    assert judged(marked, None, None, ()) == marked
+
+
+def test_late_without_a_time_takes_nothing_off_and_is_told() -> None:
+    hand_in = judged(HandIn((Person("Jane"),), late=Lateness("", None)), POLICY, None, ())
+    one = Standing("jane", result(), hand_in)
+    assert (one.deduction, one.final) == (0.0, 20.0)
+    assert list(remarks({"jane": one}, (), ())) == [
+        "late, but no time says how late (give a `submitted` column in the roster): jane"
+    ]
+
+
+@pytest.mark.parametrize("who", ["jane_1", "JANE", "j@example.edu", "s1", "101"])
+def test_an_extension_is_found_by_any_name_of_theirs(who: str) -> None:
+    policy = replace(POLICY, extensions={who: DUE + timedelta(days=5)})
+    person = {"email": "J@example.edu", "sid": "s1", "key": "101"}
+    assert handed_in(4 * 86_400, policy, **person) is None
+    assert handed_in(4 * 86_400, replace(POLICY, extensions={"other": DUE + timedelta(days=5)}), **person) is not None
+
+
+def test_a_date_of_the_roster_goes_before_every_other() -> None:
+    policy = replace(POLICY, extensions={"jane": DUE + timedelta(days=5)})
+    assert handed_in(2 * 86_400, policy, DUE + timedelta(days=1)) == Lateness("2026-11-21T23:00+00:00", 86_400, 1, 10.0)
+
+
+def test_lateness_takes_no_more_than_there_is_and_nothing_that_is_open() -> None:
+    late = HandIn(late=Lateness("x", 90_000, 2, 30.0))
+    assert (Standing("a", result(), late).deduction, Standing("a", result(), late).final) == (20.0, 0.0)
+    refused = HandIn(late=Lateness("x", 900_000, 11, 0.0, refused=True))
+    assert Standing("a", result(), refused).final == 0.0
+    still_open = Standing("a", result(check("not_judged", None), status="incomplete"), late)
+    assert (still_open.adjusted, still_open.deduction, still_open.final) == (None, 0.0, None)
+
+
+def test_nothing_beside_the_marks_is_in_result_json() -> None:
+    plain = result(lost())
+    criterion = plain.criteria[0]
+    by_hand = Adjustment(criterion.id, 6.0, "seen", "me", "now", beneath(criterion))
+    one = Standing("a", plain, HandIn(late=Lateness("x", 90_000, 2, 4.0)), (by_hand,))
+    assert (one.result.score, one.adjusted, one.final) == (0.0, 6.0, 2.0)
+    assert to_json(one.result) == to_json(plain)
+
+
+# ---- points by hand ----
+
+
+def test_points_by_hand_take_the_place_of_a_criterions_and_can_close_an_open_one() -> None:
+    still_open = result(check("not_judged", None, max_points=20.0), status="incomplete")
+    criterion = still_open.criteria[0]
+    by_hand = Adjustment(criterion.id, 15.0, "by eye", "me", "now", beneath(criterion))
+    one = Standing("a", still_open, adjustments=(by_hand,))
+    assert (one.adjusted, one.final) == (15.0, 15.0)
+
+
+def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the_sum_is_the_same() -> None:
+    first = result(lost(id="x.a"), check(id="x.b"))
+    then = Adjustment("sensor_access", 11.0, "why", "me", "now", beneath(first.criteria[0]))
+    assert Standing("a", first, adjustments=(then,)).outdated() == []
+    second = Standing("a", result(check(id="x.a"), lost(id="x.b")), adjustments=(then,))
+    assert second.outdated() == [then]
+    assert list(remarks({"a": second}, (), ())) == [
+        "a: sensor_access was set to 11 by hand when it had 6; the automatic marks are now 6 / 12. Adjust it again or withdraw it"
+    ]
+
+
+# ---- the gradebook ----
+
+
+def test_what_stands_beside_has_columns_after_the_total() -> None:
+    made = result()
+    by_hand = Adjustment("sensor_access", 18.0, "why", "me", "now", beneath(made.criteria[0]))
+    late = HandIn((Person("Müller, J.", section="=B"),), "2026-11-21T23:00:01+00:00", Lateness("x", 86_401, 2, 4.0))
+    table = gradebook({"a": Standing("a", made, late, (by_hand,)), "b": Standing("b", made)})
+    assert table == (
+        "id,name,section,sensor_access,total,adjusted,submitted,late,late_deduction,final,status\n"
+        'a,"Müller, J.",\'=B,20,20,18,2026-11-21T23:00:01+00:00,2,4,14,graded\n'
+        "b,alice,,20,20,20,,0,0,20,graded\n"
+    )
+
+
+def test_a_hand_in_is_read_back_from_the_record_as_it_was() -> None:
+    one = HandIn(
+        (Person("Jürgen \ud800", "1", "moodle", "s", "e", "B"),),
+        "2026-01-01T00:00:00+00:00",
+        Lateness("x", 5, 1, 2.0),
+        "r_",
+        "7",
+    )
+    assert hand_in_from_dict(hand_in_to_dict(one)) == one
+    assert hand_in_from_dict(hand_in_to_dict(HandIn())) == HandIn()
+
+
+# ---- who is meant ----
+
+DOE, ROE = Person("doejane", "101", "canvas"), Person("Roe, Bob", "102", "canvas", sid="s2", email="bob@example.edu")
+PEOPLE = Directory({"doejane_101": (DOE,), "roe": (ROE,), "group": (Person("Ann", sid="s8"), Person("Cy", sid="s9"))})
+
+
+@pytest.mark.parametrize(
+    ("row", "id_"),
+    [
+        (Row("canvas", "101"), "doejane_101"),
+        (Row(name="Doe, Jane"), "doejane_101"),
+        (Row(name="Jane Doe"), "doejane_101"),
+        (Row("canvas", "103", name="Doe, Jane"), None),  # another Jane Doe: Canvas's own number says so
+        (Row("moodle", "101", name="Bob Roe"), "roe"),  # another platform's number says nothing
+        (Row(numbers=("S2",)), "roe"),
+        (Row(numbers=("roe",)), "roe"),
+        (Row(numbers=("102",)), "roe"),
+        (Row(numbers=("102",), name="Somebody Else"), None),  # a number of an unknown kind, and the names differ
+        (Row(email="BOB@example.edu", name="Robert"), "roe"),
+        (Row(email="other@example.edu", name="Bob Roe"), None),
+        (Row(numbers=("s7",), name="Bob Roe"), None),
+        (Row(numbers=("s9",)), "group"),
+        (Row(numbers=("group",)), "group"),
+        (Row(name="Nobody"), None),
+        (Row(), None),
+    ],
+)  # fmt: skip
+def test_a_row_is_given_to_the_right_one_or_to_nobody(row: Row, id_: str | None) -> None:
+    match = PEOPLE.find(row)
+    assert (match and match.id) == id_
+
+
+def test_a_name_that_two_have_means_neither() -> None:
+    twins = Directory({"a": (Person("Jane Doe"),), "b": (Person("Doe, Jane"),)})
+    assert twins.find(Row(name="Jane Doe")) is None
+
+
+@pytest.mark.parametrize(
+    ("cell", "number"), [("Participant 12", "12"), ("Teilnehmer/in12", "12"), ("12", "12"), ("x12y", "x12y")]
+)
+def test_moodles_word_before_the_number_may_be_any(cell: str, number: str) -> None:
+    assert participant(cell) == number
+
+
+def test_a_name_is_spelt_from_each_of_its_words_on() -> None:
+    assert spellings("van der Berg, Zoë") == {"vanderbergzoë", "derbergzoëvan", "bergzoëvander", "zoëvanderberg"}
+
+
+# ---- the roster ----
+
+
+def read(tmp_path: Path, text: str) -> list[roster.Listed]:
+    (tmp_path / "r.csv").write_bytes(text.encode())
+    return roster.load(tmp_path / "r.csv")
+
+
+def placed(tmp_path: Path, text: str) -> roster.Placed:
+    people = {"doejane_101": (DOE,), "lab4-user1": (Person("lab4-user1", "lab4-user1", "git"),)}
+    return roster.place(read(tmp_path, text), {id_: HandIn(each) for id_, each in people.items()})
+
+
+def test_a_roster_gives_names_sections_dates_and_tells_who_is_missing_on_either_side(tmp_path: Path) -> None:
+    text = '\ufeffName,Email,Section,Due,Submitted\n"Doe, Jane",j@example.edu,B,2026-11-24T23:59+01:00,2026-11-21 10:00Z\nNobody,n@example.edu,A,,\n'
+    found = placed(tmp_path, text)
+    assert found.hand_ins["doejane_101"].people == (Person("Doe, Jane", "101", "canvas", "", "j@example.edu", "B"),)
+    assert found.due == {"doejane_101": read_stamp("2026-11-24T22:59Z")}
+    assert found.submitted == {"doejane_101": "2026-11-21T10:00:00+00:00"}
+    assert (found.absent, found.unknown) == (("Nobody",), ("lab4-user1",))
+
+
+def test_what_platforms_export_is_a_roster_as_it_stands(tmp_path: Path) -> None:
+    canvas = 'Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"Doe, Jane",101,s1,jd,"Tue, 10",\n'
+    assert placed(tmp_path, canvas).hand_ins["doejane_101"].people == (
+        Person("Doe, Jane", "101", "canvas", "s1", "", "Tue, 10"),
+    )
+    moodle = 'Identifier;"Full name";"Email address";Status;Grade\n"Participant 12";Jane Doe;j@example.edu;-;\n'
+    assert read(tmp_path, moodle)[0].who == Row("moodle", "12", (), "j@example.edu", "Jane Doe")
+    gradescope = "First Name,Last Name,SID,Email,Sections\nJane,Doe,s1,j@example.edu,B\n"
+    assert read(tmp_path, gradescope) == [roster.Listed(Row("", "", ("s1",), "j@example.edu", "Jane Doe"), "B")]
+
+
+def test_a_clone_is_the_user_whose_whole_name_it_ends_in(tmp_path: Path) -> None:
+    found = placed(tmp_path, "username,name\n1,Short\nuser1,Long\n")
+    assert found.hand_ins["lab4-user1"].people[0].name == "Long"
+    assert found.absent == ("Short",)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("a,b\n", "r.csv:1: no column id, name or email; the first line has to name the columns"),
+        (
+            "name,due\nJane,tomorrow\n",
+            "r.csv:2: due must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00",
+        ),
+        (
+            "name,submitted\nJane,2026-11-20 10:00\n",
+            "r.csv:2: submitted must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00",
+        ),
+    ],
+)
+def test_a_roster_that_cannot_be_used_is_one_line(text: str, line: str, tmp_path: Path) -> None:
+    with pytest.raises(RequestError) as refusal:
+        read(tmp_path, text)
+    assert str(refusal.value) == f"{tmp_path}/{line}"
+
+
+# ---- points in time ----
+
+
+@pytest.mark.parametrize(
+    ("text", "utc"),
+    [
+        ("2026-11-20T23:59+01:00", "2026-11-20T22:59:00+00:00"),
+        ("2026-11-20 23:59:30.123456789 -0800", "2026-11-21T07:59:30+00:00"),
+        ("2026-11-20T23:59:00Z", "2026-11-20T23:59:00+00:00"),
+        ("2026-11-20T23:59", ""),
+        ("2026-13-20T23:59Z", ""),
+        ("0001-01-01T00:00+14:00", ""),
+        ("2026-11-20", ""),
+        ("", ""),
+    ],
+)
+def test_a_time_without_an_offset_is_no_time(text: str, utc: str) -> None:
+    assert stamp(text) == utc
+
+
+# ---- remarks ----
+
+
+def test_equal_hand_ins_are_told_and_empty_ones_are_not() -> None:
+    def made(id_: str, sha: str, status: str = "graded") -> Standing:
+        return Standing(id_, replace(result(), status=status, provenance={"submission_sha256": sha}))  # type: ignore[arg-type]
+
+    everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
+    assert list(remarks({s.id: s for s in everyone}, (), ())) == ["the same files were handed in by: a, c"]
+
+
+def test_a_long_list_is_told_whole(capsys: pytest.CaptureFixture[str]) -> None:
+    names = [f"student{i}" for i in range(45)]
+    lines = list(remarks({}, names, ()))
+    assert len(lines) == 3
+    assert all(name in ", ".join(lines) for name in names)
