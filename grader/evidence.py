@@ -5,7 +5,9 @@ Charts decide nothing and are no part of `result.json`. They travel with a `Resu
 
 from __future__ import annotations
 
+import base64
 import json
+import struct
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -61,8 +63,8 @@ class Evidence:
 
 
 def packed(charts: tuple[Chart, ...]) -> bytes:
-    """For the record and the way to it: JSON, compressed."""
-    text = json.dumps(charts, default=vars, separators=(",", ":"), allow_nan=False)
+    """For the record and the way to it: JSON, compressed; points in single precision, finer than any pixel."""
+    text = json.dumps(charts, default=_plain, separators=(",", ":"), allow_nan=False)
     return zlib.compress(text.encode(), 1) if charts else b""
 
 
@@ -80,4 +82,18 @@ def _panel(record: Mapping[str, Any]) -> Panel:
 
 
 def _curve(record: Mapping[str, Any]) -> Curve:
-    return Curve(**{**record, "x": tuple(record["x"]), "y": tuple(record["y"])})
+    return Curve(**{**record, "x": _numbers(record["x"]), "y": _numbers(record["y"])})
+
+
+def _plain(value: object) -> dict[str, Any]:
+    fields = vars(value)
+    return {**fields, "x": _encoded(value.x), "y": _encoded(value.y)} if isinstance(value, Curve) else fields
+
+
+def _encoded(numbers: tuple[float, ...]) -> str:
+    return base64.b64encode(struct.pack(f"<{len(numbers)}f", *numbers)).decode()
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    content = base64.b64decode(text)
+    return struct.unpack(f"<{len(content) // 4}f", content)

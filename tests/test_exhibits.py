@@ -178,8 +178,8 @@ def test_thinning_takes_the_worst_of_each_stretch() -> None:
 
 
 def test_points_that_cannot_be_drawn_are_left_out() -> None:
-    drawn = curve("a", "x", np.arange(5.0), np.array([1.0, np.nan, np.inf, 1e300, 2.00004]))
-    assert (drawn.x, drawn.y) == ((0.0, 4.0), (1.0, 2.0))
+    drawn = curve("a", "x", np.arange(5.0), np.array([1.0, np.nan, np.inf, 1e300, 2.5]))
+    assert (drawn.x, drawn.y) == ((0.0, 4.0), (1.0, 2.5))
 
 
 ODD = [
@@ -224,7 +224,7 @@ def test_the_allan_plot_of_white_noise_lies_on_the_line_that_was_asked_for() -> 
     for panel in noise.charts(white(), TRUTH)[1].panels:
         asked, found = panel.curves
         assert asked.x == found.x
-        assert asked.x[0] == TRUTH["push"].scalars["timestep"]
+        assert asked.x[0] == pytest.approx(TRUTH["push"].scalars["timestep"])
         ratio = np.array(found.y) / np.array(asked.y)
         # 6 records of 1,250 reads: the estimate at 125 reads a cluster scatters by some 15 %, at one read by 1 %
         assert ratio[0] == pytest.approx(1.0, abs=0.06)
@@ -241,7 +241,7 @@ def test_the_gain_of_the_sheets_filter_is_found_to_two_percent() -> None:
     scenario = TRUTH["filter"]
     chart = filtering.chart([FilterRun(scenario["low_passed"][0], None, None, input_changed=False)], scenario)
     sheet, own = panels(chart)["Gain"].curves
-    assert own.y == pytest.approx(sheet.y, rel=0.025)  # 2 % of the estimate, and the rounding of the points
+    assert own.y == pytest.approx(sheet.y, rel=0.02)
     omega = 2 * np.pi * np.array(sheet.x)
     assert sheet.y == pytest.approx(np.abs(0.1 / (1 - 0.9 * np.exp(-1j * omega))), rel=0.01)
 

@@ -1,4 +1,4 @@
-"""From arrays to the points of a curve: few, finite and short."""
+"""From arrays to the points of a curve: few and finite."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ from ..evidence import Curve, Role
 
 MOST = 200
 _LARGEST = 1e12
-_DIGITS = 4  # of a curve's range: finer than a pixel
 
 
 def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
     """A curve without the points that cannot be drawn."""
     fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
-    return Curve(name, role, _short(x[fine]), _short(y[fine]), colour)
+    return Curve(name, role, _single(x[fine]), _single(y[fine]), colour)
 
 
 def thinned(n: int, most: int = MOST) -> np.ndarray:
@@ -33,8 +32,6 @@ def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
     return np.asarray(stretches.argmax(axis=1) + width * np.arange(len(stretches)))
 
 
-def _short(values: Array) -> tuple[float, ...]:
-    if not len(values):
-        return ()
-    reach = max(float(np.ptp(values)), 1e-6 * float(np.abs(values).max())) or 1.0
-    return tuple(np.round(values, _DIGITS - int(np.floor(np.log10(reach)))).tolist())
+def _single(values: Array) -> tuple[float, ...]:
+    """As they are recorded, see `evidence.packed`."""
+    return tuple(values.astype(np.float32).tolist())

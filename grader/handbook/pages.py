@@ -9,7 +9,7 @@ import typer
 
 from grader.feedback import catalogue
 from grader.formats.platforms import PLATFORMS
-from grader.handbook import commands, entries, flow, modules, rubric_keys
+from grader.handbook import commands, entries, flow, isolation, modules, rubric_keys
 from grader.rubric import load
 
 FOLDER = Path(__file__).parent
@@ -26,6 +26,7 @@ _INDEX = """# Handbook
 | [A class](classes.md) | from the download to the upload: rosters, lateness, points by hand, regrades |
 | [Platforms](platforms.md) | GitHub, Gradescope, Classroom 50, GitLab, PrairieLearn |
 | [Clusters](clusters.md) | `--cluster` on SLURM and Kubernetes, and how many machines a class needs |
+| [Isolation](isolation.md) | what each rung promises, and what the attacks on it came to |
 | [Architecture](architecture.md) | the way of a submission, and what each module is for |
 
 `imugrade explain ID` prints one entry of *Checks* or *Mistakes*.
@@ -49,6 +50,7 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
         "platforms.md": _platforms(),
         "classes.md": (FOLDER / "classes.txt").read_text(encoding="utf-8"),
         "clusters.md": (FOLDER / "clusters.txt").read_text(encoding="utf-8"),
+        "isolation.md": isolation.page(),
         "architecture.md": modules.page(),
     }
     return {**{name: _MADE + text for name, text in made.items()}, "flow.svg": flow.picture()}

@@ -11,7 +11,6 @@ _READ = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 _STEP_READ = "        mujoco.mj_step(model, data)\n        time[i] = data.time\n        acceleration[i], angular_velocity[i] = get_imu_readings(model, data, accel_id, gyro_id)\n"
 _RESET, _PUSH = "    mujoco.mj_resetData(model, data)\n", "    data.qvel[0] = 0.5\n"
 _STEPS = "int(round(duration_seconds / model.opt.timestep))"
-_A, _G = "self.rng.normal(0.0, self.accel_noise_std, size=3)", "self.rng.normal(0.0, self.gyro_noise_std, size=3)"
 _SIGNATURE = "accel_bias=None, gyro_bias=None, rng=None):"
 _STATE, _UPDATE = "None if initial_value is None else np.array(initial_value, dtype=float)", "self.state = self.state + self.alpha * (x - self.state)"
 
@@ -69,9 +68,6 @@ NEWCOMER_FAULTS = [
     _plot("units-left-in-a-comment", "no-units", ("Acceleration [m/s^2]", "Acceleration"), ("Angular velocity [rad/s]", "Angular velocity"), ("Time [s]", "Time")),
     _noise("bias-drawn-in-the-signature", "bias-not-random",
            (_SIGNATURE, "accel_bias=np.random.normal(0, 0.1, 3), gyro_bias=np.random.normal(0, 0.01, 3), rng=None):"), loses=("noise_model.default_bias",)),
-    _noise("bias-given-zero-is-replaced", "bias-argument-ignored",
-           ("if accel_bias is None:", "if accel_bias is None or not np.any(accel_bias):"), ("if gyro_bias is None:", "if gyro_bias is None or not np.any(gyro_bias):")),
-    _noise("mean-and-deviation-exchanged", "noise-not-zero-mean", (_A, "self.rng.normal(self.accel_noise_std, self.accel_noise_std, size=3)"), (_G, "self.rng.normal(self.gyro_noise_std, self.gyro_noise_std, size=3)")),
     _filter("history-in-a-default-argument", "shared-state",
             ("alpha=0.1, initial_value=None):", "alpha=0.1, initial_value=None, state=[]):"),
             (f"self.state = {_STATE}", "self.box = state\n        if initial_value is not None:\n            self.box[:] = [np.array(initial_value, dtype=float)]"),

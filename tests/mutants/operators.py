@@ -84,6 +84,8 @@ def _at(file: str, source: str, node: ast.AST, place: str) -> Iterator[Mutant]:
         for new in operator(node):
             lines = _replaced(source, node, new)
             old, now = ast.unparse(node), "" if new is None else ast.unparse(new)
+            if old == now:
+                continue  # two members alike have changed places
             yield Mutant(file, place, name, node.lineno, f"{_one_line(old)} → {_one_line(now) or 'nothing'}", lines)  # type: ignore[attr-defined]
 
 

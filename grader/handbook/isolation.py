@@ -1,0 +1,49 @@
+"""The page of the isolation: what each rung promises, and what the attacks on it came to."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+_FOLDER = Path(__file__).parent
+Entry = Mapping[str, Any]
+
+
+def page() -> str:
+    """The text with the figures of `isolation.json`, which `python -m tests.hostile --write` makes."""
+    entries: list[Entry] = json.loads((_FOLDER / "isolation.json").read_text(encoding="utf-8"))
+    programs = {entry["family"]: entry["programs"] for entry in entries}
+    text = (_FOLDER / "isolation.txt").read_text(encoding="utf-8")
+    return (
+        text.replace("{programs}", str(sum(programs.values())))
+        .replace("{table}", "\n".join(_table(entries, programs)))
+        .replace("{none}", "\n".join(_fallen([entry for entry in entries if entry["rung"] == "none"])))
+    )
+
+
+def _table(entries: Sequence[Entry], programs: Mapping[str, int]) -> Iterator[str]:
+    yield f"| Rung | As | {' | '.join(f'{family} ({count})' for family, count in programs.items())} |"
+    yield "| --- | --- |" + " --- |" * len(programs)
+    for rung, user in dict.fromkeys((entry["rung"], entry["user"]) for entry in entries):
+        of = {entry["family"]: entry for entry in entries if (entry["rung"], entry["user"]) == (rung, user)}
+        cells = (_cell(of[family]) if family in of else "not run" for family in programs)
+        yield f"| `{rung}` | {user} | {' | '.join(cells)} |"
+
+
+def _cell(entry: Entry) -> str:
+    fell = len(entry["fell"])
+    return f"{entry['programs'] - fell} held, {fell} fell"
+
+
+def _fallen(entries: Sequence[Entry]) -> Iterator[str]:
+    """Each attack that succeeds where nothing isolates, with what it did."""
+    if not any(entry["fell"] for entry in entries):
+        return
+    yield "What falls on `none`, and what it does there; this is what the walls are for:\n"
+    yield "| Family | Program | As | What happened |"
+    yield "| --- | --- | --- | --- |"
+    for entry in entries:
+        for name, trouble in entry["fell"].items():
+            yield f"| {entry['family']} | {name} | {entry['user']} | {trouble.replace('|', chr(92) + '|')} |"
