@@ -49,6 +49,7 @@ app.add_typer(traces.app, name="traces")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code: the one place where failures become codes and lines."""
     _accept_any_encoding()
+    _keep_to_one_core()
     try:
         code = app(args=arguments, prog_name="imugrade", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
@@ -81,6 +82,12 @@ def _fail(message: str, code: int) -> int:
     for line in message.splitlines() or [""]:
         say(line)
     return code
+
+
+def _keep_to_one_core() -> None:
+    """Threads for matrices as small as ours cost more than they save, and markers share the cores; read when numpy loads."""
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 
 def _accept_any_encoding() -> None:
