@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -15,6 +14,7 @@ from .conversation import SEED
 from .evidence import Evidence, packed
 from .fingerprint import fingerprint
 from .intake import Submission
+from .lab_box import open_box
 from .plugin import Check, Examination, Judgement, known_checks, session
 from .results import CheckResult, CriterionResult, ExtensionResult, Result, Status
 from .rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
@@ -24,18 +24,6 @@ from .student_extensions import EXTENSIONS, attempts
 from .text import printable
 from .traces import Traces
 
-HARNESS = Path(__file__).parent / "inside"
-LIBRARIES = (
-    "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation", "mujoco.viewer",
-)  # fmt: skip
-"""What some submissions import, each of which takes longer to import than the rest of its work; a class shares it."""
-
-
-def libraries_of(files: Mapping[str, bytes]) -> tuple[str, ...]:
-    """Those of `LIBRARIES` that the code of one submission can mean: the last part of the name stands in it."""
-    code = b"\n".join(content for path, content in files.items() if path.endswith((".py", ".ipynb")))
-    return tuple(name for name in LIBRARIES if name.rpartition(".")[2].encode() in code)
-
 
 class Marker:
     """A warm marker: one zygote, the rubric and the truth. One per process.
@@ -44,7 +32,7 @@ class Marker:
     ----------
     rubric, traces : what is asked, and what is true
     rung : of the box; the best that this machine allows if None
-    libraries : imported once for all submissions; any other is imported by the submission that wants it, with the same marks
+    box : one that was opened before, and is closed with the marker
 
     Raises
     ------
@@ -54,11 +42,9 @@ class Marker:
         Where no box can be opened.
     """
 
-    def __init__(
-        self, rubric: Rubric, traces: Traces, *, rung: str | None = None, libraries: Sequence[str] = LIBRARIES
-    ) -> None:
+    def __init__(self, rubric: Rubric, traces: Traces, *, rung: str | None = None, box: Box | None = None) -> None:
         self._rubric, self._traces = rubric, traces
-        self._box = Box(HARNESS, rung=rung, warm=libraries)  # it warms up while the checks are collected
+        self._box = box or open_box(rung)  # it warms up while the checks are collected
         try:
             self._checks: Mapping[str, Check] = known_checks()
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})

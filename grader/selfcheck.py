@@ -9,10 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from grader.errors import RequestError
-from grader.intake import read_submission
-from grader.marking import Marker, libraries_of
+from grader.intake import Submission, read_submission
+from grader.marking import Marker
 from grader.results import Result
 from grader.rubric import Rubric
+from grader.sandbox.box import Box
 from grader.text import printable
 from grader.traces import Traces
 
@@ -20,17 +21,16 @@ PAUSE_S = 0.4
 _IGNORED = frozenset({"__pycache__", "node_modules"})
 
 
-def check(path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None, rung: str | None = None) -> Result:
-    """Mark the submission at `path` once.
+def check(submission: Submission, rubric: Rubric, traces: Traces, box: Box, *, only: str | None = None) -> Result:
+    """Mark one submission once, in a box that may still be warming up.
 
     Raises
     ------
     RequestError
-        If there is no such path, or the rubric has no criterion `only`.
+        If the rubric has no criterion `only`.
     """
     know_part(rubric, only)
-    submission = read_submission(path)
-    with Marker(rubric, traces, rung=rung, libraries=libraries_of(submission.files)) as marker:
+    with Marker(rubric, traces, box=box) as marker:
         return marker.mark(submission, only=only)
 
 

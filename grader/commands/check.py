@@ -11,6 +11,7 @@ from grader.commands.common import RubricOption, RungOption, console
 
 if TYPE_CHECKING:
     from grader.results import Result
+    from grader.rubric import Rubric
 
 
 def check(
@@ -44,25 +45,37 @@ def check(
 
         know_part(chosen, only)
     submission = read_submission(path)
+    if watch:
+        return _watch(path, chosen, only, html, json)
     ready = submission.status == "ready"
     if ready:
         print(opening.found(submission), flush=True)  # at once: the rest takes seconds on a cold machine
-    from grader import selfcheck, traces  # noqa: PLC0415
+    from grader.lab_box import libraries_of, open_box  # noqa: PLC0415
 
-    bundle = traces.obtain(None, None)
-    waiting = opening.waiting(submission, chosen, bundle, only) + "\n"
-    if watch:
-        for result in selfcheck.check_on_save(path, chosen, bundle, only=only):
-            console().clear()
-            print(waiting)
-            _show(result, html, json, only)
-            print("\nWatching for changes; Ctrl-C ends.", flush=True)
-        return 0
-    if ready:
-        print(waiting, flush=True)
-    result = selfcheck.check(path, chosen, bundle, only=only, rung=rung)
+    with open_box(rung, libraries_of(submission.files)) as box:
+        from grader import selfcheck, traces  # noqa: PLC0415 - while the box warms up
+        from grader.report import terminal  # noqa: F401, PLC0415
+
+        bundle = traces.obtain(None, None)
+        if ready:
+            print(opening.waiting(submission, chosen, bundle, only) + "\n", flush=True)
+        result = selfcheck.check(submission, chosen, bundle, box, only=only)
     _show(result, html, json, only)
     return 3 if result.status == "incomplete" else 0
+
+
+def _watch(path: Path, rubric: Rubric, only: str | None, html: Path | None, json: Path | None) -> int:
+    from grader import opening, selfcheck, traces  # noqa: PLC0415
+    from grader.intake import read_submission  # noqa: PLC0415
+
+    bundle = traces.obtain(None, None)
+    waiting = opening.waiting(read_submission(path), rubric, bundle, only) + "\n"
+    for result in selfcheck.check_on_save(path, rubric, bundle, only=only):
+        console().clear()
+        print(waiting)
+        _show(result, html, json, only)
+        print("\nWatching for changes; Ctrl-C ends.", flush=True)
+    return 0
 
 
 def _show(result: Result, html: Path | None, json: Path | None, only: str | None) -> None:
