@@ -306,27 +306,6 @@ def _says_smooth(name: str) -> bool:
     return bool(_SMOOTH_WORDS.search(plain(name))) and not _says_raw(name)
 
 
-def unclear(figure: Facts, compared: Sequence[Compared]) -> list[tuple[str, str]]:
-    """What a reader of a comparison is not told, as mistakes with a sentence: which curve is which, and what the axis counts.
-
-    A name for one of two curves names the other, too; titles of two panels do, and so does text in the picture.
-    """
-    axes = [a for a in figure["axes"] if a["visible"]]
-    entries = [e for a in axes for e in a["legend"] or ()] + [e for legend in figure["legends"] for e in legend]
-    written = [e["text"] for e in entries] + [t["text"] for a in axes for t in a["texts"]] + list(figure["texts"])
-    titles = {a["title"].strip() for a in axes} - {""}
-    labels = [figure["ylabel"], *(a["ylabel"] for a in axes)]
-    units = [text for text in (figure["title"], *titles, *written) if unit_of(text)]
-    missing = []
-    if not any(text.strip() and not text.startswith("_") for text in written) and len(titles) < 2:
-        missing.append(("no-legend", "curves without a name"))
-    if any(pair.exchanged for pair in compared) and not any(pair.in_order for pair in compared):
-        missing.append(("legend-order-wrong", "the raw curve under the name of the filtered one"))
-    if not any(label.strip() for label in labels) and not units:
-        missing.append(("no-axis-labels", "no label on the y axis"))
-    return missing
-
-
 def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
     drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
     long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]

@@ -75,7 +75,6 @@ NEWCOMER_FAULTS = [
             (_UPDATE, "self.box[0] = self.box[0] + self.alpha * (x - self.box[0])"), ("return self.state.copy()", "return self.box[0].copy()")),
     _filter("alpha-from-a-time-constant", "alpha-ignored", ("self.alpha = alpha", "dt, tau = 0.002, 0.02\n        self.alpha = dt / (tau + dt)")),
     _filter("z-axis-only", "axes-mixed", (_UPDATE, "self.state = np.array([x[0], x[1], self.state[2] + self.alpha * (x[2] - self.state[2])])")),
-    Faulty("comparison-without-names", "no-legend", "visualization", edit(tidy(), "filters.py", ("    ax.legend()\n", "")), loses=("visualization.comparison_plot",)),
     Faulty("comparison-names-exchanged", "legend-order-wrong", "visualization",
            edit(verbatim(), "filters.py", ("label='Raw Z-acceleration'", "label='Filtered Z-acceleration'"), ("label='Filtered Z-acceleration'", "label='Raw Z-acceleration'")),
            loses=("visualization.comparison_plot",)),
