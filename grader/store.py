@@ -18,8 +18,8 @@ from types import TracebackType
 
 from grader.errors import RequestError
 from grader.evidence import Chart, unpacked
+from grader.people.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
 from grader.results import Result, from_dict, to_dict
-from grader.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
 from grader.text import printable
 
 FILE_NAME = "results.sqlite"

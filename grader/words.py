@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from grader.people.standing import Standing
 from grader.results import CheckResult, CriterionResult, ExtensionResult, Outcome, Result, Status
-from grader.standing import Standing
 from grader.text import printable
 
 LAB = "Lab 04-01"

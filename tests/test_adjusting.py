@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from grader import classroom, cli
+from grader import cli
 from grader.batch import OpenMarker
+from grader.course import classroom
 from grader.intake import Submission
 from grader.results import Result
 from grader.store import FILE_NAME, Store
@@ -313,8 +314,8 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
 def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     from dataclasses import replace
 
-    from grader.differences import told
-    from grader.standing import Standing
+    from grader.course.differences import told
+    from grader.people.standing import Standing
 
     old = result(lost(), name="a")
     new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
@@ -327,7 +328,7 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
 
 
 def test_nothing_that_was_ever_said_by_hand_is_lost(out: Path) -> None:
-    from grader.standing import Adjustment
+    from grader.people.standing import Adjustment
 
     said = [("alice", Adjustment("sensor_access", float(p), f"{p}", "me", "now", {})) for p in (1, 2, 3)]
     with Store(out) as store:

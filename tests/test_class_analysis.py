@@ -12,11 +12,11 @@ import pytest
 
 from grader.fingerprint import fingerprint, of_the_sheet
 from grader.intake import read_submission
+from grader.people.standing import Standing
 from grader.report.items import Item, items
 from grader.report.pages import index_page
 from grader.report.similarity import FEWEST, pairs
 from grader.results import CriterionResult, Result
-from grader.standing import Standing
 from tests.examples import FOLDER
 from tests.made_up import check
 from tests.made_up import result as made_up

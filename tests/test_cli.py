@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 import grader
-from grader import classroom, cli, selfcheck, traces
+from grader import cli, selfcheck, traces
+from grader.course import classroom
 from grader.errors import GraderError, RequestError
 from grader.results import Result
 from grader.sandbox.ladder import Rung

@@ -18,8 +18,9 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from grader import classroom, cli, cluster, cluster_worker, rubric, traces
+from grader import cli, cluster, cluster_worker, rubric, traces
 from grader.batch import KILLED, Unmarked
+from grader.course import classroom
 from grader.errors import GraderError, RequestError
 from grader.evidence import Evidence
 from grader.intake import Submission

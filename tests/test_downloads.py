@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.errors import RequestError
 from grader.intake import Intake, read_class
-from grader.standing import Lateness, Person
+from grader.people.standing import Lateness, Person
 from tests import classes
 from tests.corpus.writing import as_bytes
 

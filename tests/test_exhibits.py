@@ -20,10 +20,10 @@ from grader.exhibits import filtering, motion, noise
 from grader.exhibits.points import curve, worst_of_each
 from grader.intake import read_submission
 from grader.marking import Marker
+from grader.people.standing import Standing
 from grader.report import charts as drawing
 from grader.report.pages import report_page
 from grader.results import to_json
-from grader.standing import Standing
 from grader.store import Key, Store
 from tests.examples import FOLDER
 from tests.made_up import SHA

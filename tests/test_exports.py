@@ -14,17 +14,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader import classroom, cli, traces
+from grader import cli, traces
 from grader.batch import OpenMarker
+from grader.course import classroom
 from grader.errors import RequestError
 from grader.formats import canvas, moodle
 from grader.formats.gradescope_csv import COLUMNS, gradescope_csv
 from grader.formats.sheet import read_sheet
 from grader.intake import Submission
 from grader.marking import Marker
+from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from grader.results import Result
 from grader.rubric import load
-from grader.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from tests import classes
 from tests.made_up import check, result
 

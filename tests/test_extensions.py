@@ -20,9 +20,9 @@ from grader.diagnosis import allan as allan_diagnosis
 from grader.diagnosis import liveplot, tilting
 from grader.intake import Submission, read_submission
 from grader.marking import Marker
+from grader.people.standing import Standing
 from grader.report.pages import report_page
 from grader.results import ExtensionResult, Result, from_dict, to_dict
-from grader.standing import Standing
 from grader.student_extensions import EXTENSIONS, attempts
 from reference.allan_variance import allan_deviation, cluster_sizes, noise_density
 from reference.complementary_filter import ComplementaryFilter, euler_rates, heading_of, tilt_of

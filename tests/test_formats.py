@@ -5,8 +5,8 @@ import io
 from dataclasses import replace
 
 from grader.formats.gradebook import gradebook
+from grader.people.standing import Standing
 from grader.results import Result
-from grader.standing import Standing
 from tests.made_up import check, lost, result
 
 

@@ -16,11 +16,11 @@ from grader import words
 from grader.answers import Drawing
 from grader.evidence import Chart
 from grader.exhibits import drawn
+from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report.pages import index_page, report_page
 from grader.report.progress import Lines
 from grader.report.terminal import show
 from grader.results import Outcome, Result
-from grader.standing import Adjustment, HandIn, Lateness, Person, Standing
 from tests.made_up import HOSTILE, check, lost, result
 
 HOSTILE_RESULT = result(

@@ -8,16 +8,25 @@ from pathlib import Path
 
 import pytest
 
-from grader import roster
+from grader.course.remarks import remarks
 from grader.errors import RequestError
 from grader.formats.gradebook import gradebook
-from grader.identity import Directory, Row, participant, spellings
-from grader.lateness import judged
-from grader.remarks import remarks
+from grader.people import roster
+from grader.people.identity import Directory, Row, participant, spellings
+from grader.people.lateness import judged
+from grader.people.standing import (
+    Adjustment,
+    HandIn,
+    Lateness,
+    Person,
+    Standing,
+    beneath,
+    hand_in_from_dict,
+    hand_in_to_dict,
+)
 from grader.results import to_json
 from grader.rubric import LatePolicy
 from grader.stamps import read_stamp, stamp
-from grader.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath, hand_in_from_dict, hand_in_to_dict
 from tests.made_up import check, lost, result
 
 DUE = datetime(2026, 11, 20, 23, 0, tzinfo=timezone.utc)

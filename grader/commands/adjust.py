@@ -40,7 +40,7 @@ def adjust(
       imugrade adjust out --csv adjustments.csv
       imugrade adjust out
     """
-    from grader import adjusting  # noqa: PLC0415
+    from grader.course import adjusting  # noqa: PLC0415
 
     if table is not None:
         if id_ is not None:

@@ -85,8 +85,8 @@ def _show(result: Result, html: Path | None, json: Path | None, only: str | None
     terminal.show(result, console(), only=only)
     if html is not None:
         from grader.evidence import unpacked  # noqa: PLC0415
+        from grader.people.standing import Standing  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
-        from grader.standing import Standing  # noqa: PLC0415
 
         write_whole(html, report_page(Standing("", result), unpacked(result.evidence.charts)))
     if json is not None:

@@ -18,7 +18,7 @@ def diff(
     Example:
       imugrade diff out-monday out-tuesday
     """
-    from grader import differences  # noqa: PLC0415
+    from grader.course import differences  # noqa: PLC0415
     from grader.store import Store  # noqa: PLC0415
 
     with Store.existing(first) as old, Store.existing(second) as new:

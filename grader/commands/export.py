@@ -42,7 +42,7 @@ def export(
       imugrade export out --format canvas --template gradebook.csv --column "Lab 04-01"
       imugrade export out --format moodle --template worksheet.csv --feedback reports.zip
     """
-    from grader import exporting  # noqa: PLC0415
+    from grader.course import exporting  # noqa: PLC0415
 
     name = one_of("--format", format_, exporting.FORMATS)
     written = exporting.export(exporting.Export(out, name, target, template, column, feedback))

@@ -65,8 +65,9 @@ def grade(
       imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
-    from grader import classroom, traces  # noqa: PLC0415
     from grader import rubric as rubrics  # noqa: PLC0415
+    from grader import traces  # noqa: PLC0415
+    from grader.course import classroom  # noqa: PLC0415
     from grader.intake import ATTEMPTS, SHAPES  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
 

@@ -9,8 +9,8 @@ from grader import words
 from grader.errors import RequestError
 from grader.formats.filled import Filled, directory, matched, refuse_other_scale
 from grader.formats.sheet import Row, Sheet, read_sheet
-from grader.identity import Row as Who
-from grader.standing import Standing
+from grader.people.identity import Row as Who
+from grader.people.standing import Standing
 from grader.text import printable
 
 _ASSIGNMENT = re.compile(r"(.*)\s\((\d+)\)", re.DOTALL)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from grader import words
 from grader.errors import RequestError
-from grader.identity import Directory, Match
-from grader.identity import Row as Who
-from grader.standing import Standing
+from grader.people.identity import Directory, Match
+from grader.people.identity import Row as Who
+from grader.people.standing import Standing
 from grader.text import printable
 
 

@@ -7,8 +7,8 @@ import io
 from collections.abc import Callable, Mapping
 
 from grader import words
+from grader.people.standing import Standing
 from grader.results import CriterionResult
-from grader.standing import Standing
 from grader.text import csv_cell, printable
 
 Cell = Callable[[Standing], str]

@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping
 
 from grader import words
-from grader.standing import Person, Standing
+from grader.people.standing import Person, Standing
 from grader.text import csv_cell, printable
 
 COLUMNS = (

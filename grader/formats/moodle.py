@@ -9,9 +9,9 @@ from grader import words
 from grader.errors import RequestError
 from grader.formats.filled import Filled, directory, matched, refuse_other_scale
 from grader.formats.sheet import Row, Sheet, read_sheet
-from grader.identity import Match, participant, spellings
-from grader.identity import Row as Who
-from grader.standing import Standing
+from grader.people.identity import Match, participant, spellings
+from grader.people.identity import Row as Who
+from grader.people.standing import Standing
 
 COMMENT = "Feedback comments"
 _OURS = "Marks: "

@@ -8,7 +8,7 @@ from collections import defaultdict
 from grader.intake.downloads import Download, Sources
 from grader.intake.found import MARKED_LATE, Found, Shape, mostly
 from grader.intake.names import original
-from grader.standing import HandIn, Person
+from grader.people.standing import HandIn, Person
 
 TITLE = "Canvas submissions"
 _WHO = r"(?:(?P<name>.*?)_)??(?P<late>LATE_)?(?P<user>\d+)"

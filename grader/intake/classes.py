@@ -16,7 +16,7 @@ from grader.intake.found import Found, Shape
 from grader.intake.names import ARCHIVES, CODE, REQUIRED, distinct_ids, has_suffix, is_code, is_litter, original
 from grader.intake.pile import LINK
 from grader.intake.submission import MAX_LEVELS, Submission, original_name, read_submission
-from grader.standing import NOTHING_KNOWN, HandIn
+from grader.people.standing import NOTHING_KNOWN, HandIn
 from grader.text import printable
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"

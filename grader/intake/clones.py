@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from grader.intake.downloads import Download
 from grader.intake.found import MARKED_LATE, Found, Shape, mostly
 from grader.intake.names import is_code, original
+from grader.people.standing import HandIn, Person
 from grader.stamps import stamp
-from grader.standing import HandIn, Person
 
 CLASSROOM50 = "Classroom 50 clones"
 GIT = "git clones"

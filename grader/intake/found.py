@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.intake.downloads import Sources
-from grader.standing import NOTHING_KNOWN, HandIn, Lateness
+from grader.people.standing import NOTHING_KNOWN, HandIn, Lateness
 
 MARKED_LATE = Lateness(due="", seconds=None)
 """The platform says that it is late, and not how late."""

@@ -10,8 +10,8 @@ import yaml
 from grader.intake.downloads import Download
 from grader.intake.found import Found, Shape
 from grader.intake.names import original
+from grader.people.standing import HandIn, Person
 from grader.stamps import stamp
-from grader.standing import HandIn, Person
 
 TITLE = "Gradescope export"
 METADATA = "submission_metadata.yml"

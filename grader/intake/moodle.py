@@ -8,7 +8,7 @@ from collections import defaultdict
 from grader.intake.downloads import Download
 from grader.intake.found import Found, Shape, mostly
 from grader.intake.names import original
-from grader.standing import HandIn, Person
+from grader.people.standing import HandIn, Person
 
 TITLE = "Moodle submissions"
 _NAME = re.compile(

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from grader import words
+from grader.people.standing import Standing
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
 from grader.results import Result
-from grader.standing import Standing
 from grader.text import printable
 
 _SLOWEST = 5

@@ -14,9 +14,9 @@ from markupsafe import Markup
 
 from grader import words
 from grader.evidence import Chart
+from grader.people.standing import Standing
 from grader.report import charts, overview
 from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
-from grader.standing import Standing
 from grader.text import printable
 
 _TEMPLATES = Path(__file__).parent / "templates"

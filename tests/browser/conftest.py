@@ -12,9 +12,9 @@ from grader import rubric, traces
 from grader.evidence import unpacked
 from grader.intake import read_submission
 from grader.marking import Marker
+from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report.pages import index_page, report_page
 from grader.results import CriterionResult, Result
-from grader.standing import Adjustment, HandIn, Lateness, Person, Standing
 from tests.examples import FOLDER
 from tests.made_up import HOSTILE, check, lost, result
 

@@ -23,10 +23,10 @@ from grader.formats.gradescope_csv import gradescope_csv
 from grader.formats.junit import junit
 from grader.formats.places import Places
 from grader.formats.prairielearn import prairielearn
+from grader.people.standing import HandIn, Person, Standing
 from grader.report import terminal
 from grader.report.pages import index_page, report_page
 from grader.results import Result, to_json
-from grader.standing import HandIn, Person, Standing
 from tests import made_up
 from tests.hostile.bait import SECRET
 

@@ -14,7 +14,7 @@ from grader.formats import canvas, moodle
 from grader.formats.gradebook import gradebook
 from grader.formats.gradescope_csv import gradescope_csv
 from grader.formats.sheet import BOM
-from grader.standing import Standing
+from grader.people.standing import Standing
 from grader.store import Store
 from grader.text import printable
 

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from grader import words
-from grader.standing import Adjustment, Standing
+from grader.people.standing import Adjustment, Standing
 from grader.text import printable
 
 A_LINE = 20  # names

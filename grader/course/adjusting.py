@@ -10,10 +10,10 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from grader import words
+from grader.course.publishing import publish, publish_class
 from grader.errors import RequestError
-from grader.publishing import publish, publish_class
+from grader.people.standing import Adjustment, Standing, beneath
 from grader.rubric_nodes import guess_at
-from grader.standing import Adjustment, Standing, beneath
 from grader.store import Store
 from grader.text import printable
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from grader.standing import Person
+from grader.people.standing import Person
 
 _PARTICIPANT = re.compile(r"\D*?(\d+)")
 _NUMBERING = ("canvas", "moodle")  # their numbers mean nothing elsewhere; a user name or a student number does

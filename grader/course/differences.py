@@ -6,8 +6,8 @@ import statistics
 from collections.abc import Iterator, Mapping
 
 from grader import words
+from grader.people.standing import Standing
 from grader.results import CheckResult, Result
-from grader.standing import Standing
 from grader.text import printable
 
 _CAUSES = {

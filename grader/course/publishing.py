@@ -7,9 +7,9 @@ from pathlib import Path
 
 from grader.files import write_whole
 from grader.formats.gradebook import gradebook
+from grader.people.standing import Standing
 from grader.report.pages import index_page, report_page
 from grader.results import to_json
-from grader.standing import Standing
 from grader.store import Store
 
 

@@ -10,9 +10,9 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.errors import RequestError
-from grader.identity import Directory, Row, participant
+from grader.people.identity import Directory, Row, participant
+from grader.people.standing import HandIn, Person
 from grader.stamps import read_stamp, stamp
-from grader.standing import HandIn, Person
 from grader.text import printable
 
 MAX_BYTES = 16_000_000

@@ -11,18 +11,19 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from grader import __version__, cluster, intake, lateness, roster
+from grader import __version__, cluster, intake
 from grader.batch import OpenMarker, Unmarked, mark_all
+from grader.course.publishing import publish, publish_class
+from grader.course.remarks import remarks
 from grader.errors import GraderError, RequestError
 from grader.evidence import Evidence
 from grader.intake import Submission
 from grader.marking import Marker
+from grader.people import lateness, roster
+from grader.people.standing import HandIn, Person, Standing
 from grader.plugin import known_checks
-from grader.publishing import publish, publish_class
-from grader.remarks import remarks
 from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
 from grader.rubric import Criterion, Rubric
-from grader.standing import HandIn, Person, Standing
 from grader.store import Key, Store
 from grader.text import printable
 from grader.traces import Traces
