@@ -40,7 +40,7 @@ def standing(number: int) -> Standing:
     return Standing(f"s{number:02}", made, HandIn((person,), late=late), by_hand)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A class on disk as `grade` leaves it: one submission really marked, with its charts, and made-up ones."""
     folder = tmp_path_factory.mktemp("out")
@@ -57,8 +57,9 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    """One browser for these tests alone: its event loop and its processes must be gone when the others run."""
     with sync_playwright() as playwright:
         launched = playwright.chromium.launch(executable_path=CHROMIUM)
         yield launched
