@@ -28,16 +28,16 @@ from grader import rubric, traces
 from grader.intake import read_submission
 from grader.marking import Marker
 from grader.sandbox.box import Worker
+from tests.corpus.sound import SOUND
+from tests.corpus.writing import write
 
 ROOT = Path(__file__).resolve().parents[2]
-SAMPLE = ROOT / "submissions_example" / "s02-vectorised"
+SAMPLE = SOUND["tidy_functions"]
+"""Function style, and no library that takes long to import."""
 ENVIRONMENT = {
-    **os.environ,
-    "OPENBLAS_NUM_THREADS": "1",
-    "OMP_NUM_THREADS": "1",
-    "PYTHONPATH": str(ROOT),
-    "COLUMNS": "80",
-}
+    **os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), "COLUMNS": "80",
+    "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+}  # fmt: skip
 PLAIN = ROOT / "tests" / "benchmarks" / "plain.py"
 
 
@@ -59,14 +59,14 @@ def class_of(size: int, folder: Path) -> list[str]:
     places = []
     for number in range(size):
         place = folder / f"{folder.name}-{number:04d}"
-        shutil.copytree(SAMPLE, place, ignore=shutil.ignore_patterns("expected.json"))
+        write(SAMPLE, place)
         with (place / "imu_reader.py").open("a") as file:
             file.write(f"\n# copy {place.name}\n")
         places.append(str(place))
     return places
 
 
-def questions() -> tuple[dict[str, Any], list[tuple[str, float, int]]]:
+def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]]]:
     """What the checks ask of the sample's functions, and its most expensive questions: (name, CPU ms, how often)."""
     asked: list[tuple[str, dict[str, Any], dict[str, Any], float]] = []
     ask = Worker.ask
@@ -79,7 +79,7 @@ def questions() -> tuple[dict[str, Any], list[tuple[str, float, int]]]:
             asked.append((op, dict(fields or {}), dict(arrays or {}), self.cpu_s - before))
 
     with Marker(rubric.load(), traces.shipped()) as marker:
-        submission = read_submission(SAMPLE)
+        submission = read_submission(sample)
         marker.mark(submission)
         with mock.patch.object(Worker, "ask", noting):
             started = time.process_time()
@@ -139,7 +139,7 @@ def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> 
     }
 
 
-def cold(rounds: int) -> dict[str, float]:
+def cold(rounds: int, sample: Path) -> dict[str, float]:
     """Wall seconds on a warm disk: imports, --help, the first line and the verdict of `check`."""
     imports = [sys.executable, "-c", "import mujoco, numpy, matplotlib.pyplot"]
     grader = [sys.executable, "-m", "grader"]
@@ -147,7 +147,7 @@ def cold(rounds: int) -> dict[str, float]:
     for _ in range(rounds):
         seen.setdefault("bare imports", []).append(cost(imports, ROOT)[1])
         seen.setdefault("imugrade --help", []).append(cost([*grader, "--help"], ROOT)[1])
-        first, row, whole = _check([*grader, "check", str(SAMPLE)])
+        first, row, whole = _check([*grader, "check", str(sample)])
         seen.setdefault("check: first line", []).append(first)
         seen.setdefault("check: first judged row", []).append(row)
         seen.setdefault("check: verdict", []).append(whole)
@@ -166,10 +166,10 @@ def _check(command: list[str]) -> tuple[float, float, float]:
     return first, row, time.perf_counter() - started
 
 
-def memory() -> float:
+def memory(sample: Path) -> float:
     """MB that a marker with its zygote holds for itself alone, after one submission."""
     with Marker(rubric.load(), traces.shipped()) as marker:
-        marker.mark(read_submission(SAMPLE))
+        marker.mark(read_submission(sample))
         zygote = marker._box._zygote
         pids = [os.getpid()] + ([zygote.pid, *_children(zygote.pid)] if zygote else [])
         return sum(_private_kb(pid) for pid in pids) / 1024
@@ -191,8 +191,10 @@ def main() -> None:
     given = options.parse_args()
     versions = ", ".join(f"{name} {version(name)}" for name in ("mujoco", "numpy", "matplotlib", "pytest"))
     print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, {versions}")
-    counts, parts = questions()
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
+        sample = Path(class_of(1, Path(scratch, "sample"))[0])
+        counts, parts = questions(sample)
+        mebibytes, seconds_from_cold = memory(sample), cold(max(3, given.rounds), sample)
         (asked := Path(scratch, "counts.json")).write_text(json.dumps(counts))
         rows = compare(max(4, given.size // 5), given.size, given.rounds, Path(scratch), asked)
     floor, ours = rows["floor"][0], rows["ours, one marker"]
@@ -203,9 +205,9 @@ def main() -> None:
         f"\nTwo markers against one, by the clock: {ours[1] / rows['ours, two markers'][1]:.2f} times as many submissions"
     )
     print(
-        f"Private memory of a marker with its zygote: {memory():.0f} MB\n\n| from a cold start | seconds |\n| --- | --- |"
+        f"Private memory of a marker with its zygote: {mebibytes:.0f} MB\n\n| from a cold start | seconds |\n| --- | --- |"
     )
-    for name, seconds in cold(max(3, given.rounds)).items():
+    for name, seconds in seconds_from_cold.items():
         print(f"| {name} | {seconds:.2f} |")
     print("\n| part of a submission | CPU ms | times |\n| --- | --- | --- |")
     for name, spent, times in parts:
