@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
 
 from tests.hostile import outputs
-from tests.hostile.bait import SECRET
+from tests.hostile.bait import SECRET, below
 from tests.hostile.forging import READS
 from tests.hostile.judging import Court
 from tests.hostile.program import FILTER, Program, in_method, last, sound
@@ -41,6 +45,18 @@ def in_filter(code: str) -> Program:
     return Program("made-up", "escape", last(sound(), FILTER, in_method("LowPassFilter", "update", code)), only="filtering")
 
 
+@pytest.fixture
+def no_descendants() -> Iterator[None]:
+    """Whatever a test lets out is ended with it: the other courts would see it, too."""
+    before = below(os.getpid())
+    yield
+    for pid in below(os.getpid()) - before:
+        with suppress(ProcessLookupError, ChildProcessError):  # it has just ended by itself
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, 0)
+
+
+@pytest.mark.usefixtures("no_descendants")
 def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
     with Court("none") as unwalled:
         troubles = unwalled.try_(in_filter(ESCAPES)).troubles
