@@ -125,3 +125,10 @@ def test_hidden_data_is_not_told(tmp_path: Path) -> None:
     for secret in (hidden["reading_lab"]["qpos"][0], hidden["filter"]["input"][0]):
         assert not any(f"{number:.3f}"[:-1] in said for number in secret if abs(number) > 1e-3)
     assert "ValueError at line" in said
+
+
+def test_no_plugin_of_the_machine_takes_part_in_the_marking(request: pytest.FixtureRequest) -> None:
+    """hypothesis brings one, which these tests themselves run with."""
+    name = "hypothesispytest"
+    assert request.config.pluginmanager.has_plugin(name)
+    assert not any(item.config.pluginmanager.has_plugin(name) for item in plugin.session()._items)
