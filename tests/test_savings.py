@@ -23,10 +23,9 @@ from tests.made_up import without_durations
 LONG = ("s12-endless-loop",)  # ten seconds, twice, and no picture
 
 PICTURES_IN_FULL = {
-    "seeing.py": "\n\ndef nothing_covers(figure):\n    return False\n\n\nLARGEST_DPI = 1000.0\n",
-    "figures.py": (
-        "\n\ndef _draw_once():\n    return lambda figure: contextlib.nullcontext()\n"
-        "\n\ndef _quick(asked, own):\n    return own if asked is None or asked == 'figure' else float(asked)\n"
+    "seeing.py": "\n\nLARGEST_DPI = 1000.0\n",
+    "drawing.py": (
+        "\n\ndef nothing_covers(figure):\n    return False\n\n\ndef reads_pictures_back(sources):\n    return True\n"
     ),
 }
 """Every picture is drawn as the student's code asks, and looked at."""

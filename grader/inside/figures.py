@@ -6,15 +6,13 @@ data and colour, and what the call to `savefig` asked for. Pixels are not looked
 
 from __future__ import annotations
 
-import contextlib
 import os
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from . import seeing
+from . import drawing, seeing
 from .values import Packer
 
 _MAX_FIGURES = 12
@@ -49,7 +47,17 @@ class Recorder:
         self._seen, self._live, self._packer = [], [], Packer()
         return seen, arrays
 
-    def note(self, figure: Any, *, event: str, path: str | None = None, dpi: Any = None, kind: str = "") -> None:
+    def note(
+        self,
+        figure: Any,
+        *,
+        event: str,
+        path: str | None = None,
+        dpi: Any = None,
+        kind: str = "",
+        bare: bool | None = None,
+    ) -> None:
+        """Take the facts; `bare` where it is known whether no pixel has to be looked at."""
         if self._deaf or len(self._seen) >= _MAX_FIGURES or (event != "saved" and figure in self._live):
             return
         self._live.append(figure)
@@ -59,6 +67,8 @@ class Recorder:
         try:
             with seeing.as_it_was():
                 facts |= _figure(figure, self._packer)
+                if not (drawing.nothing_covers(figure) if bare is None else bare):
+                    _take_out_what_is_covered(figure, facts["axes"])
         except Exception as error:  # artists of the student's own making
             facts |= {"unreadable": type(error).__name__, "axes": []}
         self._seen.append(facts)
@@ -67,25 +77,23 @@ class Recorder:
 RECORDER = Recorder()
 
 
-def watch() -> None:
-    """Record every figure that is saved or shown from now on."""
+def watch(*, read_back: bool) -> None:
+    """Record every figure that is saved or shown from now on; where pictures are read back, save them as asked."""
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase
     from matplotlib.figure import Figure
 
     really_print = FigureCanvasBase.print_figure
-    draw_once = _draw_once()
 
-    def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> Any:
+    def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
         asked = rcParams["savefig.dpi"] if dpi is None else dpi
-        if _kind(filename, kwargs) == "png":
-            kwargs["pil_kwargs"] = {"compress_level": 1, **(kwargs.get("pil_kwargs") or {})}
-        with draw_once(self.figure):
-            answer = really_print(self, filename, _quick(asked, self.figure.dpi), *args, **kwargs)
-        RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=_kind(filename, kwargs))
-        self.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
-        return answer
+        options = dict(zip(("facecolor", "edgecolor", "orientation", "format"), args, strict=False)) | kwargs
+        save = drawing.save_as_asked if read_back else drawing.save
+        bare = save(really_print, self, filename, asked, options)
+        RECORDER.note(
+            self.figure, event="saved", path=_name(filename), dpi=asked, kind=_kind(filename, options), bare=bare
+        )
 
     really_close, really_clear = plt.close, Figure.clear
 
@@ -108,65 +116,11 @@ def watch() -> None:
 
     vars(plt).update(show=show, close=close)
     setattr(Figure, "clear", clear)  # noqa: B010
+    if not read_back:
+        setattr(Figure, "tight_layout", drawing.laying_out_late(Figure.tight_layout))  # noqa: B010
     setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
     setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
     seeing.remember_classes()
-
-
-def _draw_once() -> Callable[[Any], contextlib.AbstractContextManager[None]]:
-    """A context in which saving draws a figure once, and without pixels where nobody has to look at them.
-
-    Where a figure has a layout to find, matplotlib draws it twice: with the renderer switched off, and then for the picture.
-    Here the first time counts. Drawing with the renderer switched off runs every artist, so that what raises still raises.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
-
-    really_draw, agg = cast(Any, FigureCanvasAgg.draw), cast(Any, RendererAgg)
-    switched_off = agg._draw_disabled
-    blind: list[bool] = []  # one for each save that is going on, the innermost last
-    drawn: list[bool] = []
-
-    def draw(self: Any) -> None:
-        asks_for_a_renderer = "draw" in vars(self.figure)
-        if not blind or asks_for_a_renderer:
-            really_draw(self)
-        elif not drawn[-1]:
-            with switched_off(self.get_renderer()) if blind[-1] else contextlib.nullcontext():
-                really_draw(self)
-
-    def draw_disabled(self: Any) -> Any:
-        if blind:
-            drawn[-1] = True
-        return contextlib.nullcontext() if blind and not blind[-1] else switched_off(self)
-
-    @contextlib.contextmanager
-    def once(figure: Any) -> Iterator[None]:
-        blind.append(seeing.nothing_covers(figure))
-        drawn.append(False)
-        try:
-            yield
-        finally:
-            blind.pop()
-            drawn.pop()
-
-    setattr(FigureCanvasAgg, "draw", draw)  # noqa: B010 - a method is replaced on purpose
-    agg._draw_disabled = draw_disabled
-    return once
-
-
-def _draw_nothing(*args: Any, **kwargs: Any) -> None:
-    """Stands in for `draw_idle` of a figure that has been saved."""
-
-
-def _quick(asked: Any, own: float) -> float:
-    """A dpi that is cheap to draw: nobody looks at these pixels, and the size asked for is kept as a fact.
-
-    The figure's own is cheapest, as its texts have been measured at it already.
-    """
-    dots = own if asked is None or asked == "figure" else float(asked)
-    if not np.isfinite(dots) or dots <= 0:
-        raise ValueError("dpi must be positive")
-    return own if own <= seeing.LARGEST_DPI else seeing.PREVIEW_DPI
 
 
 def _name(target: Any) -> str | None:
@@ -195,24 +149,21 @@ def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
     seeing.must_be_honest(figure, *figure.texts, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
     texts = [words for text in figure.texts if (words := seeing.words(text, behind))]
-    facts = [_axes(one, axes, packer) for one in axes]
-    _take_out_what_is_covered(figure, axes, facts)
     return {
         "title": seeing.words(getattr(figure, "_suptitle", None), behind),
         "xlabel": seeing.words(getattr(figure, "_supxlabel", None), behind),
         "ylabel": seeing.words(getattr(figure, "_supylabel", None), behind),
         "texts": texts[:_MAX_TEXTS],
         "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
-        "axes": facts,
+        "axes": [_axes(one, axes, packer) for one in axes],
     }
 
 
-def _take_out_what_is_covered(figure: Any, axes: list[Any], facts: list[dict[str, Any]]) -> None:
+def _take_out_what_is_covered(figure: Any, facts: list[dict[str, Any]]) -> None:
     """Where none of a panel's curves leaves a pixel in its colour, something lies over them or they are not drawn."""
     picture = None
-    if seeing.nothing_covers(figure):
-        return
-    for one, panel in zip(axes, facts, strict=True):
+    drawing.lay_out(figure)
+    for one, panel in zip(figure.get_axes(), facts, strict=False):
         seen = [curve for curve in panel["curves"] if curve["visible"] and curve["n"] > 3]
         if not panel["visible"] or not seen:
             continue

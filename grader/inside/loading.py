@@ -18,7 +18,7 @@ import types
 from pathlib import Path
 from typing import Any
 
-from . import faults, figures, world
+from . import drawing, faults, figures, world
 
 _REQUIRED = ("imu_reader", "noisy_imu", "filters")
 _STANDIN_HOOK = "__sound_standin__"
@@ -53,7 +53,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
         _write_cells_to_files(path, fields["withheld"])
     world.furnish(fields["lab_model"])
     world.seed(fields["seed"])
-    figures.watch()
+    figures.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key in fields["files"]))
     _prepare_imports()
     _define_standins(fields["standins"])
     return {"paths": STATE.paths}, {}

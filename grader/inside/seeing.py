@@ -20,9 +20,6 @@ _SMALLEST_FONT = 3.0
 _FAINT = 0.02
 _NEAR = 0.04  # difference of two colours, each channel 0 to 1, that nobody sees
 _IN_WINDOW = 0.02  # share of a curve's points: who zooms in still shows some
-_THIN, _SMALL_MARKER = 5.0, 12.0  # points
-_HEADING = 30.0  # points
-_FEW_ENTRIES = 8  # of a legend
 _OWN_COLOUR = 3  # pixels in a curve's colour that make it seen
 _NOTHING = ("None", "none", "", " ", None)
 _ASKED = frozenset(
@@ -167,63 +164,6 @@ def _drawn(figure: Any) -> np.ndarray | None:
     finally:
         figure.dpi = dpi
         figure.set_canvas(before)
-
-
-def nothing_covers(figure: Any) -> bool:
-    """Whether no pixel needs to be looked at: thin lines, texts and markers in panels that do not overlap hide no curve.
-
-    Only what is known to be harmless counts; anything else on the figure, and the picture is drawn and looked at.
-    """
-    try:
-        with as_it_was():
-            panels = list(figure.get_axes())
-            return (
-                {*figure.get_children()} <= {figure.patch, *figure.texts, *panels}
-                and all(_is_bare(text) for text in figure.texts)
-                and all(_is_bare_panel(axes) for axes in panels)
-                and not _overlap(panels)
-            )
-    except Exception:  # artists of the student's own making
-        return False
-
-
-def _is_bare_panel(axes: Any) -> bool:
-    """Whether a panel holds thin lines, texts and a legend, drawn as usual."""
-    from matplotlib.axes import Axes
-
-    titles, axis = (axes.title, axes._left_title, axes._right_title), (axes.xaxis, axes.yaxis)
-    legend, lines, spines = axes.get_legend(), list(axes.lines), list(axes.spines.values())
-    known = {axes.patch, *lines, *spines, *titles, *axis, *axes.texts, *([legend] if legend else [])}
-    must_be_honest(axes, *known)
-    strokes = [*lines, *spines, *(line for each in axis for line in each.get_gridlines())]
-    return (
-        type(axes) is Axes
-        and {*axes.get_children()} <= known
-        and all(_is_bare(text) for text in (*axes.texts, *titles, *(legend.get_texts() if legend else [])))
-        and (legend is None or len(legend.get_texts()) <= _FEW_ENTRIES)
-        and all(_is_thin(stroke) for stroke in strokes)
-        and all(line.get_transform() is axes.transData and line.get_markersize() <= _SMALL_MARKER for line in lines)
-    )
-
-
-def _is_bare(text: Any) -> bool:
-    """Whether a text is no larger than a heading and has no box around it."""
-    return text.get_bbox_patch() is None and text.get_fontsize() <= _HEADING and not text.get_path_effects()
-
-
-def _is_thin(stroke: Any) -> bool:
-    usual = stroke.get_agg_filter() is None and stroke.get_clip_path() is None and not stroke.get_path_effects()
-    return bool(usual and stroke.get_linewidth() <= _THIN)
-
-
-def _overlap(panels: list[Any]) -> bool:
-    """Whether two panels lie over each other; the second of twins has no background and hides nothing."""
-    boxes = [place(axes) for axes in panels if axes.get_visible() and axes.patch.get_visible()]
-    return any(
-        min(a.x1, b.x1) > max(a.x0, b.x0) and min(a.y1, b.y1) > max(a.y0, b.y0)
-        for i, a in enumerate(boxes)
-        for b in boxes[:i]
-    )
 
 
 def place(axes: Any) -> Any:
