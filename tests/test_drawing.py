@@ -158,7 +158,8 @@ def test_a_submission_that_reads_pictures_back_is_recognised(source: bytes, want
 
 
 def test_a_picture_that_is_read_back_is_drawn_as_asked(figure: Any) -> None:
-    assert drawing.save_as_asked(really_print, figure.canvas, target := io.BytesIO(), 200, {})
+    target = io.BytesIO()
+    assert drawing.save_as_asked(really_print, figure.canvas, target, 200, {})
     picture = Image.open(target)
     assert picture.size == (2000, 1200)
     assert np.ptp(np.asarray(picture)) > 100

@@ -63,7 +63,12 @@ class Recorder:
         self._live.append(figure)
         width, height = (float(x) for x in figure.get_size_inches())
         dots = float(figure.dpi if dpi is None or dpi == "figure" else dpi)
-        facts = {"event": event, "path": path, "format": kind, "size_px": [round(width * dots), round(height * dots)]}
+        facts: dict[str, Any] = {
+            "event": event,
+            "path": path,
+            "format": kind,
+            "size_px": [round(width * dots), round(height * dots)],
+        }
         try:
             with seeing.as_it_was():
                 facts |= _figure(figure, self._packer)
