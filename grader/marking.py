@@ -6,6 +6,8 @@ import platform
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
+from importlib.metadata import version
 from types import TracebackType
 from typing import Any
 
@@ -154,20 +156,23 @@ class Marker:
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:
-        import mujoco  # noqa: PLC0415 - for its version alone
-        import numpy  # noqa: PLC0415
-
         return {
             "grader": __version__,
             "rubric_sha256": self._rubric.sha256,
             "traces_sha256": self._traces.sha256,
             "submission_sha256": submission.sha256,
             "python": platform.python_version(),
-            "mujoco": mujoco.__version__,
-            "numpy": numpy.__version__,
+            "mujoco": _version("mujoco"),
+            "numpy": _version("numpy"),
             "isolation": self._box.rung,
             "seed": SEED,
         }
+
+
+@cache
+def _version(package: str) -> str:
+    """Of what the workers import; this process does without mujoco, which is slow to import."""
+    return version(package)
 
 
 _NOTHING = {

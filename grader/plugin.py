@@ -7,7 +7,6 @@ fault of the grader: the check is then not judged, and never counted as zero.
 from __future__ import annotations
 
 import itertools
-import os
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -15,7 +14,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Literal, TypeVar
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -215,7 +213,8 @@ def session() -> Session:
         "--collect-only",
     ]
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
-    with mock.patch.dict(os.environ, {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}):  # one that shuffles tests is common
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # one that shuffles tests is common
         code = int(pytest.main([*options, str(CHECKS)], plugins=[collected]))
     if code != 0:
         raise GraderError(f"the pytest session over the checks ended with code {code}")

@@ -6,6 +6,7 @@ their lines, keep duplicate keys apart and build no objects.
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import json
 import math
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import yaml
 
+from grader.errors import RequestError
 from grader.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
 from grader.text import printable
 
@@ -218,6 +220,22 @@ def parse(data: bytes, *, source: str = "rubric.yaml", folder: Path | None = Non
     granted = (worth if cap is None else cap) if worth else None
     digest = _digest(criteria, extensions, limits, model, granted)
     return Rubric(criteria, extensions, limits, model, digest, source, granted, late)
+
+
+def know_part(rubric: Rubric, only: str | None) -> None:
+    """Refuse a criterion or extension that the rubric does not have.
+
+    Raises
+    ------
+    RequestError
+        With the nearest name, or all of them.
+    """
+    known = [part.id for part in rubric.parts]
+    if only is None or only in known:
+        return
+    near = difflib.get_close_matches(only, known, 1)
+    guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+    raise RequestError(f"--only {printable(only)}: the rubric has no such criterion; {guess}")
 
 
 def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from grader.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.marking import Marker
 from grader.results import Result
 from grader.rubric import Rubric
 from grader.sandbox.box import Box
-from grader.text import printable
 from grader.traces import Traces
 
 PAUSE_S = 0.4
@@ -22,21 +19,13 @@ _IGNORED = frozenset({"__pycache__", "node_modules"})
 
 
 def check(submission: Submission, rubric: Rubric, traces: Traces, box: Box, *, only: str | None = None) -> Result:
-    """Mark one submission once, in a box that may still be warming up.
-
-    Raises
-    ------
-    RequestError
-        If the rubric has no criterion `only`.
-    """
-    know_part(rubric, only)
+    """Mark one submission once, in a box that may still be warming up."""
     with Marker(rubric, traces, box=box) as marker:
         return marker.mark(submission, only=only)
 
 
 def check_on_save(path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None) -> Iterator[Result]:
     """Mark it now, and again after every change, until interrupted. The marker stays warm in between."""
-    know_part(rubric, only)
     read_submission(path)  # a wrong path is told before the marker warms up
     with Marker(rubric, traces) as marker:
         for _ in saves(path):
@@ -53,16 +42,6 @@ def saves(path: Path) -> Iterator[None]:
             yield
         else:
             time.sleep(PAUSE_S)
-
-
-def know_part(rubric: Rubric, only: str | None) -> None:
-    """Refuse a criterion that the rubric does not have."""
-    known = [criterion.id for criterion in rubric.criteria] + [extension.id for extension in rubric.extensions]
-    if only is None or only in known:
-        return
-    near = difflib.get_close_matches(only, known, 1)
-    guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
-    raise RequestError(f"--only {printable(only)}: the rubric has no such criterion; {guess}")
 
 
 def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:

@@ -11,7 +11,6 @@ from grader.commands.common import RubricOption, RungOption, console
 
 if TYPE_CHECKING:
     from grader.results import Result
-    from grader.rubric import Rubric
 
 
 def check(
@@ -35,25 +34,22 @@ def check(
       imugrade check my_lab --only filtering --watch
       imugrade check my_lab.zip --html report.html
     """
-    from grader import opening  # noqa: PLC0415
-    from grader import rubric as rubrics  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
-
-    chosen = rubrics.load(rubric)
-    if only is not None:
-        from grader.selfcheck import know_part  # noqa: PLC0415
-
-        know_part(chosen, only)
-    submission = read_submission(path)
-    if watch:
-        return _watch(path, chosen, only, html, json)
-    ready = submission.status == "ready"
-    if ready:
-        print(opening.found(submission), flush=True)  # at once: the rest takes seconds on a cold machine
     from grader.lab_box import libraries_of, open_box  # noqa: PLC0415
 
+    if watch:
+        return _watch(path, rubric, only, html, json)
+    submission = read_submission(path)
     with open_box(rung, libraries_of(submission.files)) as box:
-        from grader import selfcheck, traces  # noqa: PLC0415 - while the box warms up
+        from grader import opening  # noqa: PLC0415 - this and the next while the box warms up
+        from grader import rubric as rubrics  # noqa: PLC0415
+
+        chosen = rubrics.load(rubric)
+        rubrics.know_part(chosen, only)
+        ready = submission.status == "ready"
+        if ready:
+            print(opening.found(submission), flush=True)  # at once: the rest takes seconds on a cold machine
+        from grader import selfcheck, traces  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
 
         bundle = traces.obtain(None, None)
@@ -64,13 +60,16 @@ def check(
     return 3 if result.status == "incomplete" else 0
 
 
-def _watch(path: Path, rubric: Rubric, only: str | None, html: Path | None, json: Path | None) -> int:
+def _watch(path: Path, rubric: Path | None, only: str | None, html: Path | None, json: Path | None) -> int:
     from grader import opening, selfcheck, traces  # noqa: PLC0415
+    from grader import rubric as rubrics  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
 
+    chosen = rubrics.load(rubric)
+    rubrics.know_part(chosen, only)
     bundle = traces.obtain(None, None)
-    waiting = opening.waiting(read_submission(path), rubric, bundle, only) + "\n"
-    for result in selfcheck.check_on_save(path, rubric, bundle, only=only):
+    waiting = opening.waiting(read_submission(path), chosen, bundle, only) + "\n"
+    for result in selfcheck.check_on_save(path, chosen, bundle, only=only):
         console().clear()
         print(waiting)
         _show(result, html, json, only)
