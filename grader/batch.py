@@ -169,7 +169,8 @@ class _Desk:
 
     def __init__(self, open_marker: OpenMarker) -> None:
         self.dismissed = False
-        self._executor = ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+        context = multiprocessing.get_context("spawn")
+        self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=_leave_with_parent)
         with _interrupts_ignored():
             self._opened = self._executor.submit(_open, open_marker)
 
@@ -218,9 +219,20 @@ _open_marker: AbstractContextManager[Marking] | None = None
 _marker: Marking | None = None
 
 
+def _leave_with_parent() -> None:
+    """From its first moment: a worker whose run was killed would wait for work for ever, with both ends of its own queue."""
+
+    def wait() -> None:
+        parent = multiprocessing.parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
 def _open(open_marker: OpenMarker) -> None:
     global _open_marker, _marker  # noqa: PLW0603 - the process has one marker, made once
-    threading.Thread(target=_leave_with_parent, daemon=True).start()
     _open_marker = open_marker()
     _marker = _open_marker.__enter__()
 
@@ -234,11 +246,3 @@ def _mark(submission: Submission) -> Result:
 def _close() -> None:
     if _open_marker is not None:
         _open_marker.__exit__(None, None, None)
-
-
-def _leave_with_parent() -> None:
-    """A worker whose run was killed would wait for work for ever: it holds both ends of its own queue."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
