@@ -185,7 +185,7 @@ def _private_kb(pid: int) -> int:
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__)
+    options = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
     options.add_argument("--size", type=int, default=40)
     options.add_argument("--rounds", type=int, default=3)
     given = options.parse_args()
