@@ -5,6 +5,7 @@ Look at the difference before it is committed: a mark that moved is a promise th
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 from pathlib import Path
@@ -43,6 +44,7 @@ def _extensions(result: Result) -> dict[str, Any]:
 
 
 def main() -> None:
+    argparse.ArgumentParser(prog="python -m tests.examples", description=__doc__).parse_args()
     with Marker(rubric.load(), traces.shipped(), rung=os.environ.get("IMUGRADE_RUNG")) as marker:
         for folder in folders():
             found = summary(marker.mark(read_submission(folder)))

@@ -13,7 +13,6 @@ import os
 import platform
 import shutil
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -28,30 +27,13 @@ from grader import rubric, traces
 from grader.intake import read_submission
 from grader.marking import Marker
 from grader.sandbox.box import Worker
+from tests.benchmarks import cold
+from tests.benchmarks.measuring import PLAIN_PYTEST, cost
 from tests.corpus.sound import SOUND
 from tests.corpus.writing import write
 
-ROOT = Path(__file__).resolve().parents[2]
 SAMPLE = SOUND["tidy_functions"]
 """Function style, and no library that takes long to import."""
-ENVIRONMENT = {
-    **os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), "COLUMNS": "80",
-    "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
-}  # fmt: skip
-PLAIN = ROOT / "tests" / "benchmarks" / "plain.py"
-
-
-def cost(command: list[str], folder: Path) -> tuple[float, float]:
-    """CPU and wall seconds of a command with everything that it starts."""
-    started = time.perf_counter()
-    with subprocess.Popen(
-        command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise SystemExit(f"{' '.join(command)[:200]}: ended with {process.returncode}")
-    return used.ru_utime + used.ru_stime, time.perf_counter() - started
 
 
 def class_of(size: int, folder: Path) -> list[str]:
@@ -118,8 +100,7 @@ def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Pat
         return cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts), *places], at)
 
     def plain(places: list[str], at: Path) -> tuple[float, float]:
-        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", os.devnull, str(PLAIN)]
-        each = [cost(command, Path(place)) for place in places]
+        each = [cost([sys.executable, *PLAIN_PYTEST], Path(place)) for place in places]
         return sum(cpu for cpu, _ in each), sum(wall for _, wall in each)
 
     return {"floor": floor, "ours, one marker": grade(1), "ours, two markers": grade(2), "plain pytest": plain}
@@ -137,33 +118,6 @@ def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> 
         name: (statistics.median(cpu for cpu, _ in rows), statistics.median(wall for _, wall in rows))
         for name, rows in slopes.items()
     }
-
-
-def cold(rounds: int, sample: Path) -> dict[str, float]:
-    """Wall seconds on a warm disk: imports, --help, the first line and the verdict of `check`."""
-    imports = [sys.executable, "-c", "import mujoco, numpy, matplotlib.pyplot"]
-    grader = [sys.executable, "-m", "grader"]
-    seen: dict[str, list[float]] = {}
-    for _ in range(rounds):
-        seen.setdefault("bare imports", []).append(cost(imports, ROOT)[1])
-        seen.setdefault("imugrade --help", []).append(cost([*grader, "--help"], ROOT)[1])
-        first, row, whole = _check([*grader, "check", str(sample)])
-        seen.setdefault("check: first line", []).append(first)
-        seen.setdefault("check: first judged row", []).append(row)
-        seen.setdefault("check: verdict", []).append(whole)
-    return {name: statistics.median(values) for name, values in seen.items()}
-
-
-def _check(command: list[str]) -> tuple[float, float, float]:
-    started = time.perf_counter()
-    first = row = 0.0
-    with subprocess.Popen(command, cwd=ROOT, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        for line in process.stdout:
-            first = first or time.perf_counter() - started
-            if not row and "earned" in line:
-                row = time.perf_counter() - started
-    return first, row, time.perf_counter() - started
 
 
 def memory(sample: Path) -> float:
@@ -185,7 +139,7 @@ def _private_kb(pid: int) -> int:
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__)
+    options = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
     options.add_argument("--size", type=int, default=40)
     options.add_argument("--rounds", type=int, default=3)
     given = options.parse_args()
@@ -194,7 +148,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         sample = Path(class_of(1, Path(scratch, "sample"))[0])
         counts, parts = questions(sample)
-        mebibytes, seconds_from_cold = memory(sample), cold(max(3, given.rounds), sample)
+        mebibytes, from_cold = memory(sample), cold.table(max(5, given.rounds), sample)
         (asked := Path(scratch, "counts.json")).write_text(json.dumps(counts))
         rows = compare(max(4, given.size // 5), given.size, given.rounds, Path(scratch), asked)
     floor, ours = rows["floor"][0], rows["ours, one marker"]
@@ -204,11 +158,7 @@ def main() -> None:
     print(
         f"\nTwo markers against one, by the clock: {ours[1] / rows['ours, two markers'][1]:.2f} times as many submissions"
     )
-    print(
-        f"Private memory of a marker with its zygote: {mebibytes:.0f} MB\n\n| from a cold start | seconds |\n| --- | --- |"
-    )
-    for name, seconds in seconds_from_cold.items():
-        print(f"| {name} | {seconds:.2f} |")
+    print(f"Private memory of a marker with its zygote: {mebibytes:.0f} MB\n\n{from_cold}")
     print("\n| part of a submission | CPU ms | times |\n| --- | --- | --- |")
     for name, spent, times in parts:
         print(f"| {name} | {spent:.0f} | {times} |")

@@ -1,0 +1,88 @@
+"""Where the time of a first `imugrade check` goes, on a warm disk: ``python -m tests.benchmarks.cold [--rounds 9]``.
+
+A check in a fresh process and plain pytest in a fresh process with the same imports (mujoco, numpy, matplotlib, scipy.special) take
+turns on the same sound submission; medians of one run. A check is two processes side by side: while the box starts, with walls and
+imports of its own, the grader imports what it judges with. The parts are stretches of the clock.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from tests.benchmarks.measuring import ENVIRONMENT, PLAIN_PYTEST, ROOT, cost
+from tests.corpus.pieces import tidy
+from tests.corpus.writing import write
+
+IMPORTS = "import mujoco, numpy, matplotlib.pyplot, scipy.special, pytest"
+PARTS = {
+    "found": "Python, the command line, the submission read: the first line",
+    "walls": "the box: a zygote behind walls",
+    "imported": "the grader's imports and traces, while the zygote imports mujoco and matplotlib",
+    "ready": "waiting for the zygote",
+    "judged": "thirty checks judged",
+    "gathered": "what the report shows beside the marks",
+    "shown": "the table on the terminal",
+    "ended": "the box closed, both processes ended",
+}
+"""What ends each part, in order, and what it is."""
+
+
+def table(rounds: int, sample: Path) -> str:
+    """The medians as a Markdown table: seconds by the clock, and against plain pytest."""
+    seen: dict[str, list[float]] = {}
+    for _ in range(rounds):
+        plain = [sys.executable, *PLAIN_PYTEST, "-p", "scipy.special"]
+        told = {"plain": cost(plain, sample), "imports": cost([sys.executable, "-c", IMPORTS], ROOT)}
+        told["check"] = cost([sys.executable, "-m", "grader", "check", str(sample)], ROOT)
+        told["help"] = cost([sys.executable, "-m", "grader", "--help"], ROOT)
+        for name, (cpu, wall) in told.items():
+            seen.setdefault(f"{name} cpu", []).append(cpu)
+            seen.setdefault(name, []).append(wall)
+        for name, seconds in parts(sample).items():
+            seen.setdefault(name, []).append(seconds)
+    median = {name: statistics.median(values) for name, values in seen.items()}
+    rows = [
+        ("`imugrade check`", median["check"], median["check cpu"]),
+        ("plain pytest, fifteen assertions, the same imports", median["plain"], median["plain cpu"]),
+        ("these imports alone", median["imports"], median["imports cpu"]),
+        ("`imugrade --help`", median["help"], median["help cpu"]),
+    ]
+    lines = ["| from a cold start | seconds | of plain pytest | CPU s |", "| --- | ---: | ---: | ---: |"]
+    lines += [f"| {name} | {wall:.2f} | {wall / median['plain']:.2f} | {cpu:.2f} |" for name, wall, cpu in rows]
+    lines += ["", "| part of a check | seconds | share |", "| --- | ---: | ---: |"]
+    whole = sum(median[name] for name in PARTS)
+    lines += [f"| {said} | {median[name]:.2f} | {100 * median[name] / whole:.0f} % |" for name, said in PARTS.items()]
+    return "\n".join(lines)
+
+
+def parts(sample: Path) -> dict[str, float]:
+    """How long each part of one check took."""
+    with tempfile.TemporaryDirectory() as scratch:
+        stamps = Path(scratch, "stamps")
+        command = [sys.executable, "-m", "tests.benchmarks.stamped", str(stamps), str(sample)]
+        before = time.perf_counter()
+        subprocess.run(command, cwd=ROOT, env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=True)
+        told = {**json.loads(stamps.read_text()), "ended": time.perf_counter()}
+    spent = {}
+    for name in PARTS:
+        spent[name], before = told[name] - before, told[name]
+    return spent
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.cold", description=__doc__)
+    parser.add_argument("--rounds", type=int, default=9)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
+        print(table(options.rounds, write(tidy(), Path(scratch, "tidy"))))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+"""The commands that the documents name: each line of a block of code and each span between backticks that starts a program."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+
+from grader import cli
+from grader.handbook import pages
+from grader.kit import give, wheel
+
+ROOT = Path(__file__).resolve().parent.parent
+_PROGRAMS = r"(?:imugrade|python3?|pip|dask|bash|\.venv/bin/[a-z]+)"
+_COMMAND = re.compile(rf"(?:[A-Z_]+=\S+ )*{_PROGRAMS} \S.*")
+_PIECE = re.compile(r"^```\w*\n(?P<fence>(?:.*\n)*?)```$|^ {4}(?P<line>.*)$|`(?P<span>[^`]+)`", re.MULTILINE)
+_SAID_OF_IT = re.compile(r"\s{2,}.*|\s#.*")  # a comment, or words in a column of their own
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command as a document has it.
+
+    Attributes
+    ----------
+    document
+        Which one.
+    words
+        The program and its arguments, as a shell splits them.
+    environment
+        What stands before it: ``IMUGRADE_SEED=...``.
+    place
+        "block", "prose" or "heading".
+    """
+
+    document: str
+    words: tuple[str, ...]
+    environment: tuple[tuple[str, str], ...] = ()
+    place: str = "block"
+
+    def __str__(self) -> str:
+        return " ".join([*(f"{name}={value}" for name, value in self.environment), shlex.join(self.words)])
+
+
+def documents() -> dict[str, str]:
+    """What is written for people who run commands, in the order in which they are likely to read it."""
+    handbook = pages.pages(cli.app)
+    names = ["README.md", *re.findall(r"\]\((\w+\.md)\)", handbook["README.md"])]
+    assert sorted(names) == sorted(name for name in handbook if name.endswith(".md"))
+    groups = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
+    return {
+        "README.md": (ROOT / "README.md").read_text(encoding="utf-8"),
+        "the students' README.md": (Path(give.__file__).parent / "starter" / "README.md.txt")
+        .read_text(encoding="utf-8")
+        .replace("{wheel}", wheel.name()),
+        **{f"handbook/{name}": handbook[name] for name in names},
+        "SECURITY.md": (ROOT / "SECURITY.md").read_text(encoding="utf-8"),
+        "imugrade traces --help": f"```text\n{groups['traces'].help}\n```\n",
+    }
+
+
+def commands(texts: Mapping[str, str]) -> Iterator[Command]:
+    """Every command once for each document, in order."""
+    for document, text in texts.items():
+        seen = set()
+        for command in _found(document, text):
+            if command not in seen:
+                seen.add(command)
+                yield command
+
+
+def _found(document: str, text: str) -> Iterator[Command]:
+    for piece in _PIECE.finditer(text):
+        if piece["span"] is not None:
+            said = " ".join(piece["span"].split())
+            if _COMMAND.fullmatch(said):
+                yield from _parts(document, said, "heading" if _in_heading(text, piece.start()) else "prose")
+        else:
+            for line in (piece["fence"] or piece["line"]).splitlines():
+                if hit := _COMMAND.search(line):
+                    yield from _parts(document, _SAID_OF_IT.sub("", hit[0]), "block")
+
+
+def _in_heading(text: str, at: int) -> bool:
+    return text.startswith("#", text.rfind("\n", 0, at) + 1)
+
+
+def _parts(document: str, line: str, place: str) -> Iterator[Command]:
+    for part in line.split(" && "):
+        words = shlex.split(part)
+        count = next(i for i, word in enumerate(words) if not re.fullmatch(r"[A-Z_]+=.*", word))
+        environment = tuple((name, value) for name, _, value in (word.partition("=") for word in words[:count]))
+        yield Command(document, tuple(words[count:]), environment, place)

@@ -1,0 +1,463 @@
+"""Every command of the README and the handbook is run: in the order of the documents, where what they assume lies ready.
+
+A command that is newly documented is run without a word here; one of a new kind fails until there is a line on what comes of it.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+import typer.main
+
+from grader import cli
+from grader.formats.platforms import PLATFORMS
+from grader.kit import give, wheel
+from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
+from tests.corpus.pieces import tidy
+from tests.corpus.sheet import VERBATIM
+from tests.corpus.writing import write
+from tests.documents import ROOT, Command, commands, documents
+from tests.test_cluster import Site, until
+
+COMMANDS = tuple(commands(documents()))
+STUDENTS = {
+    "alice": Student(0, "Alice", "Adams", filters_alone(1.0)),
+    "bob": Student(1, "Bob", "Brown", filters_alone(0.5)),
+}
+FROM_NOTHING = (
+    "README.md",
+    "handbook/clusters.md",
+)  # these grade the class themselves; elsewhere `out` is there already
+STANDS_FOR = {"SUBMISSIONS": "submissions", "OUT": "out-monday", "DOWNLOAD": "submissions", "ID": "view-not-copy"}
+STANDS_FOR |= {"R": "none", "F": "poison"}
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
+PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITLAB_CI", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
+
+
+# --- what the documents assume ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A class that has handed in, its downloads and tables, two gradings of it, and a student's own work."""
+    place = tmp_path_factory.mktemp("ready")
+    _hand_in(place)
+    with pytest.MonkeyPatch.context() as here:
+        here.setenv("IMUGRADE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        here.setattr(os, "cpu_count", lambda: 1)  # one marker: each starts for seconds
+        for name in PLATFORMS_SAY:
+            here.delenv(name, raising=False)
+        here.chdir(place)
+        assert run(["grade", "submissions", "canvas.zip", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
+        shutil.copytree("out-monday", "out-tuesday")
+        adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
+        assert run(["adjust", "out-tuesday", "alice", *adjustment])[0] == 0
+        yield place
+
+
+def _hand_in(place: Path) -> None:
+    for name, student in STUDENTS.items():
+        write(student.files, place / "submissions" / name)
+    shutil.copytree(place / "submissions", place / "submissions_example")
+    everyone = list(STUDENTS.values())
+    canvas(everyone, place).rename(place / "canvas.zip")
+    moodle(everyone[:1], place).rename(place / "moodle.zip")
+    (place / "gradebook.csv").write_bytes(canvas_gradebook(everyone))
+    (place / "worksheet.csv").write_bytes(moodle_worksheet(everyone))
+    rows = "".join(f"{id_},{each.name},{each.email},B\n" for id_, each in STUDENTS.items())
+    (place / "roster.csv").write_text(f"id,name,email,section\n{rows}", encoding="utf-8")
+    table = "id,criterion,points,comment\nalice,filtering,17,in a table\n"
+    (place / "adjustments.csv").write_text(table, encoding="utf-8")
+    write(tidy(), place / "my_lab")
+    write(tidy(), place / "lab")
+    write(tidy(), place / "my_lab", "zip")
+    give.student(place / "kit")
+    write(VERBATIM, place / "kit")
+
+
+class Scene:
+    """The folder of each document, and the cluster, which starts when it is asked for."""
+
+    def __init__(self, ready: Path, scratch: Path) -> None:
+        self._ready, self._scratch = ready, scratch
+        self._cluster: tuple[Site, subprocess.Popen[bytes]] | None = None
+        self.seen: set[str] = set()
+
+    def folder(self, document: str) -> Path:
+        place = self._scratch / document.replace("/", "-")
+        if not place.exists():
+            shutil.copytree(self._ready, place)
+            if document not in FROM_NOTHING:
+                shutil.copytree(place / "out-monday", place / "out")
+        return place
+
+    def cluster(self) -> Site:
+        """A scheduler with the worker that the handbook starts, but one process in place of sixteen."""
+        if self._cluster is None:
+            site = Site(self._scratch)
+            (command,) = {each.words for each in COMMANDS if each.words[0] == "dask"}
+            words = [{"ADDRESS": site.address, "16": "1"}.get(word, word) for word in command]
+            quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+            worker = subprocess.Popen([sys.executable, "-m", *words], cwd=self._scratch, env=ENVIRONMENT, **quiet)
+            self._cluster = site, worker
+            with site.client() as client:
+                until(lambda: list(client.nthreads().values()) == [1])
+        return self._cluster[0]
+
+    def close(self) -> None:
+        if self._cluster is not None:
+            site, worker = self._cluster
+            worker.terminate()  # its nanny ends the process that it has started
+            worker.wait(60)
+            site.close()
+
+
+@pytest.fixture(scope="module")
+def scene(ready: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
+    with closing(Scene(ready, tmp_path_factory.mktemp("documents"))) as scene:
+        yield scene
+
+
+# --- each command -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: f"{command.document}: {command}")
+def test_a_documented_command_does_what_it_is_documented_for(
+    command: Command, scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = command.words[0].rpartition("/")[2]
+    if program != "imugrade" or command.words[1] in LEAVE_NOTHING:
+        if str(command) in scene.seen and command.place != "heading":
+            return  # it ran for another document, and its folder says nothing to it
+        scene.seen.add(str(command))
+    for name, value in command.environment:
+        monkeypatch.setenv(name, value)
+    folder = scene.folder(command.document)
+    monkeypatch.chdir(folder)
+    PROGRAMS[program](command, folder, scene)
+
+
+TEXT = """# `imugrade grade PATH`
+
+As `imugrade grade` says, not as `imugrade` or `a | b` do; see `python
+-m grader`.
+
+```sh
+cd . && SEED=a imugrade one "two words"   # why
+```
+
+    script:
+      - pip install x
+        imugrade three     what it does
+"""
+
+
+def test_every_way_of_naming_a_command_is_found() -> None:
+    found = [(command.place, str(command)) for command in commands({"text": TEXT})]
+    assert found == [
+        ("heading", "imugrade grade PATH"),
+        ("prose", "imugrade grade"),
+        ("prose", "python -m grader"),
+        ("block", "SEED=a imugrade one 'two words'"),
+        ("block", "pip install x"),
+        ("block", "imugrade three"),
+    ]
+
+
+def test_there_are_commands_of_every_kind_to_be_found() -> None:
+    found = [str(command) for command in COMMANDS]
+    assert len(found) > 120
+    assert {command.words[1] for command in COMMANDS if command.words[0] == "imugrade"} >= set(OUTCOMES)
+    assert "IMUGRADE_SEED=a-secret imugrade grade submissions -o out" in found
+
+
+# --- imugrade ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of `imugrade WORDS` in a folder."""
+
+    words: list[str]
+    folder: Path
+    out: str
+    err: str
+
+    def after(self, *names: str) -> str | None:
+        """What stands behind an option."""
+        return next((self.words[i + 1] for i, word in enumerate(self.words) if word in names), None)
+
+    def file(self, *names: str) -> Path | None:
+        """The file or folder that an option names."""
+        word = self.after(*names)
+        return None if word is None else self.folder / word
+
+
+def imugrade(command: Command, folder: Path, scene: Scene) -> None:
+    """As it stands; with --help where it is a heading, or a name in the middle of words."""
+    names = subcommands(command.words[1:])
+    bare = command.place == "prose" and len(names) == len(command.words) - 1
+    if bare or command.place == "heading" or command.words[1:] == ("--help",):
+        code, out, _ = run([*names, "--help"])
+        usage = " ".join(out.split())
+        assert code == 0
+        assert usage.startswith("Usage: " + " ".join(["imugrade", *names, ""]))
+        assert all(word in usage for word in command.words)
+        return
+    words = [STANDS_FOR.get(word, word) for word in command.words[1:]]
+    if "--cluster" in words:
+        words[words.index("--cluster") + 1] = scene.cluster().address
+    if command.words[1] in ("check", "ci"):
+        folder = where_a_student_is(command, folder)
+    if "--watch" in words:
+        watch(words, folder)
+        return
+    with pytest.MonkeyPatch.context() as here:
+        here.chdir(folder)
+        code, out, err = run(words)
+    assert code == 0, err
+    OUTCOMES[words[0]](Done(words, folder, out, err))
+
+
+def subcommands(words: tuple[str, ...]) -> list[str]:
+    """The first words, as long as they are names of commands."""
+    group: Any = typer.main.get_command(cli.app)
+    names: list[str] = []
+    for word in words:
+        if word not in getattr(group, "commands", {}):
+            break
+        group = group.commands[word]
+        names.append(word)
+    return names
+
+
+def run(words: list[str]) -> tuple[int, str, str]:
+    """The command in this process: its exit code, stdout and stderr."""
+    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as err:
+        code = cli.main(words)
+    return code, out.getvalue(), err.getvalue()
+
+
+def where_a_student_is(command: Command, folder: Path) -> Path:
+    """Without a path it is the working folder that is looked at: a student's own."""
+    if command.words[2:] and not command.words[2].startswith("-"):
+        return folder
+    return folder / ("kit" if command.document.startswith("the students'") else "my_lab")
+
+
+def watch(words: list[str], folder: Path) -> None:
+    """Ended by Ctrl-C once it has answered, as its last line says."""
+    line = [sys.executable, "-m", "grader", *words]
+    with subprocess.Popen(line, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        told = []
+        for answer in process.stdout:
+            told.append(answer)
+            if answer.startswith("Watching for changes; Ctrl-C ends."):
+                process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 130, told
+    assert "public" in "".join(told)
+    assert any("earned" in answer for answer in told)
+
+
+def checked(done: Done) -> None:
+    assert "public" in done.out
+    part = done.after("--only")
+    assert re.search(r"\d+ / 20" if part else r"Score +\d+ / 100", done.out)
+    if page := done.file("--html"):
+        assert "<html" in page.read_text(encoding="utf-8")
+
+
+def graded(done: Done) -> None:
+    out = done.file("-o")
+    assert out is not None
+    with open(out / "gradebook.csv", encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["status"] for row in rows} == {"graded"}
+    assert len(rows) >= len(STUDENTS)
+    assert all((out / "submissions" / row["id"] / "report.html").is_file() for row in rows)
+    assert (out / "index.html").is_file()
+    assert ("no seed" in done.err) != ("IMUGRADE_SEED" in os.environ)
+    if "--roster" in done.words:
+        assert {row["section"] for row in rows} & {"B", "Tue, 10:00"}
+
+
+def adjusted(done: Done) -> None:
+    assert done.out.startswith("alice filtering ")
+    assert ("withdrawn" in done.out) == ("--withdraw" in done.words) or len(done.words) == 2
+    if points := done.after("--points"):
+        assert done.out.startswith(f"alice filtering {points}, final ")
+
+
+def told_apart(done: Done) -> None:
+    assert "filtering by hand  none → 3" in done.out
+
+
+def exported(done: Done) -> None:
+    made = done.file("-o") or next((done.folder / "out").glob(f"{done.after('--format')}.csv"))
+    assert len(made.read_text(encoding="utf-8-sig").splitlines()) > len(STUDENTS)
+    assert re.search(r"\d grades", done.out)
+    assert " 0 grades" not in done.out
+    if reports := done.file("--feedback"):
+        assert zipfile.is_zipfile(reports)
+
+
+def explained(done: Done) -> None:
+    assert (done.words[1:] or ["sensor-id-as-address"])[0] in done.out
+
+
+def examined(done: Done) -> None:
+    assert "landlock" in done.out
+    assert "mujoco" in done.out.lower()
+
+
+def given(done: Done) -> None:
+    made = next(path for option in KITS if (path := done.file(option))) if done.words[1].startswith("-") else None
+    held = made or done.folder / done.words[1]
+    names = zipfile.ZipFile(held).namelist() if held.is_file() else [path.name for path in held.rglob("*")]
+    assert wheel.name() in names
+    assert KITS[done.words[1] if made else ""] in names
+    if made and made.suffix == ".zip":
+        assert ("hidden.npz" in names) == ("IMUGRADE_SEED" in os.environ)
+
+
+KITS = {
+    "": "filters.py",
+    "--gradescope": "run_autograder",
+    "--classroom50": "autograder.py",
+    "--github": "imugrade.yml",
+}
+
+
+def answered(done: Done) -> None:
+    """By a platform's job: something that its reader takes."""
+    made = done.file("-o", "--out")
+    text = made.read_text(encoding="utf-8") if made else done.out
+    kind = done.after("--format") or "json"
+    assert kind in PLATFORMS
+    if kind == "junit":
+        assert ElementTree.fromstring(text).tag == "testsuites"
+    elif kind == "github":
+        assert "::notice" in text
+    else:
+        assert json.loads(text)["score"] in (1.0, 100.0)
+
+
+def traced(done: Done) -> None:
+    made = done.file("-o", "--out")
+    kinds = {"plot": "*.png", "record": "*.npz"}
+    assert made is None if done.words[1] == "list" else made and list(made.rglob(kinds[done.words[1]]))
+    assert done.out
+
+
+OUTCOMES: Mapping[str, Callable[[Done], None]] = {
+    "check": checked,
+    "grade": graded,
+    "adjust": adjusted,
+    "diff": told_apart,
+    "export": exported,
+    "ci": answered,
+    "kit": given,
+    "explain": explained,
+    "doctor": examined,
+    "traces": traced,
+}
+LEAVE_NOTHING = ("check", "ci", "doctor", "explain", "traces", "--help")
+
+
+# --- other programs ---------------------------------------------------------------------------------------------------
+
+
+def python(command: Command, folder: Path, scene: Scene) -> None:
+    if command.words[1] != "-m":
+        _lines([*command.words[1:]], folder / "kit")
+        assert (folder / "kit" / "imu_data.png").stat().st_size > 10_000
+        return
+    module, *words = command.words[2:]
+    if module == "pip":
+        pip(Command(command.document, ("pip", *words)), folder, scene)
+    elif module == "venv":
+        _lines(["-m", "venv", "--without-pip", *words], folder)  # what pip then does is its own
+        assert (folder / words[0] / "pyvenv.cfg").is_file()
+    elif module == "pytest":
+        assert _ci().endswith(".venv/bin/python -m pytest\n")  # this very run
+    elif module == "grader.handbook":
+        assert _lines(["-m", module], ROOT) == ""  # every page is current
+    else:
+        by_hand(module, words)
+
+
+def by_hand(module: str, words: list[str]) -> None:
+    """Campaigns of minutes to hours: they start, and know these options and values of them."""
+    if not words and any(each.words[2:3] == (module,) and each.words[3:] for each in COMMANDS):
+        return  # named with options elsewhere
+    usage = _lines(["-m", module, *(STANDS_FOR.get(word, word) for word in words), "--help"], ROOT)
+    assert usage.startswith("Usage: imugrade" if module == "grader" else f"usage: python -m {module} ")
+    assert {word for word in words if word.startswith("-")} <= set(re.findall(r"--?[\w-]+", usage))
+
+
+def pip(command: Command, folder: Path, _: Scene) -> None:
+    """What it would install is there to be installed; the repository itself is installed before the tests run."""
+    _, action, *words = command.words
+    assert action == "install"
+    if words[-1].partition("[")[0] in (".", "/imugrade"):
+        assert ".venv/bin/pip install -q -e '.[test]'\n" in _ci()
+        return
+    files = [path.name for path in (folder / "kit").glob(words[-1])] or [words[-1]]
+    trial = ["--disable-pip-version-check", "install", "--no-index", "--no-deps", "--dry-run"]
+    done = _done(["-m", "pip", *trial, *words[:-1], *files], folder / "kit")
+    assert done.returncode == 0, done.stderr
+    assert "does not provide the extra" not in done.stderr
+
+
+def dask(_command: Command, _folder: Path, scene: Scene) -> None:
+    """The worker is started as documented, and takes one submission at a time."""
+    with scene.cluster().client() as client:
+        assert list(client.nthreads().values()) == [1]
+
+
+def bash(command: Command, _folder: Path, _scene: Scene) -> None:
+    """It runs these tests, so they do not run it."""
+    subprocess.run(["bash", "-n", *command.words[1:]], cwd=ROOT, check=True)
+    assert ".venv/bin/python -m pytest" in _ci()
+
+
+PROGRAMS: Mapping[str, Callable[[Command, Path, Scene], None]] = {
+    "imugrade": imugrade,
+    "python": python,
+    "python3": python,
+    "pip": pip,
+    "dask": dask,
+    "bash": bash,
+}
+
+
+def _done(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    line = [sys.executable, *words]
+    return subprocess.run(line, cwd=folder, env=ENVIRONMENT, capture_output=True, text=True, check=False, timeout=120)
+
+
+def _lines(words: list[str], folder: Path) -> str:
+    done = _done(words, folder)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def _ci() -> str:
+    return (ROOT / ".ci" / "run").read_text(encoding="utf-8")
