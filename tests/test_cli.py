@@ -309,6 +309,27 @@ def test_min_score_is_exit_code_1_when_one_submission_is_below(
     assert run("grade", students, "-o", tmp_path / "out", "--min-score", "20.5")[0] == 1
 
 
+@pytest.mark.parametrize("out", ["", "alice"])
+def test_results_do_not_go_where_the_submissions_are(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker, out: str
+) -> None:
+    code, told, err = run("grade", students, "-o", students / out)
+    assert (code, told, marker.marked()) == (2, "", [])
+    assert (
+        err
+        == f"{NO_SEED}imugrade: -o {students / out}: is itself to be graded; give a folder of its own for the results\n"
+    )
+
+
+def test_an_out_that_was_made_beforehand_in_the_class_is_no_submission(
+    run: Run, students: Path, tmp_path: Path, marker: FakeMarker
+) -> None:
+    (students / "out").mkdir()
+    for _ in range(2):
+        assert run("grade", students, "-o", students / "out")[0] == 0
+    assert sorted(marker.marked()) == ["alice", "bob", "carol"]
+
+
 def test_what_cannot_be_placed_is_told_and_costs_nothing(
     run: Run, students: Path, tmp_path: Path, marker: FakeMarker
 ) -> None:

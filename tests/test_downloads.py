@@ -199,6 +199,20 @@ def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp
     )
 
 
+def test_of_archives_that_canvas_numbered_the_newest_is_the_submission(tmp_path: Path) -> None:
+    found = canvas(
+        tmp_path, "a_1_10_lab-1.zip", "a_1_12_lab-3.zip", "a_1_11_lab-2.zip", "b_2_20_data-1.csv", "b_2_21_data-2.csv"
+    )
+    assert [(e.id, e.sources[0]) for e in found.entries] == [
+        ("a_1", ("a_1_12_lab-3.zip", "lab.zip")),
+        ("b_2", ("b_2_20_data-1.csv", "data-1.csv")),
+    ]
+    assert [line.partition(":")[0].rpartition("/")[2] for line in found.leftovers] == [
+        "a_1_10_lab-1.zip",
+        "a_1_11_lab-2.zip",
+    ]
+
+
 def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_path: Path) -> None:
     found = canvas(tmp_path, "LATE_anon_x7Qz1_500_filters.py", "roe_103_text.html", "b_2_20_filters.py", "readme.md")
     assert [(e.id, e.read().status) for e in found.entries] == [

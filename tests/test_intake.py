@@ -725,6 +725,15 @@ def test_hidden_files_and_graded_folders_are_passed_over(tmp_path: Path) -> None
     assert len(read_class([room]).entries) == 5
 
 
+def test_a_submission_that_calls_itself_graded_is_graded_all_the_same(tmp_path: Path) -> None:
+    room = make_class(tmp_path)
+    saved(room / "bob", "results.sqlite", b"")
+    (room / "frank" / "lab").mkdir(parents=True)
+    saved(room / "frank" / "lab", "work.ipynb", b"{}")
+    saved(room / "frank", "results.sqlite", b"")
+    assert {"bob", "frank"} <= {entry.name for entry in read_class([room]).entries}
+
+
 def test_loose_files_are_listed_as_left_over(tmp_path: Path) -> None:
     room = make_class(tmp_path)
     saved(room, "grades.csv", b"")

@@ -101,6 +101,22 @@ def test_the_terminal_tells_a_lost_check_with_the_labels_in_their_order() -> Non
     )
 
 
+def test_a_command_stays_in_one_line_to_copy_where_the_terminal_is_narrow() -> None:
+    shown = terminal(result(lost()), width=80)
+    assert "   Read      Lab 04-01, Step 2\n   Again     imugrade check --only sensor_access\n" in shown
+
+
+def test_a_submission_with_nothing_to_mark_is_told_once_and_not_for_every_check() -> None:
+    said = "Nothing recognisable was handed in: no Python file and no notebook was found."
+    rows = [check("skipped", 0.0, message=said) for _ in range(5)]
+    for only in (None, "sensor_access"):
+        shown = terminal(result(*rows, status="empty", notes=("No .py or .ipynb file was found.",)), only=only)
+        assert shown.startswith(
+            "Note  No .py or .ipynb file was found.\nNothing that the lab asks for was found in this submission."
+        )
+        assert said not in shown
+
+
 def test_an_earned_check_is_one_line_on_the_terminal() -> None:
     assert terminal(result(check(lab_step=2)), only="sensor_access") == (
         "Sensor access                                                                        6 / 6\n"

@@ -227,6 +227,20 @@ def test_a_roster_gives_names_sections_dates_and_tells_who_is_missing_on_either_
     assert (found.absent, found.unknown) == (("Nobody",), ("lab4-user1",))
 
 
+def test_of_two_rows_of_one_name_the_one_with_the_number_is_meant_and_the_other_has_nothing(tmp_path: Path) -> None:
+    text = "Name,ID,Email,Section,Due\nJane Doe,101,,B,\nJane Doe,999,,C,2026-11-24T23:59+01:00\n"
+    for rows in (text, "\n".join(text.splitlines()[i] for i in (0, 2, 1))):
+        found = placed(tmp_path, rows)
+        assert found.hand_ins["doejane_101"].people[0].section == "B"
+        assert (found.due, found.absent, found.unknown) == ({}, ("Jane Doe",), ("lab4-user1",))
+
+
+def test_two_rows_that_mean_one_person_equally_well_mean_nobody(tmp_path: Path) -> None:
+    found = placed(tmp_path, "Name,ID,Section\nJane Doe,1,B\nJane Doe,2,C\n")
+    assert found.hand_ins["doejane_101"].people == (DOE,)
+    assert (found.absent, found.unknown) == (("Jane Doe", "Jane Doe"), ("doejane_101", "lab4-user1"))
+
+
 def test_what_platforms_export_is_a_roster_as_it_stands(tmp_path: Path) -> None:
     canvas = 'Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"Doe, Jane",101,s1,jd,"Tue, 10",\n'
     assert placed(tmp_path, canvas).hand_ins["doejane_101"].people == (
@@ -287,12 +301,15 @@ def test_a_time_without_an_offset_is_no_time(text: str, utc: str) -> None:
 # ---- remarks ----
 
 
-def test_equal_hand_ins_are_told_and_empty_ones_are_not() -> None:
+def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
     def made(id_: str, sha: str, status: str = "graded") -> Standing:
         return Standing(id_, replace(result(), status=status, provenance={"submission_sha256": sha}))  # type: ignore[arg-type]
 
     everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
-    assert list(remarks({s.id: s for s in everyone}, (), ())) == ["the same files were handed in by: a, c"]
+    assert list(remarks({s.id: s for s in everyone}, (), ())) == [
+        "the same files were handed in by: a, c",
+        "nothing in them that could be marked (look at what was handed in): d, e",
+    ]
 
 
 def test_a_long_list_is_told_whole(capsys: pytest.CaptureFixture[str]) -> None:

@@ -98,12 +98,13 @@ def find(order: Order) -> Class:
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
     found = intake.read_class(order.paths, order.shape, order.attempts)
-    entries = _chosen(found.entries, order.only)
+    submissions = _beside_out(found.entries, order)
+    entries = _chosen(submissions, order.only)
     if not entries:
         raise RequestError(
             f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
         )
-    latest = {entry.id: _with_people(entry) for entry in found.entries}
+    latest = {entry.id: _with_people(entry) for entry in submissions}
     placed = roster.place([] if order.roster is None else roster.load(order.roster), latest)
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = () if order.roster is None else placed.unknown
@@ -266,6 +267,17 @@ def unjudged(submission: Submission, order: Order, reason: str) -> Result:
 def _open(criterion: Criterion, titles: Mapping[str, str]) -> CriterionResult:
     rows = (CheckResult(c.id, titles.get(c.id, c.id), "not_judged", None, c.max_points) for c in criterion.checks)
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
+
+
+def _beside_out(entries: tuple[intake.Entry, ...], order: Order) -> tuple[intake.Entry, ...]:
+    """Without an OUT that was made in the class and is still empty; one that holds submissions would become one itself."""
+    out = os.path.realpath(order.out)
+    within = [entry for entry in entries if os.path.realpath(entry.path) == out]
+    if out in map(os.path.realpath, order.paths) or any(entry.read().status != "empty" for entry in within):
+        raise RequestError(
+            f"-o {printable(str(order.out), 500)}: is itself to be graded; give a folder of its own for the results"
+        )
+    return tuple(entry for entry in entries if entry not in within)
 
 
 def _chosen(entries: tuple[intake.Entry, ...], only: tuple[str, ...]) -> list[intake.Entry]:

@@ -13,12 +13,14 @@ A_LINE = 20  # names
 
 
 def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Lines about adjustments that are out of date, equal hand-ins, lateness without a time, and the roster."""
+    """Lines about adjustments that are out of date, equal and empty hand-ins, lateness without a time, and the roster."""
     for standing in standings.values():
         for adjustment in standing.outdated():
             yield _outdated(standing, adjustment)
     for ids in _equal(standings.values()):
         yield from _lines("the same files were handed in by", ids)
+    nothing = [s.id for s in standings.values() if s.result.status in ("empty", "unreadable")]
+    yield from _lines("nothing in them that could be marked (look at what was handed in)", nothing)
     untimed = [s.id for s in standings.values() if s.late and s.late.due and s.late.seconds is None]
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, and nothing handed in", absent)

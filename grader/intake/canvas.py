@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
+from collections.abc import Iterable
 
 from grader.intake.downloads import Download, Sources
 from grader.intake.found import MARKED_LATE, Found, Shape, mostly
-from grader.intake.names import original
+from grader.intake.names import ARCHIVES, has_suffix, original
 from grader.people.standing import HandIn, Person
 
 TITLE = "Canvas submissions"
@@ -69,7 +70,8 @@ def _number(match: re.Match[str]) -> int:
 
 def _newest(download: Download, own: list[tuple[str, re.Match[str]]]) -> tuple[Sources, list[str]]:
     """Files under the names that the student gave them; of two with one name the one that came last, and the others."""
-    given = {match["file"] for _, match in own}
+    names = [match["file"] for _, match in own]
+    given = {*names, *_numbered_archives(names)}
     sources: dict[str, str] = {}
     older: list[str] = []
     for name, match in sorted(own, key=lambda each: _number(each[1])):
@@ -83,10 +85,17 @@ def _newest(download: Download, own: list[tuple[str, re.Match[str]]]) -> tuple[S
 def _first_name(name: str, given: set[str]) -> str:
     """Without the `-1` that Canvas adds when a file is handed in again.
 
-    It is Canvas's on a program, as no module can be called so, and where the student has the file without it.
+    It is Canvas's on a program, as no module can be called so, and where the name is `given` without it.
     """
     again = _AGAIN.fullmatch(name)
     if again is None:
         return name
     plain = again[1] + again[2]
     return plain if plain in given or (again[2] == ".py" and again[1].isidentifier()) else name
+
+
+def _numbered_archives(names: Iterable[str]) -> set[str]:
+    """What archives that differ in the number alone are called without it: they were handed in one after the other."""
+    numbered = (_AGAIN.fullmatch(name) for name in names if has_suffix(name, ARCHIVES))
+    plain = Counter(again[1] + again[2] for again in numbered if again is not None)
+    return {name for name, times in plain.items() if times > 1}

@@ -203,8 +203,12 @@ def _listed(folder: Path) -> list[os.DirEntry[str]]:
 
 def _is_ignored(entry: os.DirEntry[str]) -> bool:
     """Hidden files, what tools leave behind, and the OUT of an earlier run."""
-    graded = os.path.isfile(os.path.join(entry.path, "results.sqlite"))
-    return entry.name.startswith(".") or is_litter((entry.name,)) or graded
+    return entry.name.startswith(".") or is_litter((entry.name,)) or _is_graded(Path(entry.path))
+
+
+def _is_graded(folder: Path) -> bool:
+    """Whether it is an OUT: with a record, and without a program; with one, somebody handed it in."""
+    return os.path.isfile(folder / "results.sqlite") and not _holds(folder, is_code)
 
 
 def _objection(entry: os.DirEntry[str]) -> str:
@@ -225,16 +229,16 @@ def _is_submission(folder: Path) -> bool:
         return True
     if not any(is_code(name) for name in names):
         return False
-    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds_required(folder)
+    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds(folder, REQUIRED.__contains__)
 
 
-def _holds_required(folder: Path) -> bool:
-    """Whether a required file lies up to four folders down in a folder of this one."""
+def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
+    """Whether a file with such a name lies in this folder, or up to four folders down in one of it."""
     looked_at = 0
     for here, folders, names in os.walk(folder):
         level = len(Path(here).relative_to(folder).parts)
         looked_at += len(folders) + len(names)
-        if any(name in REQUIRED for name in names):
+        if any(map(wanted, names)):
             return True
         if level > MAX_LEVELS or looked_at > MAX_LOOKED_AT:
             folders.clear()

@@ -7,13 +7,14 @@ people apart whatever else they share.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.people.standing import Person
 
 _PARTICIPANT = re.compile(r"\D*?(\d+)")
 _NUMBERING = ("canvas", "moodle")  # their numbers mean nothing elsewhere; a user name or a student number does
+_SUREST_FIRST = (*_NUMBERING, "number", "email", "foreign", "name")
 _NO_WORD = re.compile(r"[\W_]+")
 
 
@@ -61,18 +62,38 @@ class Directory:
 
     def find(self, row: Row) -> Match | None:
         """The one that a row means; None if it means none, or cannot be told apart."""
+        return self._surest(row)[1]
+
+    def find_each(self, rows: Sequence[Row]) -> list[Match | None]:
+        """Whom each of the rows of one table means: of two that mean one person the surer does, and neither if both are as sure."""
+        found = [self._surest(row) for row in rows]
+        claims: dict[Match, set[tuple[int, Row]]] = {}
+        for row, (sureness, match) in zip(rows, found, strict=True):
+            if match is not None and match.person is not None:
+                claims.setdefault(match, set()).add((sureness, row))
+        return [
+            None if match in claims and not _wins((sureness, row), claims[match]) else match
+            for row, (sureness, match) in zip(rows, found, strict=True)
+        ]
+
+    def _surest(self, row: Row) -> tuple[int, Match | None]:
+        """The match, and by which kind of name it was found: less is surer."""
         for kind, word in _asked(row):
             matches = [
                 m for m in self._by.get((kind, word.casefold()), ()) if word and not _contradicts(row, m.person, kind)
             ]
             if len({match.id for match in matches}) == 1:
-                return matches[0]
-        return None
+                return _SUREST_FIRST.index(kind), matches[0]
+        return len(_SUREST_FIRST), None
 
     def _add(self, kind: str, word: str, match: Match) -> None:
         known = self._by.setdefault((kind, word.casefold()), [])
         if word and match not in known:
             known.append(match)
+
+
+def _wins(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
+    return all(claim[0] < sureness or row == claim[1] for sureness, row in claims)
 
 
 def _called(person: Person) -> Iterator[tuple[str, str]]:

@@ -121,8 +121,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
     submitted: dict[str, str] = {}
     absent: list[str] = []
     known: set[str] = set()
-    for listed in roster:
-        match = directory.find(listed.who)
+    for listed, match in zip(roster, directory.find_each([listed.who for listed in roster]), strict=True):
         if match is None:
             absent.append(listed.who.told())
             continue

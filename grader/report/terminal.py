@@ -18,6 +18,7 @@ from grader.text import printable
 WIDTH = 100
 _STYLE = {"earned": "green", "partly": "yellow", "lost": "red", "blank": "bright_black"}
 _LABEL = "bright_black"
+_INDENT, _LABEL_WIDTH, _READ_WIDTH = 3, 9, 27
 
 
 class ClassTotals(Protocol):
@@ -58,21 +59,23 @@ def show(result: Result, console: Console, *, only: str | None = None) -> None:
     """
     width = min(console.width, WIDTH)
     for part in _parts(result, only):
-        console.print(_part(part), width=width)
+        console.print(_part(part, width), width=width)
         console.print()
     console.print(_closing(result, only), width=width)
 
 
 def _parts(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
+    if result.status in ("empty", "unreadable"):
+        return []  # thirty rows would all say so
     attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
     parts: list[CriterionResult | ExtensionResult] = [*result.criteria, *attempted]
     return parts if only is None else [part for part in parts if part.id == only]
 
 
-def _part(part: CriterionResult | ExtensionResult) -> RenderableType:
+def _part(part: CriterionResult | ExtensionResult, width: int) -> RenderableType:
     title = part.title if isinstance(part, CriterionResult) else f"Extension: {part.id.replace('_', ' ')}"
     rows = [words.row(check, part.id) for check in part.checks]
-    return Group(_heading(title, _points(part)), *(_row(row) for row in rows))
+    return Group(_heading(title, _points(part)), *(_row(row, width) for row in rows))
 
 
 def _points(part: CriterionResult | ExtensionResult) -> str:
@@ -89,25 +92,26 @@ def _heading(title: str, points: str) -> Table:
     return line
 
 
-def _row(row: words.Row) -> RenderableType:
+def _row(row: words.Row, width: int) -> RenderableType:
     head = _grid()
     head.add_column(width=13, no_wrap=True)
     head.add_column(ratio=1)
     head.add_column(justify="right", no_wrap=True)
     outcome = Text(f" {row.outcome.sign} {row.outcome.word}", _STYLE[row.outcome.kind])
     head.add_row(outcome, Text(row.title), Text(row.points))
-    return Group(head, *(Padding(line, (0, 0, 0, 3)) for line in _lines(row)))
+    return Group(head, *(Padding(line, (0, 0, 0, _INDENT)) for line in _lines(row, width - _INDENT)))
 
 
-def _lines(row: words.Row) -> list[RenderableType]:
-    """Expected, Got, Try, then in one line what to read and what to run again."""
+def _lines(row: words.Row, width: int) -> list[RenderableType]:
+    """Expected, Got, Try, then what to read and what to run again: in one line where it is wide enough for the command."""
     lines: list[RenderableType] = [_line(line) for line in row.lines]
-    again = Text.assemble(("Again".ljust(8), _LABEL), row.again) if row.again else Text()
-    if row.read:
-        lines.append(_labelled("Read", Text(row.read.ljust(27) if row.again else row.read).append_text(again)))
-    elif row.again:
-        lines.append(_labelled("Again", Text(row.again)))
-    return lines
+    again = Text.assemble(("Again".ljust(8), _LABEL), row.again)
+    if row.read and row.again and _LABEL_WIDTH + 1 + _READ_WIDTH + len(again) <= width:
+        return [*lines, _labelled("Read", Text(row.read.ljust(_READ_WIDTH)).append_text(again))]
+    return [
+        *lines,
+        *(_labelled(label, Text(text)) for label, text in (("Read", row.read), ("Again", row.again)) if text),
+    ]
 
 
 def _line(line: words.Line) -> RenderableType:
@@ -116,7 +120,7 @@ def _line(line: words.Line) -> RenderableType:
 
 def _labelled(label: str, text: Text) -> Table:
     table = _grid()
-    table.add_column(width=9, no_wrap=True)
+    table.add_column(width=_LABEL_WIDTH, no_wrap=True)
     table.add_column(ratio=1)
     table.add_row(Text(label, _LABEL), text)
     return table
