@@ -2,7 +2,8 @@
 
 CPU seconds are those of the whole process tree, by wait4(2). A contender's cost per submission is the slope between a small
 and a large class of the same sound submission, each copy with other bytes, so that start-up costs cancel and nothing is
-reused. All contenders take turns within a round; medians over the rounds and ratios within this run are printed.
+reused. All contenders take turns within a round; medians over the rounds and ratios within this run are printed. Exit code 1
+where a figure is worse than in the last run that was recorded with ``--record``.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from grader import rubric, traces
 from grader.intake import read_submission
 from grader.marking import Marker
 from grader.sandbox.box import Worker
-from tests.benchmarks import cold
+from tests.benchmarks import cold, guard
 from tests.benchmarks.measuring import PLAIN_PYTEST, cost
 from tests.corpus.sound import SOUND
 from tests.corpus.writing import write
@@ -138,31 +139,44 @@ def _private_kb(pid: int) -> int:
     return sum(int(line.split()[1]) for line in lines if line.startswith(("Private_Clean", "Private_Dirty")))
 
 
-def main() -> None:
+def main() -> int:
     options = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
     options.add_argument("--size", type=int, default=40)
     options.add_argument("--rounds", type=int, default=3)
+    options.add_argument("--record", action="store_true", help="keep the figures as those to compare with")
     given = options.parse_args()
     versions = ", ".join(f"{name} {version(name)}" for name in ("mujoco", "numpy", "matplotlib", "pytest"))
-    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, {versions}")
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, {versions}"
+    print(machine)
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         sample = Path(class_of(1, Path(scratch, "sample"))[0])
         counts, parts = questions(sample)
-        mebibytes, from_cold = memory(sample), cold.table(max(5, given.rounds), sample)
+        mebibytes, from_cold = memory(sample), cold.measure(max(5, given.rounds), sample)
         (asked := Path(scratch, "counts.json")).write_text(json.dumps(counts))
         rows = compare(max(4, given.size // 5), given.size, given.rounds, Path(scratch), asked)
-    floor, ours = rows["floor"][0], rows["ours, one marker"]
+    floor, plain = rows["floor"][0], rows["plain pytest"][0]
     print("\n| contender | CPU s a submission | of the floor | of plain pytest |\n| --- | --- | --- | --- |")
     for name, (cpu, _) in rows.items():
-        print(f"| {name} | {cpu:.3f} | {cpu / floor:.2f} | {cpu / rows['plain pytest'][0]:.2f} |")
-    print(
-        f"\nTwo markers against one, by the clock: {ours[1] / rows['ours, two markers'][1]:.2f} times as many submissions"
-    )
-    print(f"Private memory of a marker with its zygote: {mebibytes:.0f} MB\n\n{from_cold}")
-    print("\n| part of a submission | CPU ms | times |\n| --- | --- | --- |")
+        print(f"| {name} | {cpu:.3f} | {cpu / floor:.2f} | {cpu / plain:.2f} |")
+    print(f"\n{cold.table(from_cold)}\n\n| part of a submission | CPU ms | times |\n| --- | --- | --- |")
     for name, spent, times in parts:
         print(f"| {name} | {spent:.0f} | {times} |")
+    ours, two = rows["ours, one marker"], rows["ours, two markers"]
+    now = {
+        "floor": ours[0] / floor,
+        "plain": ours[0] / plain,
+        "markers": ours[1] / two[1],
+        "memory": mebibytes,
+        "first": (from_cold["started"] + from_cold["found"]) / from_cold["bare"],
+        "verdict": from_cold["check"] / from_cold["bare"],
+        "help": from_cold["help"],
+    }
+    watched, good = guard.held(now, guard.read())
+    print(f"\n{watched}")
+    if given.record:
+        guard.keep(now, machine, time.strftime("%Y-%m-%d"))
+    return int(not good)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -36,9 +36,7 @@ def stamped(file: Path, sample: str) -> None:
         if event != "import":
             return
         if arguments[0] == "grader.lab_box":
-            stamp("found")
-        elif arguments[0] == "grader.selfcheck":
-            stamp("walls")
+            stamp("started")
         elif arguments[0] == "grader.report.terminal" and "grader.marking" in sys.modules:
             from grader import marking, plugin
             from grader.sandbox import launch
@@ -50,6 +48,7 @@ def stamped(file: Path, sample: str) -> None:
     sys.addaudithook(hook)
     from grader import cli, opening
 
+    after(opening, "found", "found")
     after(opening, "waiting", "imported")
     code = cli.main(["check", sample])
     stamp("shown")
