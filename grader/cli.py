@@ -1,6 +1,7 @@
 """The command line: words to calls, results to an exit code. Nothing heavy is imported until a command runs.
 
-Exit codes: 0 done, 1 done but below --min-score, 2 the request was wrong, 3 the grader itself failed, 130 interrupted.
+Exit codes: 0 done, 1 done but below --min-score, 2 the request was wrong, 3 the grader itself failed, 130 interrupted,
+141 nobody reads on.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from grader.commands.common import say
 from grader.errors import GraderError, RequestError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells count
+UNREAD = 141  # 128 + SIGPIPE
 
 app = typer.Typer(
     help="Autograder for Lab 04-01, Reading IMU data in MuJoCo.\n\n"
@@ -54,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = app(args=arguments, prog_name="imugrade", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # newer versions of typer return it themselves
+    except SystemExit:
+        return UNREAD  # what typer and rich do when nobody reads on, with a 1, which here means a low score
     except RequestError as problem:
         return _fail(str(problem), 2)
     except GraderError as problem:

@@ -446,6 +446,18 @@ def test_help_loads_nothing_heavy() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.parametrize("command", ["explain", "traces list", "doctor"])
+def test_a_reader_that_has_gone_is_neither_a_low_score_nor_a_failure(command: str) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "grader", *command.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT
+    ) as done:
+        assert done.stdout is not None
+        assert done.stderr is not None
+        done.stdout.close()
+        assert done.stderr.read() == b""
+    assert done.returncode == cli.UNREAD
+
+
 def test_python_m_grader_is_the_same_command() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "grader", "--version"], capture_output=True, text=True, check=True, cwd=ROOT

@@ -16,6 +16,7 @@ _EXIT_CODES = """## Exit codes
 | 2 | the request was wrong: one line that names it |
 | 3 | the grader itself failed; what could not be judged is open, never zero |
 | 130 | interrupted |
+| 141 | nobody read on, as after `\\| head` |
 
 A student's code can never cause 2 or 3.
 """
