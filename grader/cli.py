@@ -6,6 +6,8 @@ Exit codes: 0 done, 1 done but below --min-score, 2 the request was wrong, 3 the
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import sys
 import traceback
@@ -46,6 +48,7 @@ for _command in (
 ):
     app.command()(_command)
 app.add_typer(traces.app, name="traces")
+atexit.register(gc.freeze)  # an ending process need not look through all that lives once more: a tenth of a second
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
