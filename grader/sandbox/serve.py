@@ -173,9 +173,13 @@ def _try_out(walls: confine.Walls, plan: Plan) -> None:
     os.close(writer)
     with open(reader, "rb") as report:
         reason = report.read()
-    os.waitpid(pid, 0)
+    _, status = os.waitpid(pid, 0)
     if own >= 0:
         os.close(own)
+    if not reason and os.waitstatus_to_exitcode(status) == -signal.SIGKILL:
+        os._exit(
+            128 + signal.SIGKILL
+        )  # no wall does that; as if it had been this process: the same walls are tried again
     if reason != b"held":
         raise OSError(reason.decode(errors="replace") or "a worker behind its walls ended without a word")
 

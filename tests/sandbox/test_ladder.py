@@ -8,6 +8,7 @@ import select
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -106,6 +107,35 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
     else:
         with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
             ladder.raise_walls(rung, HARNESS)
+
+
+def children(pid: int) -> list[int]:
+    with contextlib.suppress(OSError):
+        return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    return []
+
+
+def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
+    monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Rung]
+) -> None:
+    """As it is by whoever looks for memory; walls that refuse end otherwise."""
+    if not rungs["full"].usable:
+        pytest.skip(rungs["full"].reason)
+    hit: list[int] = []
+    await_walls = Zygote._await_walls
+
+    def killed(zygote: Zygote) -> None:
+        end = time.monotonic() + 10
+        while not hit and time.monotonic() < end:
+            hit.extend(trial for first in children(zygote.pid) for trial in children(first))
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(hit[0], signal.SIGKILL) if hit else None
+        await_walls(zygote)
+
+    monkeypatch.setattr(Zygote, "_await_walls", killed)
+    with Box(HARNESS) as box:
+        assert hit
+        assert (box.rung, box.why) == ("full", rungs["full"].reason)
 
 
 def test_a_plain_user_has_the_same_walls() -> None:
