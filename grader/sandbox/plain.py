@@ -34,7 +34,7 @@ class PlainProcess:
     def __init__(self, harness: Path, printed: Printed) -> None:
         self._code: int | None = None
         self._cpu_s = self._before_s = 0.0
-        self._folder = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
+        self._place = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
         self.line, theirs = socket.socketpair()
         try:
             with theirs:
@@ -52,15 +52,16 @@ class PlainProcess:
         inherited: dict[str, Any] = {"pass_fds": (theirs.fileno(),), "start_new_session": True}
         if sys.platform == "win32":
             inherited = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
-        fonts = os.path.join(self._folder, ".matplotlib")
+        scratch, fonts = os.path.join(self._place, "scratch"), os.path.join(self._place, "matplotlib")
+        os.mkdir(scratch)
         _lend_font_lists(fonts)
         popen = subprocess.Popen(
             [sys.executable, "-B", "-s", surroundings.zygote(), "--plain", str(theirs.fileno()), json.dumps(plan)],
             stdin=subprocess.PIPE,
             stdout=printed.fd,
             stderr=printed.fd,
-            cwd=self._folder,
-            env=_environment(self._folder, fonts),
+            cwd=scratch,
+            env=_environment(scratch, fonts),
             **inherited,
         )
         with contextlib.suppress(OSError):
@@ -113,8 +114,8 @@ class PlainProcess:
         if popen is not None:
             _kill_group(popen)
         with contextlib.suppress(OSError):
-            empty(self._folder)
-            os.rmdir(self._folder)
+            empty(self._place)
+            os.rmdir(self._place)
 
 
 def _wait_without_reaping(popen: subprocess.Popen[bytes], seconds: float) -> None:
