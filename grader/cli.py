@@ -55,6 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code: the one place where failures become codes and lines."""
     _accept_any_encoding()
     _keep_to_one_core()
+    atexit.register(gc.freeze)  # what is left goes with the process: to search it for cycles takes half a second
     try:
         code = app(args=arguments, prog_name="imugrade", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):

@@ -9,8 +9,10 @@ import hashlib
 import io
 import json
 import os
+import re
 import subprocess
 import sys
+import textwrap
 import venv
 import zipfile
 from pathlib import Path
@@ -229,6 +231,24 @@ def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(tmp_path: P
     assert workflow["permissions"] == {"contents": "read"}
     assert steps[-1] == "imugrade ci --format github"
     assert (tmp_path / steps[0].split()[-1]).is_file()
+
+
+@pytest.mark.parametrize("schema", ["github-workflows", "gitlab-ci"])
+def test_what_a_ci_reads_is_what_its_schema_allows(schema: str, tmp_path: Path) -> None:
+    """The schemas of schemastore.org, as the validator ships them."""
+    if schema == "github-workflows":
+        give.github(tmp_path)
+        file = tmp_path / ".github/workflows/imugrade.yml"
+    else:
+        page = (ROOT / "grader/handbook/platforms.md").read_text(encoding="utf-8")
+        (block,) = re.findall(r"^    lab:\n(?:(?: {5,}.*)?\n)*", page, re.MULTILINE)
+        file = tmp_path / ".gitlab-ci.yml"
+        file.write_text(textwrap.dedent(block), encoding="utf-8")
+    command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", f"vendor.{schema}", str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    file.write_text(file.read_text(encoding="utf-8").replace("script:", "skript:").replace("runs-on:", "on-runs:"))
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 1
 
 
 def test_the_classroom_50_autograder_installs_the_wheel_beside_it(tmp_path: Path) -> None:

@@ -200,11 +200,12 @@ def _make_signals_deadly() -> None:
 
     def kill(pid: int, number: int) -> None:
         default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
-        if pid == os.getpid() and default and number not in (signal.SIGCHLD, signal.SIGCONT, signal.SIGURG):
+        if pid == os.getpid() and default and number not in harmless:
             os._exit(128 + number)
         really_kill(pid, number)
 
     really_kill = os.kill
+    harmless = {getattr(signal, name, None) for name in ("SIGCHLD", "SIGCONT", "SIGURG")}  # Windows has none of them
     vars(os)["kill"] = kill
     vars(signal)["raise_signal"] = lambda number: kill(os.getpid(), number)
 

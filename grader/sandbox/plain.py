@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -33,7 +34,7 @@ class PlainProcess:
     def __init__(self, harness: Path, printed: Printed) -> None:
         self._code: int | None = None
         self._cpu_s = self._before_s = 0.0
-        self._folder = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
+        self._place = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
         self.line, theirs = socket.socketpair()
         try:
             with theirs:
@@ -51,13 +52,16 @@ class PlainProcess:
         inherited: dict[str, Any] = {"pass_fds": (theirs.fileno(),), "start_new_session": True}
         if sys.platform == "win32":
             inherited = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+        scratch, fonts = os.path.join(self._place, "scratch"), os.path.join(self._place, "matplotlib")
+        os.mkdir(scratch)
+        _lend_font_lists(fonts)
         popen = subprocess.Popen(
             [sys.executable, "-B", "-s", surroundings.zygote(), "--plain", str(theirs.fileno()), json.dumps(plan)],
             stdin=subprocess.PIPE,
             stdout=printed.fd,
             stderr=printed.fd,
-            cwd=self._folder,
-            env=_environment(self._folder),
+            cwd=scratch,
+            env=_environment(scratch, fonts),
             **inherited,
         )
         with contextlib.suppress(OSError):
@@ -110,8 +114,8 @@ class PlainProcess:
         if popen is not None:
             _kill_group(popen)
         with contextlib.suppress(OSError):
-            empty(self._folder)
-            os.rmdir(self._folder)
+            empty(self._place)
+            os.rmdir(self._place)
 
 
 def _wait_without_reaping(popen: subprocess.Popen[bytes], seconds: float) -> None:
@@ -139,9 +143,17 @@ def _shared(theirs: socket.socket, pid: int) -> bytes:
     return b""
 
 
-def _environment(scratch: str) -> dict[str, str]:
-    environment = surroundings.environment(scratch, os.path.join(scratch, ".matplotlib"))
-    if sys.platform == "win32":  # Python does not start without
-        environment["SYSTEMROOT"] = os.environ.get("SYSTEMROOT", "")
+def _lend_font_lists(folder: str) -> None:
+    """Copies of matplotlib's lists of fonts: to search for fonts takes many seconds where there are hundreds."""
+    os.mkdir(folder)
+    with contextlib.suppress(OSError):
+        for path in surroundings.font_lists():
+            shutil.copy(path, folder)
+
+
+def _environment(scratch: str, cache: str) -> dict[str, str]:
+    environment = surroundings.environment(scratch, cache)
+    if sys.platform == "win32":  # Python does not start without, or does not find its libraries
+        environment.update({name: os.environ.get(name, "") for name in ("SYSTEMROOT", "WINDIR", "PATH")})
         environment.update(TEMP=scratch, TMP=scratch, USERPROFILE=scratch)
     return environment

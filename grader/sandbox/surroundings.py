@@ -105,10 +105,11 @@ def zygote() -> str:
 
 
 def font_lists() -> tuple[str, ...]:
-    """matplotlib's lists of fonts that this user already has."""
-    configured = os.environ.get("MPLCONFIGDIR")
-    caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    folder = configured or os.path.join(caches, "matplotlib")
+    """matplotlib's lists of fonts that this user already has, where `matplotlib.get_cachedir()` is."""
+    folder = os.path.expanduser("~/.matplotlib")
+    if sys.platform == "linux":
+        folder = os.path.join(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "matplotlib")
+    folder = os.environ.get("MPLCONFIGDIR") or folder
     return tuple(sorted(glob.glob(os.path.join(glob.escape(folder), "fontlist-*.json")))[:8])
 
 

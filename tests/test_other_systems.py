@@ -1,0 +1,44 @@
+"""macOS and Windows, as far as they can be had here: without what only Linux or POSIX has, a student's check judges as it should."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.corpus.pieces import edit, tidy
+from tests.corpus.writing import write
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Sound, but that the filter ends its own process."""
+    ends = "import os, signal\n        os.kill(os.getpid(), signal.SIGTERM)\n        x = np"
+    return write(edit(tidy(), "filters.py", ("x = np", ends)), tmp_path_factory.mktemp("class") / "lab")
+
+
+@pytest.mark.parametrize("system", ["darwin", "win32"])
+def test_a_check_marks_as_it_does_on_linux(lab: Path, system: str) -> None:
+    answer, page = lab.parent / "result.json", lab.parent / "report.html"
+    command = [sys.executable, "tests/elsewhere.py", system, "-m", "grader", "check", str(lab)]
+    done = subprocess.run(
+        [*command, "--json", str(answer), "--html", str(page)], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, check=False, timeout=300,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    result = json.loads(answer.read_text(encoding="utf-8"))
+    assert result["provenance"]["isolation"] == "none"
+    outcomes = {
+        criterion["id"]: {check["outcome"] for check in criterion["checks"]} for criterion in result["criteria"]
+    }
+    assert outcomes.pop("filtering") == {"crashed", "skipped"}
+    assert set().union(*outcomes.values()) == {"passed"}
+    assert result["score"] == 80.0
+    assert "hidden scenarios wait" in done.stdout
+    assert "<html" in page.read_text(encoding="utf-8")
