@@ -48,14 +48,13 @@ for _command in (
 ):
     app.command()(_command)
 app.add_typer(traces.app, name="traces")
-atexit.register(gc.freeze)  # an ending process need not look through all that lives once more: a tenth of a second
+atexit.register(gc.freeze)  # what is left goes with the process: to search it for cycles takes a tenth of a second and more
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code: the one place where failures become codes and lines."""
     _accept_any_encoding()
     _keep_to_one_core()
-    atexit.register(gc.freeze)  # what is left goes with the process: to search it for cycles takes half a second
     try:
         code = app(args=arguments, prog_name="imugrade", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
