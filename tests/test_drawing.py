@@ -68,6 +68,11 @@ def test_a_bare_figure_is_examined_and_a_small_picture_written(figure: Any) -> N
     assert min(picture.size) <= drawing._SHORT_SIDE + 1
 
 
+def test_a_figure_like_a_ribbon_is_written_too(figure: Any) -> None:
+    figure.set_size_inches(600, 0.5)
+    assert saved(figure)[1].size == (60_000, 50)
+
+
 @pytest.mark.parametrize("form", ["png", "pdf", "svg"])
 def test_every_form_of_picture_is_written(figure: Any, form: str) -> None:
     target = io.BytesIO()

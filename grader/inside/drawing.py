@@ -126,8 +126,9 @@ def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, optio
     _dots(asked, figure.dpi)
     if bare:
         _examine(figure)
+        dots = min(figure.dpi, _SHORT_SIDE / min(figure.get_size_inches()))
         with _undrawn(figure):
-            really(canvas, target, _SHORT_SIDE / min(figure.get_size_inches()), **options | _whole(figure, options))
+            really(canvas, target, dots, **options | _whole(figure, options))
     else:
         lay_out(figure)
         # the figure's own dpi is cheapest, as its texts have been measured at it already
