@@ -70,7 +70,8 @@ def _watch(path: Path, rubric: Rubric, only: str | None, html: Path | None, json
 
     bundle = traces.obtain(None, None)
     waiting = opening.waiting(read_submission(path), rubric, bundle, only) + "\n"
-    for result in selfcheck.check_on_save(path, rubric, bundle, only=only):
+    written = [each for each in (html, json) if each is not None]
+    for result in selfcheck.check_on_save(path, rubric, bundle, only=only, written=written):
         console().clear()
         print(waiting)
         _show(result, html, json, only)
