@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from grader.intake import Submission, read_submission
+from grader.intake.names import is_litter
 from grader.marking import Marker
 from grader.results import Result
 from grader.rubric import Rubric
@@ -15,7 +16,6 @@ from grader.sandbox.box import Box
 from grader.traces import Traces
 
 PAUSE_S = 0.4
-_IGNORED = frozenset({"__pycache__", "node_modules"})
 
 
 def check(submission: Submission, rubric: Rubric, traces: Traces, box: Box, *, only: str | None = None) -> Result:
@@ -24,19 +24,27 @@ def check(submission: Submission, rubric: Rubric, traces: Traces, box: Box, *, o
         return marker.mark(submission, only=only)
 
 
-def check_on_save(path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None) -> Iterator[Result]:
-    """Mark it now, and again after every change, until interrupted. The marker stays warm in between."""
+def check_on_save(
+    path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None, written: Collection[Path] = ()
+) -> Iterator[Result]:
+    """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
+
+    Parameters
+    ----------
+    written : what is written of each result: it may lie in the folder, and is no change of the student's
+    """
     read_submission(path)  # a wrong path is told before the marker warms up
     with Marker(rubric, traces) as marker:
-        for _ in saves(path):
+        for _ in saves(path, written):
             yield marker.mark(read_submission(path), only=only)
 
 
-def saves(path: Path) -> Iterator[None]:
-    """Once at the start, then each time that a file under `path` has changed."""
+def saves(path: Path, written: Collection[Path] = ()) -> Iterator[None]:
+    """Once at the start, then each time that a file under `path` has changed that is not one of `written`."""
+    ours = {os.path.realpath(each) for each in written}
     seen: object = None
     while True:
-        now = _stamps(path)
+        now = frozenset(stamp for stamp in _stamps(path) if os.path.realpath(stamp[0]) not in ours)
         if now != seen:
             seen = now
             yield
@@ -45,10 +53,10 @@ def saves(path: Path) -> Iterator[None]:
 
 
 def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:
-    """Names, times and sizes of the files; what Python and editors leave behind does not count."""
+    """Names, times and sizes of the files; what Python, editors and other tools leave behind does not count."""
     stamps = set()
     for folder, subfolders, names in os.walk(path):
-        subfolders[:] = [name for name in subfolders if not name.startswith(".") and name not in _IGNORED]
+        subfolders[:] = [name for name in subfolders if not name.startswith(".") and not is_litter([name])]
         stamps |= {_stamp(Path(folder, name)) for name in names if not name.startswith(".")}
     return frozenset(stamps or {_stamp(path)})
 

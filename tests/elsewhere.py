@@ -35,7 +35,7 @@ _POSIX = {
     os: (
         "fork", "forkpty", "openpty", "killpg", "setsid", "getsid", "getpgid", "setpgid", "pread", "pwrite", "getuid", "geteuid", "getgid",
         "getegid", "chown", "fchown", "chroot", "mkfifo", "mknod", "uname", "sysconf", "statvfs", "nice", "wait", "wait3", "wait4",
-        "O_NOFOLLOW", "O_DIRECTORY", "O_NONBLOCK", "O_CLOEXEC", "fwalk", "register_at_fork", "posix_spawn", "WNOHANG", "eventfd",
+        "O_NOFOLLOW", "O_DIRECTORY", "O_NONBLOCK", "O_CLOEXEC", "fwalk", "register_at_fork", "posix_spawn", "eventfd",
     ),
     signal: ("SIGKILL", "SIGCHLD", "SIGCONT", "SIGURG", "SIGALRM", "SIGHUP", "SIGSTOP", "SIGXCPU", "alarm", "setitimer", "pthread_sigmask"),
     select: ("poll",),
@@ -46,14 +46,16 @@ _POSIX_MODULES = ("fcntl", "grp", "pty", "pwd", "resource", "syslog", "termios",
 
 
 class _Popen(subprocess.Popen):  # type: ignore[type-arg]
-    """Starts a Python program here, on the same system; on Windows its socket is given to it in the other way."""
+    """Starts a worker on the same system; on Windows its socket is given to it in the other way. Other programs start as they are."""
 
     def __init__(self, command: list[str], *, creationflags: int = 0, **given: Any) -> None:
-        at = next(i for i, word in enumerate(command) if i and not word.startswith("-"))
-        if sys.platform == "win32":
-            given["pass_fds"] = (int(command[at + 2]),)  # Windows' share() does it there
-            assert not {"start_new_session", "preexec_fn"} & set(given)
-        super().__init__([*command[:at], __file__, sys.platform, *command[at:]], **given)
+        if "--plain" in command:
+            at = command.index("--plain") - 1
+            if sys.platform == "win32":
+                given["pass_fds"] = (int(command[at + 2]),)  # Windows' share() does it there
+                assert not {"start_new_session", "preexec_fn"} & set(given)
+            command = [*command[:at], __file__, sys.platform, *command[at:]]
+        super().__init__(command, **given)
 
     def kill(self) -> None:
         """As TerminateProcess does: without a signal."""

@@ -102,6 +102,14 @@ def test_github_gets_one_annotation_for_each_check_that_lost_points_and_the_scor
     assert commands[-1][2] == "9.33 / 30"
 
 
+@pytest.mark.parametrize("status", ["empty", "unreadable"])
+def test_where_there_was_nothing_to_grade_github_says_so_in_red(status: Any) -> None:
+    row = check("skipped", 0.0)
+    ((kind, _, message),) = as_the_runner_reads(github.commands(result(row, status=status), Places()))[-1:]
+    assert kind == "error"
+    assert message.startswith("0 / 6: ")
+
+
 def test_no_text_of_a_submission_becomes_a_command_of_the_runner() -> None:
     commands = as_the_runner_reads(github.commands(evil(), Places()))
     assert [kind for kind, _, _ in commands] == ["error", "error", "notice"]

@@ -210,7 +210,10 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
         if len(pauses) == 4:
             (tmp_path / "__pycache__").mkdir()
             (tmp_path / "__pycache__" / "filters.pyc").touch()
-        if len(pauses) == 6:
+            hand_in(tmp_path / "venv")
+        if len(pauses) == 5:
+            (tmp_path / "report.html").touch()  # our own answer: to look at it would never end
+        if len(pauses) == 7:
             raise KeyboardInterrupt
 
     monkeypatch.setattr("grader.selfcheck.time.sleep", pause)
@@ -218,12 +221,20 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
     seen: list[int] = []
 
     def watch() -> None:
-        for _ in selfcheck.saves(tmp_path):
+        for _ in selfcheck.saves(tmp_path, [tmp_path / "sub" / ".." / "report.html"]):
             seen.append(len(pauses))
 
     with pytest.raises(KeyboardInterrupt):
         watch()
     assert seen == [0, 2]
+
+
+def test_what_a_watching_check_writes_is_not_watched(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: dict[str, object] = {}
+    monkeypatch.setattr(selfcheck, "check_on_save", lambda *_, **named: iter(told.update(named) or ()))
+    page, answer = tmp_path / "r.html", tmp_path / "r.json"
+    assert run("check", hand_in(tmp_path / "alice"), "--watch", "--html", page, "--json", answer)[0] == 0
+    assert told["written"] == [page, answer]
 
 
 # --- grade ------------------------------------------------------------------------------------------------------------

@@ -113,8 +113,10 @@ class Scene:
             site = Site(self._scratch)
             (command,) = {each.words for each in COMMANDS if each.words[0] == "dask"}
             words = [{"ADDRESS": site.address, "16": "1"}.get(word, word) for word in command]
-            quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-            worker = subprocess.Popen([sys.executable, "-m", *words], cwd=self._scratch, env=ENVIRONMENT, **quiet)
+            worker = subprocess.Popen(
+                [sys.executable, "-m", *words], cwd=self._scratch, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                env={**ENVIRONMENT, "DASK_TEMPORARY_DIRECTORY": str(self._scratch)},
+            )  # fmt: skip
             self._cluster = site, worker
             with site.client() as client:
                 until(lambda: list(client.nthreads().values()) == [1])

@@ -69,7 +69,8 @@ def _watch(path: Path, rubric: Path | None, only: str | None, html: Path | None,
     rubrics.know_part(chosen, only)
     bundle = traces.obtain(None, None)
     waiting = opening.waiting(read_submission(path), chosen, bundle, only) + "\n"
-    for result in selfcheck.check_on_save(path, chosen, bundle, only=only):
+    written = [each for each in (html, json) if each is not None]
+    for result in selfcheck.check_on_save(path, chosen, bundle, only=only, written=written):
         console().clear()
         print(waiting)
         _show(result, html, json, only)
