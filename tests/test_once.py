@@ -10,7 +10,7 @@ from grader import rubric, traces
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.results import CriterionResult
-from tests.corpus.pieces import lab
+from tests.corpus.pieces import COLLECT_LOOKUP, lab
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"
@@ -56,3 +56,28 @@ def test_a_filter_of_zeros_earns_nothing_and_is_called_stuck(marker: Marker) -> 
     criterion = _criterion(marker, "filtering", lab(low_pass=STUCK))
     assert criterion.points == 0
     assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"output-stuck"}
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        "acceleration = np.apply_along_axis(np.convolve, 0, acceleration, np.ones(5) / 5, mode='same')",
+        "acceleration, angular_velocity = acceleration.round(2), angular_velocity.round(2)",
+        "acceleration = acceleration + np.random.normal(0, 0.05, acceleration.shape)",
+    ],
+)
+def test_rows_that_were_changed_after_a_sound_run_cost_the_rows_and_not_reset_and_push(
+    marker: Marker, spoilt: str
+) -> None:
+    collect = COLLECT_LOOKUP.replace("    return {", f"    {spoilt}\n    return {{")
+    criterion = _criterion(marker, "data_collection", lab(collect=collect))
+    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"data_collection.matches_truth"}
+
+
+def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(marker: Marker) -> None:
+    collect = COLLECT_LOOKUP.replace(
+        "    return {", "    acceleration = np.random.normal(0, 9.81, acceleration.shape)\n    return {"
+    )
+    criterion = _criterion(marker, "data_collection", lab(collect=collect))
+    outcomes = {check.id.partition(".")[2]: check.outcome for check in criterion.checks}
+    assert (outcomes["starts_from_reset"], outcomes["applies_push"]) == ("skipped", "skipped")
