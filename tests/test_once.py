@@ -10,7 +10,7 @@ from grader import rubric, traces
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.results import CriterionResult
-from tests.corpus.pieces import COLLECT_LOOKUP, lab
+from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"
@@ -81,3 +81,12 @@ def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(mar
     criterion = _criterion(marker, "data_collection", lab(collect=collect))
     outcomes = {check.id.partition(".")[2]: check.outcome for check in criterion.checks}
     assert (outcomes["starts_from_reset"], outcomes["applies_push"]) == ("skipped", "skipped")
+
+
+def test_noise_on_one_axis_alone_costs_its_size_and_not_its_law(marker: Marker) -> None:
+    files = edit(lab(), "noisy_imu.py", (
+        "self.rng.normal(0.0, self.accel_noise_std, size=3)", "np.array([0, 0, self.rng.normal(0.0, self.accel_noise_std)])"
+    ))  # fmt: skip
+    criterion = _criterion(marker, "noise_model", files)
+    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.noise_size"}
+    assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
