@@ -90,3 +90,10 @@ def test_noise_on_one_axis_alone_costs_its_size_and_not_its_law(marker: Marker) 
     criterion = _criterion(marker, "noise_model", files)
     assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.noise_size"}
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
+
+
+def test_a_bias_that_is_added_twice_is_not_called_ignored(marker: Marker) -> None:
+    changes = [(f"{sensor} + self.{sensor}_bias", f"{sensor} + 2 * self.{sensor}_bias") for sensor in ("accel", "gyro")]
+    criterion = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *changes))
+    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.given_bias"}
+    assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
