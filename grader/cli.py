@@ -48,9 +48,7 @@ for _command in (
 ):
     app.command()(_command)
 app.add_typer(traces.app, name="traces")
-atexit.register(
-    gc.freeze
-)  # what is left goes with the process: to search it for cycles takes a tenth of a second and more
+atexit.register(gc.freeze)  # what is left goes with the process: to search it for cycles takes a tenth of a second
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
