@@ -10,6 +10,8 @@ from grader import rubric, traces
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.results import CriterionResult
+from tests.corpus.faults import Faulty
+from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.pieces import lab
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
@@ -56,3 +58,12 @@ def test_a_filter_of_zeros_earns_nothing_and_is_called_stuck(marker: Marker) -> 
     criterion = _criterion(marker, "filtering", lab(low_pass=STUCK))
     assert criterion.points == 0
     assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"output-stuck"}
+
+
+@pytest.mark.parametrize("fault", INTERFACE_FAULTS, ids=lambda fault: fault.name)
+def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(marker: Marker, fault: Faulty) -> None:
+    content = {name: str(text).encode() for name, text in fault.files.items()}
+    result = marker.mark(Submission("s", "s", content, (), "ready", ""))
+    lost = {criterion.id for criterion in result.criteria if criterion.points < criterion.max_points}
+    assert lost == {"sensor_access"}
+    assert set(result.misconceptions) <= {fault.mistake, *fault.also}

@@ -8,6 +8,7 @@ from tests.corpus.faults import Faulty, Pair
 from tests.corpus.faulty_collect import COLLECT_FAULTS
 from tests.corpus.faulty_files import FILE_FAULTS
 from tests.corpus.faulty_filter import FILTER_FAULTS
+from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.faulty_newcomers import NEWCOMER_FAULTS
 from tests.corpus.faulty_noise import NOISE_FAULTS
 from tests.corpus.faulty_plot import PLOT_FAULTS
@@ -15,7 +16,7 @@ from tests.corpus.faulty_reader import READER_FAULTS
 from tests.corpus.pieces import edit, lab, listy, looping, tidy, verbatim
 from tests.corpus.sound_figures import PLOT_DEGREES
 
-FAULTY: list[Faulty] = [*READER_FAULTS, *COLLECT_FAULTS, *PLOT_FAULTS, *NOISE_FAULTS, *FILTER_FAULTS, *FILE_FAULTS, *NEWCOMER_FAULTS]
+FAULTY: list[Faulty] = [*READER_FAULTS, *COLLECT_FAULTS, *PLOT_FAULTS, *NOISE_FAULTS, *FILTER_FAULTS, *FILE_FAULTS, *NEWCOMER_FAULTS, *INTERFACE_FAULTS]
 
 _SHEET_READER_END = "    return acceleration, angular_velocity\n"
 _TIDY_READ = "return data.sensordata[adr:adr + dim].copy()"
