@@ -106,7 +106,7 @@ class Conversation:
 
     @contextmanager
     def without_standins(self) -> Iterator[dict[Any, Any]]:
-        """The submission as it was handed in, in a process of its own: its answers, which are forgotten unless `remember` has them."""
+        """The submission as it was handed in, in a process of its own: its answers, forgotten unless `remember` has them."""
         (broken, self.broken), (answers, self._answers) = (self.broken, set()), (self._answers, {})
         self.end_session()
         try:

@@ -259,6 +259,8 @@ def session() -> Session:
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
     with mock.patch.dict(os.environ, {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}):  # one that shuffles tests is common
         code = int(pytest.main([*options, str(CHECKS)], plugins=[collected]))
+    if code == pytest.ExitCode.INTERRUPTED:
+        raise KeyboardInterrupt  # pytest has swallowed it
     if code != 0:
         raise GraderError(f"the pytest session over the checks ended with code {code}")
     return collected
