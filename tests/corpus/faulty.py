@@ -64,8 +64,6 @@ PAIRS: list[Pair] = [
          edit(verbatim(), "imu_reader.py", ("accel_adr = model.sensor_adr[accel_sensor_id]", "accel_adr = accel_sensor_id"), ("gyro_adr = model.sensor_adr[gyro_sensor_id]", "gyro_adr = gyro_sensor_id"), ("    mujoco.mj_resetData(model, data)\n", ""))),
     Pair("view-and-aliased-rows", (("view-not-copy", "sensor_access"), ("aliased-rows", "data_collection")),
          edit(listy(), "imu_reader.py", _VIEWS, ("        accs.append(acc)\n", '        accs.append(data.sensor("torso_accelerometer").data)\n'), ("        gyros.append(gyro)\n", '        gyros.append(data.sensor("torso_gyroscope").data)\n'))),
-    Pair("swapped-twice", (("swapped-sensors", "sensor_access"), ("channels-swapped", "data_collection")),
-         edit(verbatim(), "imu_reader.py", (_SHEET_READER_END, "    return angular_velocity, acceleration\n"), ("        accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)\n        accelerations", "        gyro, accel = get_imu_readings(model, data, accel_id, gyro_id)\n        accelerations"))),
     Pair("world-frame-and-no-noise", (("world-frame", "sensor_access"), ("no-noise", "noise_model")),
          _two_files(lab(read=_READ + "    a, g = model.sensor_adr[[accel_sensor_id, gyro_sensor_id]]\n    R = data.site_xmat[model.sensor_objid[accel_sensor_id]].reshape(3, 3)\n    return R @ data.sensordata[a:a + 3], R @ data.sensordata[g:g + 3]\n"),
                     ("noisy_imu.py", (" + " + _NOISE_A, "")), ("noisy_imu.py", (" + " + _NOISE_G, "")))),

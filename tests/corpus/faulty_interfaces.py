@@ -24,6 +24,8 @@ _IDS = "model, data, accel_sensor_id, gyro_sensor_id"
 _CALL = "get_imu_readings(model, data, accel_id, gyro_id)"
 
 INTERFACE_FAULTS = [
+    _reader("everyone-expects-the-gyroscope-first", "swapped-sensors", _IDS, f"{_ADDRESSES}return tuple(reversed(({_SLICES})))",
+            f"reversed({_CALL})"),
     _reader("everyone-expects-a-dictionary", "wrong-return-type", _IDS, f"{_ADDRESSES}return dict(zip('ag', ({_SLICES})))",
             f"(lambda reading: (reading['a'], reading['g']))({_CALL})"),
     _reader("everyone-expects-six-numbers", "wrong-length", _IDS, f"{_ADDRESSES}return np.concatenate([{_SLICES}])",
