@@ -12,7 +12,7 @@ from grader.marking import Marker
 from grader.results import CriterionResult
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
-from tests.corpus.pieces import lab
+from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"
@@ -67,3 +67,44 @@ def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(marker: Mark
     lost = {criterion.id for criterion in result.criteria if criterion.points < criterion.max_points}
     assert lost == {"sensor_access"}
     assert set(result.misconceptions) <= {fault.mistake, *fault.also}
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        "acceleration = np.apply_along_axis(np.convolve, 0, acceleration, np.ones(5) / 5, mode='same')",
+        "acceleration, angular_velocity = acceleration.round(2), angular_velocity.round(2)",
+        "acceleration = acceleration + np.random.normal(0, 0.05, acceleration.shape)",
+    ],
+)
+def test_rows_that_were_changed_after_a_sound_run_cost_the_rows_and_not_reset_and_push(
+    marker: Marker, spoilt: str
+) -> None:
+    collect = COLLECT_LOOKUP.replace("    return {", f"    {spoilt}\n    return {{")
+    criterion = _criterion(marker, "data_collection", lab(collect=collect))
+    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"data_collection.matches_truth"}
+
+
+def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(marker: Marker) -> None:
+    collect = COLLECT_LOOKUP.replace(
+        "    return {", "    acceleration = np.random.normal(0, 9.81, acceleration.shape)\n    return {"
+    )
+    criterion = _criterion(marker, "data_collection", lab(collect=collect))
+    outcomes = {check.id.partition(".")[2]: check.outcome for check in criterion.checks}
+    assert (outcomes["starts_from_reset"], outcomes["applies_push"]) == ("skipped", "skipped")
+
+
+def test_noise_on_one_axis_alone_costs_its_size_and_not_its_law(marker: Marker) -> None:
+    files = edit(lab(), "noisy_imu.py", (
+        "self.rng.normal(0.0, self.accel_noise_std, size=3)", "np.array([0, 0, self.rng.normal(0.0, self.accel_noise_std)])"
+    ))  # fmt: skip
+    criterion = _criterion(marker, "noise_model", files)
+    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.noise_size"}
+    assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
+
+
+def test_a_bias_that_is_added_twice_is_not_called_ignored(marker: Marker) -> None:
+    changes = [(f"{sensor} + self.{sensor}_bias", f"{sensor} + 2 * self.{sensor}_bias") for sensor in ("accel", "gyro")]
+    criterion = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *changes))
+    assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.given_bias"}
+    assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []

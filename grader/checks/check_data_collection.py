@@ -17,6 +17,7 @@ from ..verdicts import Lost, Skipped, raised
 
 _SAME_START = 1e-9
 _LONGEST_REPLAY = 3000
+_RECOGNISABLE = "a series that can be recognised: its rows fit neither the push nor another one"
 _TIME_ATOL = 1e-6
 """s. Adding a time step 5,000 times errs by 1e-12 s, and single precision by 1e-7 s at 3 s."""
 
@@ -223,7 +224,10 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         got = "a series that goes on from where the data was left"
         raise Lost("the same series as from a fresh start", got, mistakes=["no-reset"])
     unknown = story is None and not diagnosis.tells(first or Story(), series, worlds)
-    if unknown or _starts_elsewhere(first, first_worlds, start):
+    near = diagnosis.nearest(series, worlds) if unknown else TRUE_WORLD
+    if near is None:
+        raise Skipped(_RECOGNISABLE)
+    if near == "no_reset" or _starts_elsewhere(first, first_worlds, start):
         accel = worlds.series[TRUE_WORLD][0]
         assert series.acceleration is not None
         wanted = f"{vector(accel[0])} m/s² in the first row, as from a fresh start"
@@ -248,14 +252,15 @@ def check_applies_push(student: Student, truth: Traces) -> None:
     series = _push(student, truth)
     _has_rows(series)
     story, worlds = _story(student, truth, "push", series)
-    if story is None:
-        raise Skipped("a series that can be recognised: its rows fit neither the push nor another one")
-    if story.world == "no_push":
+    world = diagnosis.nearest(series, worlds) if story is None else story.world
+    if world is None:
+        raise Skipped(_RECOGNISABLE)
+    if world == "no_push":
         raise Lost("data.qvel[0] = 0.5 after the reset", "a series without a push", mistakes=["no-perturbation"])
-    if story.world == diagnosis.CLAIMED_WORLD:
+    if world == diagnosis.CLAIMED_WORLD:
         _other_push(worlds)
-    elif story.world.startswith("push"):
-        words = story.world.replace("push_", "").replace("_", " ")
+    elif world.startswith("push"):
+        words = world.replace("push_", "").replace("_", " ")
         got = f"a series after another push ({words})"
         raise Lost("data.qvel[0] = 0.5 after the reset", got, mistakes=["wrong-perturbation"])
 

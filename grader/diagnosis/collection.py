@@ -164,6 +164,27 @@ def tells(story: Story, series: Collection, worlds: Worlds) -> bool:
     return same(accel[rows], true_accel[wanted], ATOL_ACCELERATION) and same(gyro[rows], true_gyro[wanted], ATOL_RATE)
 
 
+def nearest(series: Collection, worlds: Worlds) -> str | None:
+    """The world that rows which no story predicts come from: they are three times as near to it as to any other, or None.
+
+    Smoothing, rounding or noise of half an m/s² leaves a run five times as near to its own world, or more.
+    """
+    if series.acceleration is None or series.angular_velocity is None or not len(series.acceleration):
+        return None
+    known = {name: rows for name, rows in worlds.series.items() if name not in (CLAIMED_WORLD, HELD_WORLD, LAST_SENSOR)}
+    first, *others = sorted(
+        (_distance(series.acceleration, series.angular_velocity, *rows), name) for name, rows in known.items()
+    )
+    return first[1] if all(3 * first[0] <= far for far, _ in others) else None
+
+
+def _distance(acceleration: Array, angular_velocity: Array, accel: Array, gyro: Array) -> float:
+    """Root mean square over both sensors, each in units of its tolerance."""
+    pairs = ((acceleration, accel, ATOL_ACCELERATION), (angular_velocity, gyro, ATOL_RATE))
+    n = min(len(rows) for pair in pairs for rows in pair[:2])
+    return float(np.sqrt(sum(np.mean(((rows[:n] - true[:n]) / atol) ** 2) for rows, true, atol in pairs)))
+
+
 def _rows(story: Story, n: int, available: int) -> tuple[np.ndarray, np.ndarray]:
     """Which rows of the student's to hold against which rows of the truth."""
     rows = np.arange(n)

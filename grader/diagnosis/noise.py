@@ -183,6 +183,8 @@ def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     beside = [f.offset - f.bias for f in wrong]
     if all(np.ptp(b) <= 2 * mean_bound(f) for b, f in zip(beside, wrong, strict=True)):
         return ["noise-not-zero-mean"]
+    if any(_follows_bias(f) for f in wrong):
+        return []  # whatever was done to it, it was not ignored
     if all(np.ptp(f.offset, axis=0).max() <= 2 * mean_bound(f) for f in wrong):
         return ["bias-argument-ignored"]
     return []
@@ -209,6 +211,12 @@ def bias_is_right(facts: Facts) -> bool:
 
 def _offset_is(facts: Facts, wanted: Array) -> bool:
     return bool(np.abs(facts.offset - wanted).max() <= mean_bound(facts))
+
+
+def _follows_bias(facts: Facts) -> bool:
+    """Whether the offset is some multiple of the given bias."""
+    factor = float(facts.offset.mean(axis=0) @ facts.bias / (facts.bias @ facts.bias))
+    return _offset_is(facts, factor * facts.bias)
 
 
 def _stale(facts: Facts) -> bool:
