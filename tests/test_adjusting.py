@@ -106,6 +106,8 @@ def test_the_same_again_changes_nothing_and_withdrawing_brings_the_automatic_poi
     run("adjust", out, "alice", *words)
     assert run("adjust", out, "alice", *words)[1] == "alice sensor_access 18 (as before), final 18\n"
     assert run("adjust", out, "alice", *words[:4], "--withdraw")[1] == "alice sensor_access withdrawn, final 14\n"
+    again = "alice sensor_access withdrawn (as before), final 14\n"
+    assert run("adjust", out, "alice", *words[:4], "--withdraw") == (0, again, "")
     assert [line.split()[2] for line in run("adjust", out)[1].splitlines()] == ["18", "withdrawn"]
     assert "adjusted" not in (out / "gradebook.csv").read_text()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
@@ -63,7 +63,8 @@ def adjust(out: Path, wishes: Sequence[Wish], author: str) -> list[str]:
     """
     with Store.existing(out) as store:
         standings = store.standings()
-        problems = [problem for wish in wishes if (problem := _problem(wish, standings))]
+        said = {(id_, each.criterion) for id_, each in store.history()}
+        problems = [problem for wish in wishes if (problem := _problem(wish, standings, said))]
         if problems:
             raise RequestError("\n".join(problems))
         now = datetime.now(timezone.utc).isoformat(timespec="seconds")
@@ -85,8 +86,8 @@ def listing(out: Path) -> Iterator[str]:
             yield f"{printable(id_, 80)} {each.criterion} {points}  {who}"
 
 
-def _problem(wish: Wish, standings: Mapping[str, Standing]) -> str:
-    """Why a wish cannot be met, or ""."""
+def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str, str]]) -> str:
+    """Why a wish cannot be met, or ""; `said` holds whose criteria were ever adjusted, withdrawn since or not."""
     if wish.id not in standings:
         return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, standings)}"
     known = {criterion.id: criterion for criterion in standings[wish.id].result.criteria}
@@ -96,7 +97,7 @@ def _problem(wish: Wish, standings: Mapping[str, Standing]) -> str:
     points = _number(wish.points)
     if wish.points and (points is None or not 0 <= points <= most or round(points, 2) != points):
         return f"{wish.place}: points must be a number from 0 to {words.number(most)}, not {printable(wish.points, 60)}"
-    if not wish.points and standings[wish.id].adjustment(wish.criterion) is None:
+    if not wish.points and (wish.id, wish.criterion) not in said:
         return f"{wish.place}: {printable(wish.id)} has no adjustment of {wish.criterion} to withdraw"
     if not wish.comment.strip() or len(wish.comment) > MAX_COMMENT:
         return f"{wish.place}: say why in a comment of at most {MAX_COMMENT} characters"
@@ -117,9 +118,11 @@ def _adjustment(wish: Wish, standing: Standing, author: str, now: str) -> Adjust
 
 
 def _stands(wish: Adjustment, standing: Standing) -> bool:
-    """Whether it is in force already, on the same marks."""
+    """Whether it is in force already, on the same marks; or withdrawn already."""
     now = standing.adjustment(wish.criterion)
-    return now is not None and (now.points, now.comment, now.beneath) == (wish.points, wish.comment, wish.beneath)
+    if now is None:
+        return wish.points is None
+    return (now.points, now.comment, now.beneath) == (wish.points, wish.comment, wish.beneath)
 
 
 def _told(id_: str, wish: Adjustment, standing: Standing, *, fresh: bool) -> str:
