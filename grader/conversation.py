@@ -37,6 +37,7 @@ _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".npy", ".npz")
 _PICTURES = (".png", ".jpg", ".jpeg")
 _SENT_BYTES = 24_000_000
+_THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
 
 T = TypeVar("T")
 
@@ -294,6 +295,8 @@ class Conversation:
         if faults:
             where = f" ({faults[0].where})" if faults[0].where else ""
             said = printable(faults[0].message, 200)
+            if faults[0].type in ("ModuleNotFoundError", "ImportError"):
+                said += _THERE
             return Missing(
                 name,
                 "does-not-import",

@@ -108,3 +108,10 @@ def test_a_bias_that_is_added_twice_is_not_called_ignored(marker: Marker) -> Non
     criterion = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *changes))
     assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.given_bias"}
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
+
+
+def test_who_imports_what_is_not_there_is_told_what_is(marker: Marker) -> None:
+    files = lab()
+    files["noisy_imu.py"] = "from tqdm_of_mine import tqdm\n" + files["noisy_imu.py"]
+    message = _criterion(marker, "noise_model", files).checks[0].message
+    assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message
