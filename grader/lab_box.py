@@ -9,7 +9,7 @@ from .sandbox.box import Box
 
 HARNESS = Path(__file__).parent / "inside"
 LIBRARIES = (
-    "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation", "mujoco.viewer",
+    "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation",
 )  # fmt: skip
 """What some submissions import, each of which takes longer to import than the rest of its work; a class shares it."""
 

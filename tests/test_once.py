@@ -10,6 +10,8 @@ from grader import rubric, traces
 from grader.intake import Submission
 from grader.marking import Marker
 from grader.results import CriterionResult
+from tests.corpus.faults import Faulty
+from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
@@ -58,6 +60,15 @@ def test_a_filter_of_zeros_earns_nothing_and_is_called_stuck(marker: Marker) -> 
     assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"output-stuck"}
 
 
+@pytest.mark.parametrize("fault", INTERFACE_FAULTS, ids=lambda fault: fault.name)
+def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(marker: Marker, fault: Faulty) -> None:
+    content = {name: str(text).encode() for name, text in fault.files.items()}
+    result = marker.mark(Submission("s", "s", content, (), "ready", ""))
+    lost = {criterion.id for criterion in result.criteria if criterion.points < criterion.max_points}
+    assert lost == {"sensor_access"}
+    assert set(result.misconceptions) <= {fault.mistake, *fault.also}
+
+
 @pytest.mark.parametrize(
     "spoilt",
     [
@@ -97,3 +108,10 @@ def test_a_bias_that_is_added_twice_is_not_called_ignored(marker: Marker) -> Non
     criterion = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *changes))
     assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.given_bias"}
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
+
+
+def test_who_imports_what_is_not_there_is_told_what_is(marker: Marker) -> None:
+    files = lab()
+    files["noisy_imu.py"] = "from tqdm_of_mine import tqdm\n" + files["noisy_imu.py"]
+    message = _criterion(marker, "noise_model", files).checks[0].message
+    assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message

@@ -65,7 +65,7 @@ def test_no_saving_changes_a_mark(tmp_path: Path) -> None:
     [
         (b"from scipy import signal\n", ("scipy.signal",)),
         (b"import numpy  # a signal\n", ()),
-        (b"import scipy.stats as st, mujoco.viewer\n", ("scipy.stats", "mujoco.viewer")),
+        (b"import scipy.stats as st, mujoco.viewer\n", ("scipy.stats",)),
     ],
 )
 def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:

@@ -109,6 +109,7 @@ def _take_the_screen_away() -> None:
     """GUI back ends quietly become Agg; `show()` closes what it showed, as a window that the user closes does."""
     import matplotlib
     import matplotlib.pyplot as plt
+    import mujoco
 
     def unless_gui(choose: Callable[..., Any]) -> Callable[..., Any]:
         def chosen(backend: Any, *args: Any, **kwargs: Any) -> Any:
@@ -120,10 +121,12 @@ def _take_the_screen_away() -> None:
     matplotlib.use = unless_gui(matplotlib.use)
     plt.switch_backend = unless_gui(plt.switch_backend)
 
-    viewer: Any = sys.modules.get("mujoco.viewer")
-    if viewer is not None:
-        viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
-        viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
+    # The real module loads GLFW, which starts a process to look at its library: no box allows that.
+    viewer: Any = types.ModuleType("mujoco.viewer")
+    viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
+    viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
+    viewer.Handle = _NoViewer
+    sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
 
 
 class _NoViewer:

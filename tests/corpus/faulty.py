@@ -8,6 +8,7 @@ from tests.corpus.faults import Faulty, Pair
 from tests.corpus.faulty_collect import COLLECT_FAULTS
 from tests.corpus.faulty_files import FILE_FAULTS
 from tests.corpus.faulty_filter import FILTER_FAULTS
+from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.faulty_newcomers import NEWCOMER_FAULTS
 from tests.corpus.faulty_noise import NOISE_FAULTS
 from tests.corpus.faulty_plot import PLOT_FAULTS
@@ -15,7 +16,7 @@ from tests.corpus.faulty_reader import READER_FAULTS
 from tests.corpus.pieces import edit, lab, listy, looping, tidy, verbatim
 from tests.corpus.sound_figures import PLOT_DEGREES
 
-FAULTY: list[Faulty] = [*READER_FAULTS, *COLLECT_FAULTS, *PLOT_FAULTS, *NOISE_FAULTS, *FILTER_FAULTS, *FILE_FAULTS, *NEWCOMER_FAULTS]
+FAULTY: list[Faulty] = [*READER_FAULTS, *COLLECT_FAULTS, *PLOT_FAULTS, *NOISE_FAULTS, *FILTER_FAULTS, *FILE_FAULTS, *NEWCOMER_FAULTS, *INTERFACE_FAULTS]
 
 _SHEET_READER_END = "    return acceleration, angular_velocity\n"
 _TIDY_READ = "return data.sensordata[adr:adr + dim].copy()"
@@ -63,8 +64,6 @@ PAIRS: list[Pair] = [
          edit(verbatim(), "imu_reader.py", ("accel_adr = model.sensor_adr[accel_sensor_id]", "accel_adr = accel_sensor_id"), ("gyro_adr = model.sensor_adr[gyro_sensor_id]", "gyro_adr = gyro_sensor_id"), ("    mujoco.mj_resetData(model, data)\n", ""))),
     Pair("view-and-aliased-rows", (("view-not-copy", "sensor_access"), ("aliased-rows", "data_collection")),
          edit(listy(), "imu_reader.py", _VIEWS, ("        accs.append(acc)\n", '        accs.append(data.sensor("torso_accelerometer").data)\n'), ("        gyros.append(gyro)\n", '        gyros.append(data.sensor("torso_gyroscope").data)\n'))),
-    Pair("swapped-twice", (("swapped-sensors", "sensor_access"), ("channels-swapped", "data_collection")),
-         edit(verbatim(), "imu_reader.py", (_SHEET_READER_END, "    return angular_velocity, acceleration\n"), ("        accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)\n        accelerations", "        gyro, accel = get_imu_readings(model, data, accel_id, gyro_id)\n        accelerations"))),
     Pair("world-frame-and-no-noise", (("world-frame", "sensor_access"), ("no-noise", "noise_model")),
          _two_files(lab(read=_READ + "    a, g = model.sensor_adr[[accel_sensor_id, gyro_sensor_id]]\n    R = data.site_xmat[model.sensor_objid[accel_sensor_id]].reshape(3, 3)\n    return R @ data.sensordata[a:a + 3], R @ data.sensordata[g:g + 3]\n"),
                     ("noisy_imu.py", (" + " + _NOISE_A, "")), ("noisy_imu.py", (" + " + _NOISE_G, "")))),

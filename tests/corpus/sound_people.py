@@ -164,6 +164,21 @@ viewer.close()
 '''
 )
 
+# The viewer is imported with all else, and opened for who wants to watch.
+WATCHING = lab(
+    head=HEAD
+    + '''\
+import mujoco.viewer
+
+
+def watch(model, data) -> None:
+    with mujoco.viewer.launch_passive(model, data) as viewer:
+        while viewer.is_running():
+            mujoco.mj_step(model, data)
+            viewer.sync()
+'''
+)
+
 # Letters of the formulas as names; the decimal numbers of the sheet as constants.
 GREEK = lab(
     read='''\
@@ -337,6 +352,7 @@ PEOPLE = {
     "typed_protocols_and_dataclasses": TYPED,
     "chatty_module_level": CHATTY,
     "viewer_at_module_level": VIEWER,
+    "viewer_imported_first": WATCHING,
     "greek_names": GREEK,
     "decorated_and_subclassed": DECORATED,
     "helper_modules": HELPERS,
