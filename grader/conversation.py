@@ -265,7 +265,12 @@ class Conversation:
         """
         home = HOMES[name]
         self._fresh_session()
-        if (home in self.paths or home in self.deadly) and name in self.load(home).names:
+        if (home in self.paths or home in self.deadly) and name in (loaded := self.load(home)).names:
+            for fault in loaded.faults[:1]:
+                self.note(
+                    f"{home} stops with {fault.type}: {printable(fault.message, 200)}"
+                    f"{f' ({fault.where})' if fault.where else ''}; what it defines before counts"
+                )
             return home
         for path in self._elsewhere(name, home):
             if name in self.load(path).names:

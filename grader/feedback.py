@@ -133,6 +133,8 @@ def mistake_of(fault: Fault) -> str:
         return "sensor-not-found"
     if fault.type == "IndexError":
         return "index-out-of-bounds"
+    if fault.type == "NotImplementedError":
+        return "not-written"
     return "raises"
 
 

@@ -148,7 +148,7 @@ class Store:
 
     def standings(self) -> dict[str, Standing]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
-        present, hand_ins, adjustments = self.present(), self._hand_ins(), self.adjustments()
+        present, hand_ins, adjustments = self.present(), self.hand_ins(), self.adjustments()
         return {
             id_: Standing(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
             for id_, result in present.items()
@@ -188,7 +188,8 @@ class Store:
         with self._told(), self._transaction():
             self._db.execute("INSERT OR REPLACE INTO pages VALUES (?, ?)", (id_, digest))
 
-    def _hand_ins(self) -> dict[str, HandIn]:
+    def hand_ins(self) -> dict[str, HandIn]:
+        """Who handed in and when, as last recorded, by id."""
         with self._told():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
         return {id_: hand_in_from_dict(json.loads(record)) for id_, record in rows}

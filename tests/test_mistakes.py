@@ -138,7 +138,11 @@ MEANS = {
         "tampering": "tries to reach the grader instead of solving the lab",
     },
 }
-ADDED = {"filtering": ["aliased-input"], "any": ["index-out-of-bounds", "missing-package"]}
+ADDED = {
+    "sensor_access": ["same-sensor-twice"],
+    "filtering": ["aliased-input"],
+    "any": ["index-out-of-bounds", "missing-package", "not-written"],
+}
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
@@ -264,7 +268,7 @@ def test_every_attribute_that_words_and_examples_name_exists(key: str, model: An
 # --- the examples, run ------------------------------------------------------------------------------------------------
 
 READER = "model, data, accel_sensor_id, gyro_sensor_id, accel_adr, gyro_adr, acceleration, angular_velocity"
-READERS = [key for key in MEANS["sensor_access"] if key != "cached-reading"]
+READERS = [key for key in MISTAKES["sensor_access"] if key != "cached-reading"]
 
 
 def read(key: str, version: str, model: Any, data: Any, place: str) -> tuple[Any, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib import resources
 
 import pytest
 
@@ -115,3 +116,24 @@ def test_who_imports_what_is_not_there_is_told_what_is(marker: Marker) -> None:
     files["noisy_imu.py"] = "from tqdm_of_mine import tqdm\n" + files["noisy_imu.py"]
     message = _criterion(marker, "noise_model", files).checks[0].message
     assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message
+
+
+def test_a_part_that_is_still_to_be_written_is_called_that(marker: Marker) -> None:
+    starter = resources.files("grader.kit").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
+    criterion = _criterion(marker, "noise_model", {**lab(), "noisy_imu.py": starter})
+    assert criterion.points == 0
+    assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"not-written"}
+    assert criterion.checks[0].hint.startswith("This part is still to be written")
+
+
+def test_a_file_that_stops_after_what_is_asked_for_costs_nothing_and_is_told(marker: Marker) -> None:
+    files = lab()
+    files["noisy_imu.py"] += "\n\n1 / 0\n"
+    result = marker.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+    assert (result.score, [note for note in result.notes if "stops" in note]) == (
+        100.0,
+        [
+            f"noisy_imu.py stops with ZeroDivisionError: division by zero "
+            f"(noisy_imu.py, line {files['noisy_imu.py'].count(chr(10))}); what it defines before counts"
+        ],
+    )

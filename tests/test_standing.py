@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.remarks import remarks
+from grader.course.remarks import forgotten, remarks
 from grader.errors import RequestError
 from grader.formats.gradebook import gradebook
 from grader.people import roster
@@ -309,6 +309,15 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
     assert list(remarks({s.id: s for s in everyone}, (), ())) == [
         "the same files were handed in by: a, c",
         "nothing in them that could be marked (look at what was handed in): d, e",
+    ]
+
+
+def test_people_whom_the_run_before_knew_otherwise_are_told() -> None:
+    jane, plain = HandIn((Person("Doe, Jane", "a", section="2"),)), HandIn((Person("a", "a"),))
+    now = {id_: Standing(id_, result(), plain) for id_ in ("a", "b")}
+    assert list(forgotten({"a": plain, "b": plain, "gone": jane}, now)) == []
+    assert list(forgotten({"a": jane, "b": plain}, now)) == [
+        "names and sections are not those of the run before (give its --roster again to have them): a"
     ]
 
 

@@ -14,7 +14,7 @@ from typing import Protocol
 from grader import __version__, cluster, intake
 from grader.batch import OpenMarker, Unmarked, mark_all
 from grader.course.publishing import publish, publish_class
-from grader.course.remarks import remarks
+from grader.course.remarks import forgotten, remarks
 from grader.errors import GraderError, RequestError
 from grader.evidence import Evidence
 from grader.intake import Submission
@@ -137,6 +137,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     """
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
+        before = store.hand_ins()
         run = _Run(order, store, audience, outcome)
         audience.begins(len(found.entries))
         try:
@@ -144,6 +145,8 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
         finally:
             standings = publish_class(order.out, store)
     outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
+    if order.roster is None:
+        outcome.remarks += tuple(forgotten(before, standings))
     return outcome
 
 

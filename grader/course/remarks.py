@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from grader import words
-from grader.people.standing import Adjustment, Standing
+from grader.people.standing import Adjustment, HandIn, Standing
 from grader.text import printable
 
 A_LINE = 20  # names
@@ -25,6 +25,14 @@ def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: S
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, and nothing handed in", absent)
     yield from _lines("not in the roster, or not to be told apart there", unknown)
+
+
+def forgotten(before: Mapping[str, HandIn], now: Mapping[str, Standing]) -> Iterator[str]:
+    """A line about people whom the run before knew otherwise: a run takes what it is told, a roster included."""
+    changed = [id_ for id_, hand_in in before.items() if id_ in now and now[id_].hand_in.people != hand_in.people]
+    yield from _lines(
+        "names and sections are not those of the run before (give its --roster again to have them)", changed
+    )
 
 
 def _outdated(standing: Standing, adjustment: Adjustment) -> str:

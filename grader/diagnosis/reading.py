@@ -160,8 +160,20 @@ def _at(accel_shift: int, gyro_shift: int) -> Place:
     return place
 
 
-def _ids_as_addresses(factor: int) -> Place:
-    return lambda scene: slices(scene, *(factor * scene.pairs.T))
+def _ids_as_addresses(factor: int, *sensors: int) -> Place:
+    """Of the accelerometer (0), the gyroscope (1) or both."""
+
+    def place(scene: Scene) -> Two:
+        first = list(scene.address[scene.pairs.T])
+        for sensor in sensors:
+            first[sensor] = factor * scene.pairs[:, sensor]
+        return slices(scene, *first)
+
+    return place
+
+
+def _twice(sensor: int) -> Place:
+    return lambda scene: slices(scene, *[scene.address[scene.pairs[:, sensor]]] * 2)
 
 
 def _swapped(scene: Scene) -> Two:
@@ -179,9 +191,14 @@ _SOUND = Explanation(None, (), _at(0, 0), lambda _, accel, gyro: (accel, gyro))
 
 _PLACES: list[tuple[str | None, Place]] = [
     (None, _at(0, 0)),
-    ("sensor-id-as-address", _ids_as_addresses(1)),
-    ("sensor-id-as-address", _ids_as_addresses(3)),
+    *(
+        ("sensor-id-as-address", _ids_as_addresses(factor, *which))
+        for factor in (1, 3)
+        for which in ((0, 1), (0,), (1,))
+    ),
     ("swapped-sensors", _swapped),
+    ("same-sensor-twice", _twice(0)),
+    ("same-sensor-twice", _twice(1)),
     ("hard-coded-address", _gyro_behind_accel),
     *(("off-by-one-address", _at(a, g)) for a in (-1, 0, 1) for g in (-1, 0, 1) if (a, g) != (0, 0)),
 ]

@@ -65,6 +65,21 @@ READER_FAULTS = [
         reason="every sensor is taken to have three numbers",
     ),
     fault(
+        "id-as-slice-start-accelerometer-only", "sensor-id-as-address",
+        sheet((SHEET_ADDRESSES[0], "accel_adr = accel_sensor_id")), loses=IGNORES_IDS,
+        reason="half of a fault costs no more than the whole",
+    ),
+    fault(
+        "id-as-slice-start-gyroscope-only", "sensor-id-as-address",
+        sheet((SHEET_ADDRESSES[1], "gyro_adr = gyro_sensor_id")), loses=IGNORES_IDS,
+    ),
+    fault(
+        "copied-line", "same-sensor-twice",
+        slices("data.sensordata[accel_adr:accel_adr+3].copy()", "data.sensordata[accel_adr:accel_adr+3].copy()"),
+        loses=IGNORES_IDS, reason="values unaltered, of the wrong place",
+    ),
+    fault("gyroscope-twice", "same-sensor-twice", sheet((SHEET_ADDRESSES[0], "accel_adr = model.sensor_adr[gyro_sensor_id]")), loses=IGNORES_IDS),
+    fault(
         "fixed-slices", "hard-coded-address", slices("data.sensordata[5:8].copy()", "data.sensordata[11:14].copy()"),
         loses=IGNORES_IDS, reason="right for the torso of the lab model only",
     ),
