@@ -34,6 +34,7 @@ HOMES: Mapping[str, str] = {
 }
 _SCRIPTS = ("imu_reader.py", "noisy_imu.py", "filters.py")
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
+_FURTHER = 3  # programs that are run to see what they draw
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".npy", ".npz")
 _PICTURES = (".png", ".jpg", ".jpeg")
 _SENT_BYTES = 24_000_000
@@ -286,12 +287,17 @@ class Conversation:
             except NoAnswer:
                 self._outline = {}
         defining = [path for path, names in self._outline.items() if path != home and name in names]
-        named = [
-            p
-            for p in defining
-            if PurePosixPath(p).stem not in _NEVER_IMPORTED and not PurePosixPath(p).name.startswith("test_")
-        ]
+        named = [path for path in defining if _is_run(path)]
         return sorted(named, key=lambda p: (p.count("/"), p not in _SCRIPTS, p.endswith(".ipynb"), p))
+
+    def further_scripts(self) -> list[str]:
+        """Programs that nothing is asked of, and that save a figure: a `main.py` may be what draws."""
+        known = {*HOMES.values(), *self.used}
+        return sorted(
+            path
+            for path in self.paths - known
+            if path.endswith(".py") and _is_run(path) and b"savefig" in self.files.get(path, b"")
+        )[:_FURTHER]
 
     def _missing(self, name: str, home: str) -> Missing:
         if home not in self.paths:
@@ -323,3 +329,8 @@ class Conversation:
         """Tell the instructor something, once."""
         if text not in self.notes:
             self.notes.append(text)
+
+
+def _is_run(path: str) -> bool:
+    """Whether a file may be run because of what is in it; some files are there for tools that look for their names."""
+    return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")

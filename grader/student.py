@@ -183,6 +183,10 @@ class Student(Conversation):
                 drawing = self.once((ask.__name__, path), partial(ask, path))
                 if drawing is not None:
                     yield drawing
+        for path in self.further_scripts():
+            drawing = self.once(("script", path), partial(self._run_script, path))
+            if drawing is not None:
+                yield drawing
 
     def _runnable(self) -> list[str]:
         others = sorted(p for p in self.paths if p.endswith(".ipynb") and p not in self.used)
@@ -197,6 +201,9 @@ class Student(Conversation):
     def _drawn_as_script(self, path: str) -> Drawing | None:
         if path.endswith(".ipynb") or b"__main__" not in self.files.get(path, b"__main__"):
             return None
+        return self._run_script(path)
+
+    def _run_script(self, path: str) -> Drawing | None:
         self.end_session()
         try:
             return drawing_of(self.retried(lambda: self.ask("run_script", {"path": path})))

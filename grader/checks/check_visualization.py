@@ -128,7 +128,7 @@ def _is_named(plot: _Plot, sensor: int) -> bool:
     if not panels or any(sensor in plots.claims(p.words) for p in panels):
         return True
     title_only = all(not p.facts["ylabel"].strip() for p in panels) or all(not p.facts["title"].strip() for p in panels)
-    names = [name or "" for p in panels for name in plots.names_of(p, plot.figure)]
+    names = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
     whole = [
         plot.figure["title"],
         plot.figure["ylabel"],
@@ -252,7 +252,7 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
     crowded = [panel for panel in plot.panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
-        names = plots.names_of(panel, plot.figure)
+        names = plots.names_of(panel, plot.figure, plot.drawing.arrays)
         told = [name for name in names if name]
         if len(told) < len(names) or len(set(told)) < len(told):
             nameless.append(panel)
@@ -363,7 +363,13 @@ def _data(student: Student, truth: Traces) -> dict[str, Array]:
 
 def _plot(student: Student, truth: Traces) -> _Plot:
     drawing = _drawing(student, truth)
-    candidates = [_Plot(f, plots.panels(f, drawing.arrays, _series(truth)), drawing) for f in drawing.figures]
+    saved = [f for f in drawing.figures if f["event"] == "saved"]
+    together = (
+        [plots.joined(saved)] if len(saved) > 1 else []
+    )  # a picture for each sensor; of equal ones the first counts
+    candidates = [
+        _Plot(f, plots.panels(f, drawing.arrays, _series(truth)), drawing) for f in (*drawing.figures, *together)
+    ]
     best = max(candidates, key=_showing, default=None)
     if best is None or not best.panels:
         raise Skipped("a figure with curves in it")

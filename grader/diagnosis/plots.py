@@ -53,6 +53,20 @@ class Panel:
         return " | ".join([self.facts["title"], self.facts["ylabel"]])
 
 
+def joined(figures: Sequence[Facts]) -> Facts:
+    """Several figures as the panels of one, each with what its own figure says of all its panels."""
+    axes = [
+        one
+        | {key: one[key] or figure[key] for key in ("title", "xlabel", "ylabel")}
+        | {"legend": [*(one["legend"] or ()), *(entry for legend in figure["legends"] for entry in legend)]}
+        | {"position": [number + value for value in one["position"]]}  # no panel lies over one of another figure
+        for number, figure in enumerate(figures)
+        for one in figure["axes"]
+    ]
+    words = {"title": "", "xlabel": "", "ylabel": "", "legends": []}
+    return {**figures[0], **words, "axes": axes, "texts": [text for figure in figures for text in figure["texts"]]}
+
+
 def panels(figure: Facts, arrays: Arrays, series: Mapping[str, Array]) -> list[Panel]:
     """The visible axes that hold at least one curve of data."""
     found = []
@@ -237,13 +251,33 @@ def axis_of(text: str) -> int | None:
 # --- legends -------------------------------------------------------------------------------------------------------------
 
 
-def names_of(panel: Panel, figure: Facts) -> list[str | None]:
-    """What the reader is told about each shown curve: its legend entry, or a text of its colour beside it."""
+def names_of(panel: Panel, figure: Facts, arrays: Arrays) -> list[str | None]:
+    """What the reader is told about each shown curve: its legend entry, or a text beside it."""
     entries = list(panel.facts["legend"] or ()) + [entry for legend in figure["legends"] for entry in legend]
     for other in figure["axes"]:
         if other is not panel.facts and other["legend"] and other["position"] == panel.facts["position"]:
             entries += other["legend"]  # twin axes share one legend
-    return [_name(s.curve, entries, panel.facts["texts"]) for s in panel.shown]
+    texts = panel.facts["texts"]
+    own = {s.curve["colour"] for s in panel.shown}
+    neutral = [text for text in texts if text["colour"] not in own]
+    room = _NEAR * float(np.ptp(panel.facts["y_limits"]))
+    return [_name(s.curve, entries, texts) or _beside(s, neutral, arrays, room) for s in panel.shown]
+
+
+def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -> str | None:
+    """A text in a colour of its own that names the curve's axis and stands near it.
+
+    Where curves run close together nobody can tell which of them such a text stands nearest to, so none is called wrong by it.
+    """
+    x, y = arrays[shown.curve["x"]], arrays[shown.curve["y"]]
+    known = np.isfinite(x) & np.isfinite(y)
+    x, y = x[known], y[known]
+    for text in texts:
+        at, height = text["place"]
+        within = x.min() - _NEAR * np.ptp(x) <= at <= x.max() + _NEAR * np.ptp(x)
+        if within and y.min() - room <= height <= y.max() + room and axis_of(text["text"]) == shown.axis:
+            return str(text["text"])
+    return None
 
 
 def _name(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
@@ -291,6 +325,8 @@ def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
 def _name_on(axes: Facts, curve: Facts) -> str:
     return _name(curve, axes["legend"] or (), axes["texts"]) or ""
 
+
+_NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
 
 _RAW_WORDS = re.compile(
     r"raw|nois[ey]|unfilter|measured|roh|ungefiltert|verrauscht|brut|crud|sinfiltrar|ruido|原始|噪|сыр"

@@ -4,8 +4,12 @@
 
 from __future__ import annotations
 
+from importlib import resources
+
 from tests.corpus.faults import Faulty
 from tests.corpus.pieces import NOISE_GENERATOR, edit, lab, verbatim
+
+STARTER = resources.files("grader.kit").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
 
 
 def sheet(*changes: tuple[str, str]) -> dict[str, str]:
@@ -42,6 +46,7 @@ def both_tidy(accel: str, gyro: str) -> dict[str, str]:
 
 
 NOISE_FAULTS = [
+    fault("left-as-in-the-starter-file", "not-written", {**lab(), "noisy_imu.py": STARTER}),
     fault("bias-but-no-noise", "no-noise", both("0", "0")),
     fault("clean-reading-returned", "no-noise", tidy(("        accel = accel + self.accel_bias + self.rng.normal(0.0, self.accel_noise_std, size=3)\n", "        accel = accel + self.accel_bias\n"), (f"gyro + self.gyro_bias + {TIDY_GYRO}", "gyro + self.gyro_bias"))),
     fault("gyroscope-left-clean", "gyro-not-noisy", sheet((GYRO_LINE, "gyro_noisy = gyro + self.gyro_bias"))),

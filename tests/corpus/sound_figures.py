@@ -312,7 +312,45 @@ if __name__ == "__main__":
 # Raw above, filtered below, as some draw a comparison.
 COMPARE_RAW_AS_DOTS = COMPARE.replace('alpha=0.5, label="raw z")', 'marker=".", linestyle="none", color="gray", label="measured z")')
 
+PLOT_TWO_FILES = '''\
+def plot_imu_data(imu_data):
+    """One picture for each sensor."""
+    for name, unit, title in (("acceleration", "m/s²", "Accelerometer"), ("angular_velocity", "rad/s", "Gyroscope")):
+        plt.figure(figsize=(9, 4))
+        plt.plot(imu_data["time"], imu_data[name], label=["x", "y", "z"])
+        plt.title(title)
+        plt.xlabel("Time (s)")
+        plt.ylabel(f"{name.replace('_', ' ')} ({unit})")
+        plt.legend()
+        plt.tight_layout()
+        plt.savefig(f"imu_data_{name}.png")
+        plt.close()
+'''
+
+PLOT_NAMED_IN_BLACK = '''\
+def plot_imu_data(imu_data):
+    """The names stand at the ends of the curves, in black."""
+    fig, axes = plt.subplots(2, 1, figsize=(10, 7), sharex=True)
+    t = imu_data["time"]
+    for ax, name, unit in zip(axes, ("acceleration", "angular_velocity"), ("m/s^2", "rad/s")):
+        for k, axis in enumerate("xyz"):
+            ax.plot(t, imu_data[name][:, k])
+            ax.text(t[-1], imu_data[name][-1, k], f" {axis}", va="center")
+        ax.set_title(name.replace("_", " "))
+        ax.set_ylabel(f"{name.replace('_', ' ')} [{unit}]")
+    axes[-1].set_xlabel("time [s]")
+    fig.savefig("imu_data.png")
+    plt.close(fig)
+'''
+
 FIGURES = {
+    "a_picture_for_each_sensor": lab(plot=PLOT_TWO_FILES),
+    "names_beside_the_curves_in_black": lab(plot=PLOT_NAMED_IN_BLACK),
+    "main_file_draws_the_comparison": {
+        **lab(compare=""),
+        "main.py": "import matplotlib.pyplot as plt\nimport mujoco\nimport numpy as np\n\nfrom filters import LowPassFilter\n"
+        "from imu_reader import MODEL_PATH\nfrom noisy_imu import NoisyIMU\n\n\n" + COMPARE,
+    },
     "panels_three_by_two": lab(plot=PLOT_3X2),
     "mosaic_one_legend_for_the_figure": lab(plot=PLOT_MOSAIC, compare=COMPARE_THREE_PANELS),
     "figure_without_pyplot": lab(plot=PLOT_NO_PYPLOT),
