@@ -12,16 +12,29 @@ from grader.errors import RequestError
 def write_whole(path: Path, content: str | bytes) -> None:
     """Write text as UTF-8, or bytes as they are, beside `path`, then move it into place in one step.
 
+    A device or pipe, such as ``/dev/stdout``, is written to: nothing takes its place.
+
     Raises
     ------
     RequestError
         If the folder cannot be made or written; names the path and the system's reason.
     """
+    data = content.encode("utf-8", "replace") if isinstance(content, str) else content
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _replace(path, content.encode("utf-8", "replace") if isinstance(content, str) else content)
+        if _is_stream(path):
+            path.write_bytes(data)
+        else:
+            _replace(path, data)
     except OSError as problem:
         raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether nothing can be moved to that place: it stands for a device, a pipe or an open file of this process."""
+    if path.parent in (Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")):
+        return True
+    return path.exists() and not path.is_file() and not path.is_dir()
 
 
 def _replace(path: Path, content: bytes) -> None:
