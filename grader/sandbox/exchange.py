@@ -14,6 +14,7 @@ _SHORTEST_NAP_S = 0.005
 _LONGEST_NAP_S = 1.0
 _IDLE_SHARE = 0.02  # of one processor; what is starved by fifty others still gets as much
 _CHUNK_BYTES = 1 << 18
+_CORES = os.cpu_count() or 1
 
 
 class LineClosedError(Exception):
@@ -52,7 +53,7 @@ class Deadline:
         self._seen = (cpu_s, wall_s)
         if cpu_s >= self._cpu_limit or self._idle_s >= self._wall_limit or wall_s >= 10 * self._wall_limit:
             raise DeadlineError(cpu_s, wall_s)
-        soonest = (self._cpu_limit - cpu_s) / (os.cpu_count() or 1)  # all of its threads may run at once
+        soonest = (self._cpu_limit - cpu_s) / _CORES  # all of its threads may run at once
         return min(max(soonest, _SHORTEST_NAP_S), max(self._wall_limit - self._idle_s, _SHORTEST_NAP_S), _LONGEST_NAP_S)
 
 

@@ -28,6 +28,8 @@ from .syscalls import machine
 _MAX_MESSAGE = 1 << 20
 _FIRST_HIGH_FD = 100  # above what a worker's own descriptors are moved to
 _LINE_FD = 3
+_COLLECT = (20_000, 5, 10)
+"""When a worker looks for cycles: it lives for seconds, and what it collects early is a tenth of a figure's time."""
 
 
 class _GraderGoneError(Exception):
@@ -211,6 +213,7 @@ def _warm_up(plan: Plan) -> Any:
     )
     gc.collect()
     gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
+    gc.set_threshold(*_COLLECT)
     tempfile.tempdir = None
     if plan.rung == "full":
         rootfs.freeze_cache()
