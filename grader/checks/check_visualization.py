@@ -319,7 +319,12 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             keeps=0.5,
         )
     if _picture_shows_something(student, _COMPARISON):
-        got = f"{_COMPARISON}, which no code of the submission draws"
+        why = (
+            "and code that stops with an exception before it is drawn"
+            if broken_off
+            else "which no code of the submission draws"
+        )
+        got = f"{_COMPARISON}, {why}"
         raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
     got = f"no code that draws it and no readable {_COMPARISON}"
     mistakes = (
