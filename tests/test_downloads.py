@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grader.errors import RequestError
-from grader.intake import Intake, read_class
+from grader.intake.classes import Intake, read_class
 from grader.people.standing import Lateness, Person
 from tests import classes
 from tests.corpus.writing import as_bytes

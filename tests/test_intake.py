@@ -19,7 +19,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grader.errors import RequestError
-from grader.intake import Submission, archives, classes, folders, names, pile, read_class, read_submission
+from grader.intake import Submission, archives, classes, folders, names, pile, read_submission
+from grader.intake.classes import read_class
 
 LAB = {"imu_reader.py": b"import numpy\n", "noisy_imu.py": b"# noise\n", "filters.py": b"# filter\n"}
 POSIX = pytest.mark.skipif(os.name != "posix", reason="needs links, pipes and byte names of POSIX")

@@ -68,7 +68,7 @@ def grade(
     from grader import rubric as rubrics  # noqa: PLC0415
     from grader import traces  # noqa: PLC0415
     from grader.course import classroom  # noqa: PLC0415
-    from grader.intake import ATTEMPTS, SHAPES  # noqa: PLC0415
+    from grader.intake.classes import ATTEMPTS, SHAPES  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
 
     if cluster is not None and jobs is not None:

@@ -11,13 +11,14 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from grader import __version__, cluster, intake
+from grader import __version__, cluster
 from grader.batch import OpenMarker, Unmarked, mark_all
 from grader.course.publishing import publish, publish_class
 from grader.course.remarks import forgotten, remarks
 from grader.errors import GraderError, RequestError
 from grader.evidence import Evidence
 from grader.intake import Submission
+from grader.intake.classes import Entry, read_class
 from grader.marking import Marker
 from grader.people import lateness, roster
 from grader.people.standing import HandIn, Person, Standing
@@ -55,7 +56,7 @@ class Order:
 class Class:
     """Who is in the class: submissions with what is known of each beside its files, and what there is to tell of that."""
 
-    entries: tuple[intake.Entry, ...]
+    entries: tuple[Entry, ...]
     leftovers: tuple[str, ...]
     told: tuple[str, ...]
     absent: tuple[str, ...] = ()
@@ -97,7 +98,7 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    found = intake.read_class(order.paths, order.shape, order.attempts)
+    found = read_class(order.paths, order.shape, order.attempts)
     submissions = _beside_out(found.entries, order)
     entries = _chosen(submissions, order.only)
     if not entries:
@@ -111,12 +112,12 @@ def find(order: Order) -> Class:
     return Class(dated, found.leftovers, found.told, placed.absent, unknown)
 
 
-def _with_people(entry: intake.Entry) -> HandIn:
+def _with_people(entry: Entry) -> HandIn:
     """Where no platform tells who handed in, the name of what was handed in stands for them."""
     return replace(entry.hand_in, people=entry.hand_in.people or (Person(entry.name, entry.id),))
 
 
-def _judged(entry: intake.Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
+def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
     hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
     return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
@@ -161,7 +162,7 @@ class _Run:
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
 
-    def grade(self, entries: Sequence[intake.Entry]) -> None:
+    def grade(self, entries: Sequence[Entry]) -> None:
         order = self._order
         for submission, marked in self._marked(entries):
             result = unjudged(submission, order, marked.reason) if isinstance(marked, Unmarked) else marked
@@ -181,13 +182,13 @@ class _Run:
             self._store.point_at(key)
             self._publish(standing)
 
-    def _marked(self, entries: Sequence[intake.Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
+    def _marked(self, entries: Sequence[Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
         order, submissions = self._order, self._unrecorded(entries)
         if order.cluster is not None:
             return cluster.mark_all(submissions, opener(order), order.cluster)
         return mark_all(submissions, opener(order), min(order.jobs or os.cpu_count() or 1, len(entries)))
 
-    def _unrecorded(self, entries: Sequence[intake.Entry]) -> Iterator[Submission]:
+    def _unrecorded(self, entries: Sequence[Entry]) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
         for entry in entries:
             submission = entry.read()
@@ -272,7 +273,7 @@ def _open(criterion: Criterion, titles: Mapping[str, str]) -> CriterionResult:
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 
-def _beside_out(entries: tuple[intake.Entry, ...], order: Order) -> tuple[intake.Entry, ...]:
+def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
     """Without an OUT that was made in the class and is still empty; one that holds submissions would become one itself."""
     out = os.path.realpath(order.out)
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]
@@ -283,7 +284,7 @@ def _beside_out(entries: tuple[intake.Entry, ...], order: Order) -> tuple[intake
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[intake.Entry, ...], only: tuple[str, ...]) -> list[intake.Entry]:
+def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...]) -> list[Entry]:
     ids = [entry.id for entry in entries]
     for wanted in only:
         if wanted not in ids:

@@ -18,8 +18,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from grader.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 
 from . import ladder, wire
@@ -30,6 +28,8 @@ from .printed import Printed
 from .process import Process, WallsRefusedError, ZygoteGoneError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .launch import Zygote
 
 _LAST_MOMENT_S = 1.0  # for a process that hung up to end by itself, so that we learn how

@@ -31,6 +31,7 @@ _SYSTEM = (
     "/gnu/store",
 )
 _MODULES_OF_THE_BOX = (
+    "arrays",
     "confine",
     "imports",
     "landlock",

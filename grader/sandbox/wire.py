@@ -1,7 +1,7 @@
 """Frames: what crosses the line between the grader and a box, in both directions.
 
 A frame is a header (two sizes and a nonce), strict JSON, and raw little-endian arrays. Sizes are checked against caps
-before anything is allocated, and shapes and dtypes are rebuilt and checked here: nothing is unpickled, nothing that the
+before anything is allocated, and shapes and dtypes are rebuilt and checked (`arrays`): nothing is unpickled, nothing that the
 other side says about itself is believed. The module is pure, so that both sides use the same code.
 """
 
@@ -12,30 +12,19 @@ import math
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cache
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
 HEADER = struct.Struct("<II16s")
 NONCE_BYTES = 16
 MAX_TEXT_BYTES = 1 << 20
 MAX_BODY_BYTES = 32 << 20
 MAX_DEPTH = 32
-MAX_ARRAYS = 1024
-MAX_DIMENSIONS = 8
-MAX_LENGTH = 1 << 31
 MAX_INTEGER_DIGITS = 40
-ALIGNMENT = 16  # every array starts at a multiple, so that what frombuffer makes of it is aligned
-
-DTYPES: dict[str, np.dtype[Any]] = {
-    "float64": np.dtype("<f8"),
-    "float32": np.dtype("<f4"),
-    "int64": np.dtype("<i8"),
-    "int32": np.dtype("<i4"),
-    "uint8": np.dtype("u1"),
-    "bool": np.dtype("?"),
-    "complex128": np.dtype("<c16"),
-}
 
 
 class WireError(ValueError):
@@ -51,11 +40,19 @@ class Frame:
     fields
         JSON values: no NaN, no infinity, no object deeper than `MAX_DEPTH`.
     arrays
-        Read-only arrays of the dtypes of `DTYPES`, at most `MAX_DIMENSIONS` dimensions each.
+        Read-only arrays of the dtypes of `arrays.DTYPES`, at most `arrays.MAX_DIMENSIONS` dimensions each.
     """
 
     fields: dict[str, Any] = field(default_factory=dict)
     arrays: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+@cache
+def _arrays() -> ModuleType:
+    """What needs numpy, imported with the first frame: a box is opened before, and warms up meanwhile."""
+    from . import arrays  # noqa: PLC0415
+
+    return arrays
 
 
 def pack(nonce: bytes, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
@@ -64,9 +61,9 @@ def pack(nonce: bytes, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarra
     Raises
     ------
     WireError
-        If a value is no JSON, an array's dtype is not in `DTYPES`, or a cap is passed.
+        If a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or a cap is passed.
     """
-    layout, chunks = _pack_arrays(arrays)
+    layout, chunks = _arrays().pack(arrays)
     try:
         text = json.dumps({"fields": dict(fields), "arrays": layout}, allow_nan=False, ensure_ascii=False)
         payload = text.encode("utf-8")
@@ -91,7 +88,7 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray) -> Frame:
     fields, layout = message["fields"], message["arrays"]
     if not isinstance(fields, dict):
         raise WireError("the fields are not an object")
-    return Frame(fields, _unpack_arrays(layout, memoryview(body).toreadonly()))
+    return Frame(fields, _arrays().unpack(layout, memoryview(body).toreadonly()))
 
 
 class Incoming:
@@ -132,69 +129,6 @@ def _check_sizes(text_bytes: int, body_bytes: int) -> None:
         raise WireError(f"{text_bytes} bytes of JSON, at most {MAX_TEXT_BYTES} are allowed")
     if body_bytes > MAX_BODY_BYTES:
         raise WireError(f"{body_bytes} bytes of arrays, at most {MAX_BODY_BYTES} are allowed")
-
-
-# Arrays ---------------------------------------------------------------------------------------------------------------
-
-
-def _padded(size: int) -> int:
-    return -(-size // ALIGNMENT) * ALIGNMENT
-
-
-def _pack_arrays(arrays: Mapping[str, np.ndarray]) -> tuple[list[list[Any]], list[bytes]]:
-    layout: list[list[Any]] = []
-    chunks: list[bytes] = []
-    for name, value in arrays.items():
-        array = np.asarray(value)
-        dtype = DTYPES.get(array.dtype.name)
-        if dtype is None or array.ndim > MAX_DIMENSIONS:
-            raise WireError(f"array {name!r} of {array.dtype} with {array.ndim} dimensions cannot be sent")
-        if array.nbytes > MAX_BODY_BYTES:
-            raise WireError(f"array {name!r} has {array.nbytes} bytes, at most {MAX_BODY_BYTES} are allowed")
-        chunks.append(array.astype(dtype, copy=False).tobytes().ljust(_padded(array.nbytes), b"\0"))
-        layout.append([name, array.dtype.name, list(array.shape)])
-    return layout, chunks
-
-
-def _unpack_arrays(layout: Any, body: memoryview) -> dict[str, np.ndarray]:
-    if not isinstance(layout, list) or len(layout) > MAX_ARRAYS:
-        raise WireError(f"the arrays are not a list of at most {MAX_ARRAYS}")
-    arrays: dict[str, np.ndarray] = {}
-    offset = 0
-    for entry in layout:
-        name, dtype, shape = _described(entry)
-        if name in arrays:
-            raise WireError(f"array {name!r} comes twice")
-        size = math.prod(shape) * dtype.itemsize  # python integers: no overflow to hide behind
-        if offset + _padded(size) > len(body):
-            raise WireError(f"array {name!r} is larger than what was sent")
-        arrays[name] = _rebuilt(body[offset : offset + size], dtype, shape)
-        offset += _padded(size)
-    if offset != len(body):
-        raise WireError("there are bytes that belong to no array")
-    return arrays
-
-
-def _described(entry: Any) -> tuple[str, np.dtype[Any], tuple[int, ...]]:
-    if not isinstance(entry, list) or len(entry) != 3:
-        raise WireError("an array is described by name, dtype and shape")
-    name, kind, shape = entry
-    if not isinstance(name, str) or not isinstance(kind, str) or kind not in DTYPES:
-        raise WireError("an array has a name and one of the known dtypes")
-    if not isinstance(shape, list) or len(shape) > MAX_DIMENSIONS:
-        raise WireError(f"array {name!r} does not have a shape of at most {MAX_DIMENSIONS} lengths")
-    if not all(type(length) is int and 0 <= length < MAX_LENGTH for length in shape):
-        raise WireError(f"array {name!r} has an impossible shape")
-    return name, DTYPES[kind], tuple(shape)
-
-
-def _rebuilt(data: memoryview, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.ndarray:
-    if dtype.kind == "b" and bool(np.any(np.frombuffer(data, np.uint8) > 1)):
-        raise WireError("a truth value is neither 0 nor 1")
-    try:
-        return np.frombuffer(data, dtype).reshape(shape)
-    except (ValueError, OverflowError) as error:  # e.g. (0, 2**31 - 1, 2**31 - 1, 2**31 - 1)
-        raise WireError(f"an array cannot have the shape {shape}: {error}") from None
 
 
 # JSON -----------------------------------------------------------------------------------------------------------------

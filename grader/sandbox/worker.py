@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from . import wire
+from . import arrays, wire  # noqa: F401 - of the wire: here, before the first worker is forked
 
 Answer = Callable[[str, dict[str, Any], dict[str, Any]], tuple[Mapping[str, Any], Mapping[str, Any]]]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from grader.sandbox import wire
+from grader.sandbox import arrays, wire
 
 NONCE = bytes(range(16))
 FRAME = wire.pack(
@@ -58,7 +58,7 @@ def _one(data: bytes) -> None:
 
 def _words(path: Path) -> Path:
     """What a mutation may put in: the names and signs of a frame."""
-    words = ["fields", "arrays", *wire.DTYPES, "null", "true", "NaN", "1e400", "-0", "[[", "]]", "{}", ",", ":", "\\\\ud800", "2147483647"]
+    words = ["fields", "arrays", *arrays.DTYPES, "null", "true", "NaN", "1e400", "-0", "[[", "]]", "{}", ",", ":", "\\\\ud800", "2147483647"]
     path.write_text("".join(f'"{word}"\n' for word in words), encoding="utf-8")
     return path
 

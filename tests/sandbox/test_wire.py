@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from grader.sandbox import wire
+from grader.sandbox import arrays, wire
 from grader.sandbox.wire import Frame, WireError
 
 NONCE = bytes(range(16))
@@ -22,8 +22,8 @@ scalars = st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats
 values = st.recursive(
     scalars | texts, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3), max_leaves=8
 )
-some_arrays = st.sampled_from(sorted(wire.DTYPES)).flatmap(
-    lambda name: hnp.arrays(wire.DTYPES[name], hnp.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=4))
+some_arrays = st.sampled_from(sorted(arrays.DTYPES)).flatmap(
+    lambda name: hnp.arrays(arrays.DTYPES[name], hnp.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=4))
 )
 
 
