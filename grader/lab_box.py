@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from .sandbox.box import Box
+from .sandbox.plan import Contents
 
 HARNESS = Path(__file__).parent / "inside"
 LIBRARIES = (
@@ -20,12 +21,13 @@ def libraries_of(files: Mapping[str, bytes]) -> tuple[str, ...]:
     return tuple(name for name in LIBRARIES if all(name.split(".")[end].encode() in code for end in (0, -1)))
 
 
-def open_box(rung: str | None = None, libraries: Sequence[str] = LIBRARIES) -> Box:
+def open_box(rung: str | None = None, libraries: Sequence[str] = LIBRARIES, *, thorough: bool = True) -> Box:
     """A box that warms up while the caller goes on.
 
     Parameters
     ----------
     rung : the best that this machine allows if None
     libraries : imported once for all submissions; any other is imported by the submission that wants it, with the same marks
+    thorough : also use each part once beforehand, which pays where several submissions follow
     """
-    return Box(HARNESS, rung=rung, warm=libraries)
+    return Box(Contents(HARNESS, warm=tuple(libraries), thorough=thorough), rung=rung)

@@ -40,7 +40,7 @@ def check(
     if watch:
         return _watch(path, rubric, only, html, json)
     submission = read_submission(path)
-    with open_box(rung, libraries_of(submission.files)) as box:
+    with open_box(rung, libraries_of(submission.files), thorough=False) as box:
         from grader import opening  # noqa: PLC0415 - this and the next while the box warms up
         from grader import rubric as rubrics  # noqa: PLC0415
 

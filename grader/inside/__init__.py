@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import extensions, loading, pictures, questions, world
+from . import extensions, loading, pictures, questions, seeing, world
 from .guard import Guard
 
 _HANDLERS = {
@@ -32,10 +32,13 @@ _HANDLERS = {
 _guard: Guard | None = None
 
 
-def warm_up() -> None:
-    """Import what every submission needs, once, before the first worker is forked."""
+def warm_up(thorough: bool) -> None:
+    """Import what every submission needs, once, before the first worker is forked; if asked to, use each part once, too."""
     global _guard  # noqa: PLW0603 - there is one harness in a process
-    world.warm_up()
+    world.import_libraries()
+    seeing.remember_classes()
+    if thorough:
+        world.use_libraries()
     _guard = Guard(__name__)
     _guard.hide()
 

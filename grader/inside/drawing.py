@@ -63,7 +63,10 @@ def _is_bare_panel(axes: Any) -> bool:
     legend, lines, spines = axes.get_legend(), list(axes.lines), list(axes.spines.values())
     known = {axes.patch, *lines, *spines, *titles, *axis, *axes.texts, *([legend] if legend else [])}
     must_be_honest(axes, *known)
-    strokes = [*lines, *spines, *(line for each in axis for line in each.get_gridlines())]
+    grid = [
+        tick.gridline for each in axis for tick in each.majorTicks
+    ]  # where none is made yet, this makes one of them
+    strokes = [*lines, *spines, *grid]
     return (
         type(axes) is Axes
         and axes.get_axes_locator() is None
@@ -182,9 +185,17 @@ def _texts(axes: Any) -> list[Any]:
         texts += [legend.get_title(), *legend.get_texts()]
     for axis in (axes.xaxis, axes.yaxis):
         if axes.axison and axis.get_visible():
-            texts += [axis.label, *axis.get_ticklabels(which="both")]
-            axis.get_major_formatter().get_offset()
+            texts.append(axis.label)
+            if any("$" in label for label in _tick_labels(axis)):
+                texts += axis.get_ticklabels(which="both")
     return texts
+
+
+def _tick_labels(axis: Any) -> list[str]:
+    """What an axis says at its ticks, by its locators and formatters; no tick is made for it."""
+    major = axis.get_major_formatter().format_ticks(axis.get_majorticklocs())
+    minor = axis.get_minor_formatter().format_ticks(axis.get_minorticklocs())
+    return [*major, axis.get_major_formatter().get_offset(), *minor]
 
 
 _WAITING: WeakKeyDictionary[Any, dict[str, Any]] = WeakKeyDictionary()

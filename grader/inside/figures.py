@@ -125,7 +125,7 @@ def watch(*, read_back: bool) -> None:
         setattr(Figure, "tight_layout", drawing.laying_out_late(Figure.tight_layout))  # noqa: B010
     setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
     setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
-    seeing.remember_classes()
+    seeing.remember(Figure, FigureCanvasBase)
 
 
 def _name(target: Any) -> str | None:

@@ -23,6 +23,7 @@ from . import drawing, faults, figures, world
 _REQUIRED = ("imu_reader", "noisy_imu", "filters")
 _STANDIN_HOOK = "__sound_standin__"
 _LONGEST_NAME = 200
+_RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
 
 
 class _State:
@@ -289,8 +290,9 @@ def _compile(source: bytes, path: str) -> types.CodeType:
     text = _decode(source)
     own = faults.own_name(path)
     _remember_lines(own, text)
-    tree = ast.parse(text, own)
-    return compile(_adapted(tree, relative="/" not in path), own, "exec", dont_inherit=True)
+    relative = "/" not in path and _RELATIVE.search(text) is not None
+    code = _adapted(ast.parse(text, own), relative=relative) if relative or STATE.standins else text
+    return compile(code, own, "exec", dont_inherit=True)
 
 
 def _remember_lines(own: str, text: str) -> None:

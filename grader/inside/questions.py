@@ -9,6 +9,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -249,8 +250,7 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "done": 0}
-    count = fields["reads"]
-    readings = np.full((len(arrays["qpos"]), count, 6), np.nan)
+    readings = np.full((len(arrays["qpos"]), fields["reads"], 6), np.nan)
     disturbance: list[list[float]] = []
     with examined(answer):
         model, data = simulation_of(fields["model"])
@@ -258,12 +258,13 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         sensor = _noisy(fields, arrays, model, data)
         for state in range(len(readings)):
             put_in_state(model, data, arrays["qpos"][state], arrays["qvel"][state])
-            before, clean = _state(data), np.array(data.sensordata)
-            for index in range(count):
-                _store(sensor.read(), readings[state, index], answer, packer)
+            before, sensordata = _state(data), data.sensordata
+            clean = sensordata.copy()
+            for index, row in enumerate(readings[state]):
+                _store(sensor.read(), row, answer, packer)
                 if index == 0:
                     disturbance.append(_changes(before, _state(data)))
-                data.sensordata[:] = clean  # a read that wrote into it spoils the next ones no further
+                sensordata[:] = clean  # a read that wrote into it spoils the next ones no further
                 answer["done"] += 1
     return answer, packer.arrays | {
         "accel": readings[:, :, :3],
@@ -281,13 +282,19 @@ def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
+    named = isinstance(reading, dict)
     try:
-        accel, gyro = reading.values() if isinstance(reading, dict) else reading
-        row[:3], row[3:] = np.reshape(accel, 3), np.reshape(gyro, 3)
+        accel, gyro = reading.values() if named else reading
+        row[:3] = accel if _is_vector(accel) else np.reshape(accel, 3)
+        row[3:] = gyro if _is_vector(gyro) else np.reshape(gyro, 3)
     except (TypeError, ValueError):
         row[:] = np.nan
-    if answer["odd"] is None and (isinstance(reading, dict) or not np.all(np.isfinite(row))):
+    if answer["odd"] is None and (named or not all(map(isfinite, row.tolist()))):
         answer["odd"] = packer.node(reading)
+
+
+def _is_vector(value: Any) -> bool:
+    return type(value) is np.ndarray and value.shape == (3,)
 
 
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
@@ -346,7 +353,7 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
         instance = kind(**options)
         other = kind(**options) if case["handling"] == "beside" else None
         for measurement in signal:
-            rows.append(_filtered(instance, measurement.copy(), case["handling"], answer, packer))
+            rows.append(_filtered(instance, measurement, case["handling"], answer, packer))
             if other is not None:
                 other.update(100.0 - 3.0 * measurement)
     if rows:
@@ -364,7 +371,7 @@ def _filtered(
     except (TypeError, ValueError):
         row = np.full(measurement.shape, np.nan)
         answer["odd"] = answer["odd"] or packer.node(value)
-    answer["input_changed"] = answer["input_changed"] or not np.array_equal(given, measurement)
+    answer["input_changed"] = answer["input_changed"] or given.tolist() != measurement.tolist()
     if handling == "spoil_input":
         given[:] = 1e3
     if handling == "spoil_output" and isinstance(value, np.ndarray) and value.flags.writeable:

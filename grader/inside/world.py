@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import builtins
 import contextlib
-import gc
 import os
 import random
 import signal
@@ -23,11 +22,18 @@ _MAX_INPUTS = 100
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
 
 
-def warm_up() -> None:
-    """Import what every submission needs and use each part once, so that a forked worker pays for none of it."""
+def import_libraries() -> None:
+    """Import what every submission needs."""
     import matplotlib
 
     matplotlib.use("Agg")
+    import matplotlib.pyplot
+    import mujoco  # noqa: F401
+    import PIL.Image  # noqa: F401
+
+
+def use_libraries() -> None:
+    """Use each part once, so that a forked worker pays for no first time."""
     import matplotlib.pyplot as plt
     import mujoco
     import PIL.Image
@@ -44,7 +50,6 @@ def warm_up() -> None:
     )
     mujoco.mj_step(model, mujoco.MjData(model))
     PIL.Image.init()
-    gc.collect()
 
 
 def furnish(lab_model: str) -> None:

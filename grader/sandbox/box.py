@@ -1,6 +1,6 @@
 """A box: the place where untrusted code runs, as the grader sees it.
 
-    with Box(harness) as box, box.worker() as worker:
+    with Box(Contents(harness)) as box, box.worker() as worker:
         frame = worker.ask("read", {"seed": 1}, {"state": state}, cpu_s=10.0)
 
 Whatever the code in the box does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
@@ -13,8 +13,8 @@ import contextlib
 import secrets
 import signal
 import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,7 @@ from grader.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from . import ladder, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
 from .plain import PlainProcess
-from .plan import RUNGS
+from .plan import RUNGS, Contents
 from .printed import Printed
 from .process import Process, WallsRefusedError, ZygoteGoneError
 
@@ -40,14 +40,10 @@ class Box:
 
     Parameters
     ----------
-    harness
-        A package folder with `warm_up()` and `answer(op, fields, arrays) -> (fields, arrays)`.
+    contents
+        What it is opened for; its harness answers the questions.
     rung
         One of ``"full"``, ``"bubblewrap"``, ``"landlock"``, ``"none"``; None for the best that this machine allows.
-    readable
-        Further paths that the box shows read-only.
-    warm
-        Modules that are imported once for all workers. On the lowest rung each worker imports what it needs.
 
     Attributes
     ----------
@@ -62,17 +58,14 @@ class Box:
         If the rung that was asked for cannot be had here.
     """
 
-    def __init__(
-        self, harness: Path, *, rung: str | None = None, readable: Sequence[Path] = (), warm: Sequence[str] = ()
-    ) -> None:
-        self._harness = Path(harness).resolve()
-        self._readable, self._warm = tuple(readable), tuple(warm)
+    def __init__(self, contents: Contents, *, rung: str | None = None) -> None:
+        self._contents = replace(contents, harness=contents.harness.resolve())
         self._workers: list[Worker] = []
         self._zygote: Zygote | None = None
         self._closed = False
         _hide_this_process()
         if rung is None:
-            self._zygote, self.why = ladder.climb(self._harness, self._readable, self._warm)
+            self._zygote, self.why = ladder.climb(self._contents)
             self.rung = self._zygote.rung if self._zygote else "none"
         else:
             self.rung, self.why = rung, f"{rung} was asked for"
@@ -120,13 +113,13 @@ class Box:
         if self.rung == "none":
             return None
         try:
-            return ladder.raise_walls(self.rung, self._harness, self._readable, self._warm)
+            return ladder.raise_walls(self.rung, self._contents)
         except WallsRefusedError as error:
             raise GraderError(f"this machine does not allow the rung {self.rung!r}: {error}") from None
 
     def _spawn(self, printed: Printed) -> Process:
         if self.rung == "none":
-            return PlainProcess(self._harness, printed)
+            return PlainProcess(self._contents.harness, printed)
         try:
             return self._spawn_once(printed)
         except ZygoteGoneError:

@@ -16,11 +16,13 @@ from . import worker
 _NAME = "_imugrade_harness"
 
 
-def load_harness(folder: str, search: Sequence[str], warm: Sequence[str] = ()) -> worker.Answer:
+def load_harness(
+    folder: str, search: Sequence[str], *, warm: Sequence[str] = (), thorough: bool = False
+) -> worker.Answer:
     """Import the folder as a package, let it warm up, import the modules `warm` where they are, and return its `answer`."""
     sys.path[:] = search
     harness = _import(folder)
-    harness.warm_up()
+    harness.warm_up(thorough)
     for name in warm:
         with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
             importlib.import_module(name)

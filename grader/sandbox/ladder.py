@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .plan import RUNGS
+from .plan import RUNGS, Contents
 from .process import WallsRefusedError, ZygoteGoneError
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ def _tried(name: str) -> Rung:
     if name == "none":
         return Rung(name, True, "a fresh process with a time limit, and no walls")
     try:
-        zygote = raise_walls(name, Path(__file__).parent)
+        zygote = raise_walls(name, Contents(Path(__file__).parent))
     except WallsRefusedError as error:
         return Rung(name, False, str(error))
     zygote.close()
@@ -46,7 +45,7 @@ def caveat(zygote: Zygote) -> str:
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 
-def raise_walls(name: str, harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> Zygote:
+def raise_walls(name: str, contents: Contents) -> Zygote:
     """Start a zygote on this very rung, or raise WallsRefusedError."""
     if sys.platform != "linux":
         raise WallsRefusedError("needs Linux")
@@ -55,19 +54,19 @@ def raise_walls(name: str, harness: Path, readable: Sequence[Path] = (), warm: S
     if name == "bubblewrap" and not bubblewrap.is_installed():
         raise WallsRefusedError("the program bwrap is not installed")
     with contextlib.suppress(ZygoteGoneError):
-        return launch.Zygote(name, harness, readable, warm)
+        return launch.Zygote(name, contents)
     try:
-        return launch.Zygote(name, harness, readable, warm)
+        return launch.Zygote(name, contents)
     except ZygoteGoneError as error:
         raise WallsRefusedError(f"{error}, twice") from None
 
 
-def climb(harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> tuple[Zygote | None, str]:
+def climb(contents: Contents) -> tuple[Zygote | None, str]:
     """Start a zygote on the best rung that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
     for name in RUNGS[:-1]:
         try:
-            zygote = raise_walls(name, harness, readable, warm)
+            zygote = raise_walls(name, contents)
         except WallsRefusedError as error:
             refused.append(f"{name}: {error}")
             continue

@@ -24,7 +24,7 @@ from grader.errors import GraderError
 
 from . import bubblewrap, namespaces, rootfs, surroundings, wire
 from .paths import empty
-from .plan import Plan
+from .plan import Contents, Plan
 from .printed import Printed
 from .process import WallsRefusedError, ZygoteGoneError, is_main_thread
 
@@ -49,8 +49,7 @@ class Zygote:
         If it was killed before they were up, which says nothing about the machine.
     """
 
-    def __init__(self, rung: str, harness: Path, readable: Sequence[Path] = (), warm: Sequence[str] = ()) -> None:
-        self._warm = tuple(warm)
+    def __init__(self, rung: str, contents: Contents) -> None:
         self.rung = rung
         self.without_landlock = False
         self.start_cpu_s = 0.0
@@ -62,7 +61,7 @@ class Zygote:
         self._refused: dict[int, str] = {}
         self._folder: str | None = None
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the zygote
-        self._control, self._process = self._start(harness.resolve(), readable)
+        self._control, self._process = self._start(contents)
         try:
             self._await_walls()
         except BaseException:
@@ -76,16 +75,16 @@ class Zygote:
 
     # Starting
 
-    def _start(self, harness: Path, readable: Sequence[Path]) -> tuple[socket.socket, subprocess.Popen[bytes]]:
+    def _start(self, contents: Contents) -> tuple[socket.socket, subprocess.Popen[bytes]]:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         try:
             needed = [
-                *surroundings.visible(readable),
+                *surroundings.visible(contents.readable),
                 *surroundings.code(),
-                *map(str, [harness, *harness.rglob("*.py")]),
+                *map(str, [contents.harness, *contents.harness.rglob("*.py")]),
             ]
             uid = _harmless_uid(self.rung, needed)
-            plan = self._plan(harness, readable, uid)
+            plan = self._plan(contents, uid)
             command = [sys.executable, "-B", "-s", surroundings.zygote(), str(theirs.fileno())]
             if self.rung == "bubblewrap":
                 command = bubblewrap.command(plan, theirs.fileno())
@@ -111,17 +110,18 @@ class Zygote:
             ours.send(plan.to_json())
         return ours, process
 
-    def _plan(self, harness: Path, readable: Sequence[Path], uid: dict[str, Any]) -> Plan:
+    def _plan(self, contents: Contents, uid: dict[str, Any]) -> Plan:
         scratch, cache = self._folders(uid)
-        visible = surroundings.visible(readable)
+        visible = surroundings.visible(contents.readable)
         return Plan(
             rung=self.rung,
-            harness=str(harness),
+            harness=str(contents.harness.resolve()),
             visible=visible,
             hidden=surroundings.hidden(),
             code=surroundings.code(),
             search=surroundings.search(visible),
-            warm=self._warm,
+            warm=contents.warm,
+            thorough=contents.thorough,
             fonts=tuple(path for path in surroundings.font_lists() if not uid or _open_to_all(path)),
             scratch=scratch,
             cache=cache,

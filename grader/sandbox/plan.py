@@ -4,9 +4,32 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 RUNGS = ("full", "bubblewrap", "landlock", "none")  # best first
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a box is opened for.
+
+    Attributes
+    ----------
+    harness
+        A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
+    readable
+        Further paths that the box shows read-only.
+    warm
+        Modules that are imported once for all workers. On the lowest rung each worker imports what it needs.
+    thorough
+        Whether the harness also uses each part once before the first worker: it pays where many of them follow.
+    """
+
+    harness: Path
+    readable: tuple[Path, ...] = ()
+    warm: tuple[str, ...] = ()
+    thorough: bool = False
 
 
 @dataclass(frozen=True)
@@ -25,8 +48,8 @@ class Plan:
         The sandbox's own modules that run in the box.
     search
         `sys.path` of the box.
-    warm
-        Modules that are imported before the first worker is forked, so that none pays for them.
+    warm, thorough
+        See `Contents`.
     fonts
         Files for the zygote's cache: matplotlib's lists of fonts, which take 150 ms to make.
     scratch
@@ -46,6 +69,7 @@ class Plan:
     code: tuple[str, ...]
     search: tuple[str, ...]
     warm: tuple[str, ...]
+    thorough: bool
     fonts: tuple[str, ...]
     scratch: tuple[str, ...]
     cache: str

@@ -206,13 +206,13 @@ def _own_pid_namespace(walls: confine.Walls) -> int:
 
 def _warm_up(plan: Plan) -> Any:
     """Import everything once, freeze it, and return the harness's `answer`."""
+    gc.disable()  # nearly all of what imports make stays: to look for the rest takes a tenth of their time
     from .imports import load_harness  # noqa: PLC0415 - it pulls numpy, which must come after the walls
 
-    harness = load_harness(
-        rootfs.HARNESS if plan.rung in ("full", "bubblewrap") else plan.harness, plan.search, plan.warm
-    )
-    gc.collect()
+    folder = rootfs.HARNESS if plan.rung in ("full", "bubblewrap") else plan.harness
+    harness = load_harness(folder, plan.search, warm=plan.warm, thorough=plan.thorough)
     gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
+    gc.enable()
     gc.set_threshold(*_COLLECT)
     tempfile.tempdir = None
     if plan.rung == "full":

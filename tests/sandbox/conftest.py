@@ -10,6 +10,7 @@ import pytest
 
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.ladder import Rung, probe
+from grader.sandbox.plan import Contents
 
 HARNESS = Path(__file__).parent / "harness"
 WALLED = ("full", "bubblewrap", "landlock")
@@ -30,7 +31,7 @@ def box_on(rungs: dict[str, Rung]) -> Iterator[Callable[[str], Box]]:
         if not rungs[name].usable:
             pytest.skip(f"no rung {name} here: {rungs[name].reason}")
         if name not in boxes:
-            boxes[name] = Box(HARNESS, rung=name)
+            boxes[name] = Box(Contents(HARNESS), rung=name)
         return boxes[name]
 
     yield get
@@ -57,7 +58,7 @@ def worker(box: Box) -> Iterator[Worker]:
 @pytest.fixture(scope="session")
 def best() -> Iterator[Box]:
     """A box on the best rung, for what is the same on all of them."""
-    with Box(HARNESS) as box:
+    with Box(Contents(HARNESS)) as box:
         yield box
 
 

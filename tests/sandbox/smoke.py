@@ -12,6 +12,7 @@ from pathlib import Path
 
 from grader.sandbox.box import Box
 from grader.sandbox.ladder import probe
+from grader.sandbox.plan import Contents
 
 HARNESS = Path(__file__).parent / "harness"
 SOURCE = f"""
@@ -28,13 +29,13 @@ result = [held(socket.socket), held(os.fork), held(open, {os.path.abspath(__file
 def survey() -> None:
     for rung in probe():
         if rung.usable and rung.name != "none":
-            with Box(HARNESS, rung=rung.name) as box, box.worker() as worker:
+            with Box(Contents(HARNESS), rung=rung.name) as box, box.worker() as worker:
                 held = worker.ask("run", {"source": SOURCE}).fields["result"]
                 print(rung.name, os.getuid(), all(held), flush=True)
 
 
 def linger(name: str) -> None:
-    with Box(HARNESS, rung=name) as box, box.worker() as worker:
+    with Box(Contents(HARNESS), rung=name) as box, box.worker() as worker:
         process = worker._process
         pids = [process._popen.pid] if name == "none" else [box._zygote.pid, process._pid]  # type: ignore
         print(*pids, flush=True)

@@ -20,6 +20,7 @@ from grader.sandbox import ladder
 from grader.sandbox.box import Box
 from grader.sandbox.ladder import Rung
 from grader.sandbox.launch import Zygote
+from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
 
 from .conftest import HARNESS, run
@@ -53,7 +54,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPat
     if not rungs["landlock"].usable:
         pytest.skip(rungs["landlock"].reason)
     monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap"))
-    with Box(HARNESS) as box, box.worker() as worker:
+    with Box(Contents(HARNESS)) as box, box.worker() as worker:
         assert box.rung == "landlock"
         assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
         assert run(worker, "result = 1") == {"result": 1}
@@ -61,7 +62,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPat
 
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap", "landlock"))
-    with Box(HARNESS) as box, box.worker() as worker:
+    with Box(Contents(HARNESS)) as box, box.worker() as worker:
         assert box.rung == "none"
         assert box.why.endswith("landlock: no landlock today")
         assert run(worker, "result = 1") == {"result": 1}
@@ -70,19 +71,19 @@ def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.Mon
 def test_a_rung_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder, "raise_walls", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the rung 'full': no full today"):
-        Box(HARNESS, rung="full")
+        Box(Contents(HARNESS), rung="full")
 
 
 def test_an_unknown_rung_is_named(tmp_path: Path) -> None:
     with pytest.raises(GraderError, match="'moat'"):
-        Box(tmp_path, rung="moat")
+        Box(Contents(tmp_path), rung="moat")
 
 
 def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Box) -> None:
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
-        ladder.raise_walls(walled_box.rung, HARNESS)
+        ladder.raise_walls(walled_box.rung, Contents(HARNESS))
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -103,10 +104,10 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     if times == 1:
-        ladder.raise_walls(rung, HARNESS).close()
+        ladder.raise_walls(rung, Contents(HARNESS)).close()
     else:
         with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
-            ladder.raise_walls(rung, HARNESS)
+            ladder.raise_walls(rung, Contents(HARNESS))
 
 
 def children(pid: int) -> list[int]:
@@ -133,7 +134,7 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
         await_walls(zygote)
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
-    with Box(HARNESS) as box:
+    with Box(Contents(HARNESS)) as box:
         assert hit
         assert (box.rung, box.why) == ("full", rungs["full"].reason)
 

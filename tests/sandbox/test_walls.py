@@ -11,6 +11,7 @@ import pytest
 import grader
 from grader.errors import NoAnswer
 from grader.sandbox.box import Box, Worker
+from grader.sandbox.plan import Contents
 
 from .conftest import HARNESS, OWN_ROOT, run
 
@@ -106,7 +107,7 @@ def test_a_grader_among_the_packages_cannot_be_read(
     for folder in (tmp_path.parent, tmp_path, packages, packages / "grader", packages / "neighbour"):
         os.chmod(folder, 0o755)
     monkeypatch.setattr("grader.sandbox.surroundings.hidden", lambda: (str(packages / "grader"),))
-    with Box(HARNESS, rung=walled_box.rung, readable=[packages]) as shown, shown.worker() as worker:
+    with Box(Contents(HARNESS, readable=(packages,)), rung=walled_box.rung) as shown, shown.worker() as worker:
         assert run(worker, f"result = open('{packages}/neighbour/rubric.yaml').read()") == {"result": "points"}
         assert refused(worker, f"open('{packages}/grader/rubric.yaml').read()")
 
