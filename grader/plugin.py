@@ -83,6 +83,7 @@ class Examination:
 
     def __init__(self, student: Student, truth: Traces, only: str | None) -> None:
         self.student, self.truth, self._only = student, truth, only
+        self._attempted = {part for part, name in EXTENSIONS.items() if attempts(student.files, name)}
         self._stories: dict[str, str] = {}
         self._lost: set[str] = set()
         self._alone = False
@@ -90,8 +91,8 @@ class Examination:
 
     def wants(self, this: Check) -> bool:
         """Whether the check is asked for; nothing is asked about an extension that was not attempted."""
-        attempted = this.criterion not in EXTENSIONS or attempts(self.student.files, EXTENSIONS[this.criterion])
-        return attempted and self._only in (None, this.criterion)
+        asked_about = this.criterion in self._attempted or this.criterion not in EXTENSIONS
+        return asked_about and self._only in (None, this.criterion)
 
     def begin(self, this: Check) -> None:
         """Put stand-ins in the place of parts whose own checks are over and lost."""

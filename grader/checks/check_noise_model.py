@@ -235,7 +235,11 @@ def _sound_form(run: NoiseRun) -> NoiseRun:
     return run
 
 
-def _facts(run: NoiseRun, truth: Traces, *, biased: bool) -> list[Facts]:
+def _facts(student: Student, truth: Traces, key: str, *, biased: bool = True) -> list[Facts]:
+    return student.once(("noise facts", key), lambda: _told_by(_run(student, truth, key), truth, biased=biased))
+
+
+def _told_by(run: NoiseRun, truth: Traces, *, biased: bool) -> list[Facts]:
     scenario = truth["noise"]
     clean = (scenario["acceleration"], scenario["angular_velocity"])
     stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
@@ -245,15 +249,15 @@ def _facts(run: NoiseRun, truth: Traces, *, biased: bool) -> list[Facts]:
 
 
 def _given(student: Student, truth: Traces) -> list[Facts]:
-    return _facts(_run(student, truth, "given"), truth, biased=True)
+    return _facts(student, truth, "given")
 
 
 def _given_again(student: Student, truth: Traces) -> list[Facts]:
-    return _facts(_run(student, truth, "again"), truth, biased=True)
+    return _facts(student, truth, "again")
 
 
 def _silent(student: Student, truth: Traces) -> list[Facts]:
-    return _facts(_run(student, truth, "silent"), truth, biased=False)
+    return _facts(student, truth, "silent", biased=False)
 
 
 def _default_biases(student: Student, truth: Traces) -> list[Array]:

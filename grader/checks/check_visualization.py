@@ -372,9 +372,9 @@ def _plot(student: Student, truth: Traces) -> _Plot:
     together = (
         [plots.joined(saved)] if len(saved) > 1 else []
     )  # a picture for each sensor; of equal ones the first counts
-    candidates = [
-        _Plot(f, plots.panels(f, drawing.arrays, _series(truth)), drawing) for f in (*drawing.figures, *together)
-    ]
+    drawn = (*drawing.figures, *together)
+    panels = student.once("panels", lambda: [plots.panels(f, drawing.arrays, _series(truth)) for f in drawn])
+    candidates = [_Plot(f, its, drawing) for f, its in zip(drawn, panels, strict=True)]
     best = max(candidates, key=_showing, default=None)
     if best is None or not best.panels:
         raise Skipped("a figure with curves in it")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,37 +37,37 @@ class Facts:
     std: float
     bias: Array
 
-    @property
+    @cached_property
     def offset(self) -> Array:
         """(states, 3) mean of the reading minus the truth."""
         return np.asarray(self.residual.mean(axis=1))
 
-    @property
+    @cached_property
     def centred(self) -> Array:
         """(states, reads, 3) residuals without their mean in each state."""
         return np.asarray(self.residual - self.residual.mean(axis=1, keepdims=True))
 
-    @property
+    @cached_property
     def spread(self) -> Array:
         """(states, 3) standard deviation."""
         return np.asarray(self.residual.std(axis=1))
 
-    @property
+    @cached_property
     def pooled_spread(self) -> float:
         return float(np.sqrt(np.mean(self.centred**2)))
 
-    @property
+    @cached_property
     def still(self) -> bool:
         """Whether reads in one state do not differ."""
         return bool(np.all(self.spread <= EXACT * self.std))
 
-    @property
+    @cached_property
     def standardised(self) -> Array:
         """(states × reads, 3) residuals in units of their own spread; zero where there is none."""
         spread = np.where(self.spread > EXACT * self.std, self.spread, np.inf)
         return np.asarray((self.centred / spread[:, None, :]).reshape(-1, 3))
 
-    @property
+    @cached_property
     def increments(self) -> Array:
         """(states, reads - 1, 3) differences of successive reads."""
         return np.diff(self.residual, axis=1)
