@@ -25,7 +25,7 @@ class Given:
     answer: Result
     isolation = "full"
 
-    def __init__(self, rubric: Rubric, bundle: Traces, *, rung: str | None = None) -> None:
+    def __init__(self, rubric: Rubric, bundle: Traces, *, box: object) -> None:
         pass
 
     def __enter__(self) -> Given:
@@ -54,6 +54,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "imu_reader.py").write_text("\ndef get_imu_readings():\n    pass\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
+    monkeypatch.setattr(job, "open_box_for", lambda files, rung: None)
     monkeypatch.setattr(Given, "isolation", "full")
     monkeypatch.setattr(
         Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False

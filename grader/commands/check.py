@@ -35,12 +35,12 @@ def check(
       imugrade check my_lab.zip --html report.html
     """
     from grader.intake import read_submission  # noqa: PLC0415
-    from grader.lab_box import libraries_of, open_box  # noqa: PLC0415
+    from grader.lab_box import open_box_for  # noqa: PLC0415
 
     if watch:
         return _watch(path, rubric, only, html, json)
     submission = read_submission(path)
-    with open_box(rung, libraries_of(submission.files), thorough=False) as box:
+    with open_box_for(submission.files, rung) as box:
         from grader import opening  # noqa: PLC0415 - this and the next while the box warms up
         from grader import rubric as rubrics  # noqa: PLC0415
 

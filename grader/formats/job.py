@@ -21,6 +21,7 @@ from grader.formats.places import Places, find_places
 from grader.formats.platforms import Platform, answer_of, submission_of
 from grader.formats.prairielearn import prairielearn
 from grader.intake import Submission, read_submission
+from grader.lab_box import open_box_for
 from grader.marking import Marker
 from grader.results import Result, to_json
 from grader.rubric import Rubric
@@ -76,7 +77,7 @@ def run(job: Job) -> Result:
     identity = Identity.of(job.environ) if job.platform.name == "classroom50" else None
     path = job.path or submission_of(job.platform)
     submission = read_submission(path)
-    with Marker(job.rubric, job.traces, rung=job.rung) as marker:
+    with Marker(job.rubric, job.traces, box=open_box_for(submission.files, job.rung)) as marker:
         if job.hidden and marker.isolation == "none" and not job.trusted:
             raise RequestError(
                 "hidden scenarios, but nothing here keeps students' code from reading them (`imugrade doctor` tells why); "
