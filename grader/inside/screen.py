@@ -132,7 +132,7 @@ class Screen:
                 (animation.PillowWriter, {"grab_frame": lambda writer, **_: self._seen(writer.fig), "finish": _finish}),
             ):
                 stack.enter_context(replaced(owner, members))
-            stack.enter_context(replaced(plt, {"show": self._show, "tight_layout": _nothing}))
+            stack.enter_context(replaced(plt, {"show": self._show(), "tight_layout": _nothing}))
             yield
 
     def _canvas(self) -> dict[str, Any]:
@@ -170,10 +170,14 @@ class Screen:
 
         return {"__init__": init, "save": save, "to_jshtml": to_text, "to_html5_video": to_text}
 
-    def _show(self, *args: Any, block: bool | None = None, **kwargs: Any) -> None:
+    def _show(self) -> Callable[..., None]:
+        """A plain function, as pyplot's own is: `switch_backend` writes a signature on it."""
         import matplotlib.pyplot as plt
 
-        self.show_all(block=not plt.isinteractive() if block is None else bool(block))
+        def show(*args: Any, block: bool | None = None, **kwargs: Any) -> None:
+            self.show_all(block=not plt.isinteractive() if block is None else bool(block))
+
+        return show
 
 
 def _method(call: Callable[[Any], None]) -> Callable[..., None]:

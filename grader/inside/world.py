@@ -23,13 +23,12 @@ _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl",
 
 
 def import_libraries() -> None:
-    """Import what every submission needs."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot
+    """Import what every submission needs, pyplot's back end among it: pyplot would wait with that for the first figure."""
+    import matplotlib.pyplot as plt
     import mujoco  # noqa: F401
     import PIL.Image  # noqa: F401
+
+    plt.switch_backend("Agg")
 
 
 def use_libraries() -> None:

@@ -854,6 +854,7 @@ SOUND_EXTENSIONS: dict[str, dict[str, str]] = {
     "realtime_visualization": {
         "pause": LIVE_PAUSE, "func-animation": LIVE_FUNC_ANIMATION, "generator-blit": LIVE_GENERATOR_BLIT, "saved": LIVE_SAVED,
         "deque": LIVE_DEQUE, "replot": LIVE_REPLOT, "manual-blit": LIVE_MANUAL_BLIT, "scope": LIVE_SCOPE, "noisy": LIVE_NOISY,
+        "switches-backend": _edited(LIVE_PAUSE, ("    plt.ion()\n", '    plt.switch_backend("TkAgg")\n    plt.ion()\n')),
     },
 }  # fmt: skip
 
