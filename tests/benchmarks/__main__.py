@@ -100,11 +100,20 @@ def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Pat
     def floor(places: list[str], at: Path) -> tuple[float, float]:
         return cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts), *places], at)
 
-    def plain(places: list[str], at: Path) -> tuple[float, float]:
-        each = [cost([sys.executable, *PLAIN_PYTEST], Path(place)) for place in places]
-        return sum(cpu for cpu, _ in each), sum(wall for _, wall in each)
+    def plain(*options: str) -> Callable[[list[str], Path], tuple[float, float]]:
+        def run(places: list[str], at: Path) -> tuple[float, float]:
+            each = [cost([sys.executable, *PLAIN_PYTEST, *options], Path(place)) for place in places]
+            return sum(cpu for cpu, _ in each), sum(wall for _, wall in each)
 
-    return {"floor": floor, "ours, one marker": grade(1), "ours, two markers": grade(2), "plain pytest": plain}
+        return run
+
+    return {
+        "floor": floor,
+        "ours, one marker": grade(1),
+        "ours, two markers": grade(2),
+        "plain pytest": plain(),
+        "plain pytest -n 2": plain("-p", "xdist.plugin", "-n", "2"),
+    }
 
 
 def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> dict[str, tuple[float, float]]:
