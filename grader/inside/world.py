@@ -1,4 +1,4 @@
-"""The world that student code finds: the lab model at the sheet's path, no screen, nobody at the keyboard, a fixed seed."""
+"""The world that student code finds: the lab model at the sheet's path, nobody at the keyboard, no waiting, a fixed seed."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import random
 import signal
 import sys
 import time
-import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from . import desktop
+
 LAB_MODEL_NAME = "humanoid-sensors.xml"
 _SHEET_PATH = f"textbook/assets/robot-models/mujoco/{LAB_MODEL_NAME}"
 _MAX_INPUTS = 100
-_GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
 
 
 def import_libraries() -> None:
@@ -59,8 +59,7 @@ def furnish(lab_model: str) -> None:
         path.write_text(lab_model, encoding="utf-8")
     _redirect_lab_model(lab_model)
     _answer_input()
-    _take_the_screen_away()
-    _offer_notebook_names()
+    desktop.furnish()
     _make_pauses_short()
     _make_signals_deadly()
     _watch_first_step()
@@ -107,80 +106,6 @@ def _answer_input() -> None:
         return ""
 
     builtins.input = answer
-
-
-def _take_the_screen_away() -> None:
-    """GUI back ends quietly become Agg; `show()` closes what it showed, as a window that the user closes does."""
-    import matplotlib
-    import matplotlib.pyplot as plt
-    import mujoco
-
-    def unless_gui(choose: Callable[..., Any]) -> Callable[..., Any]:
-        def chosen(backend: Any, *args: Any, **kwargs: Any) -> Any:
-            gui = isinstance(backend, str) and any(name in backend.lower() for name in _GUI_BACKENDS)
-            return choose("Agg" if gui else backend, *args, **kwargs)
-
-        return chosen
-
-    matplotlib.use = unless_gui(matplotlib.use)
-    plt.switch_backend = unless_gui(plt.switch_backend)
-
-    # The real module loads GLFW, which starts a process to look at its library: no box allows that.
-    viewer: Any = types.ModuleType("mujoco.viewer")
-    viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
-    viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
-    viewer.Handle = _NoViewer
-    sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
-
-
-class _NoViewer:
-    """A viewer whose window was closed at once."""
-
-    def __init__(self) -> None:
-        self.cam = self.opt = self.user_scn = types.SimpleNamespace()
-
-    def is_running(self) -> bool:
-        return False
-
-    def sync(self, *args: object, **kwargs: object) -> None:
-        """Nothing is shown."""
-
-    close = sync
-
-    def lock(self) -> Any:
-        return contextlib.nullcontext()
-
-    def __enter__(self) -> _NoViewer:
-        return self
-
-    def __exit__(self, *args: object) -> None:
-        """Nothing to close."""
-
-
-def _offer_notebook_names() -> None:
-    """`display`, `get_ipython` and `IPython.display`, which notebook code uses without asking."""
-
-    def display(*values: object, **_: object) -> None:
-        for value in values:
-            print(type(value).__name__)
-
-    def nothing(*_: object, **__: object) -> None:
-        """Accepts anything, shows nothing."""
-
-    class _Display(types.ModuleType):
-        def __getattr__(self, name: str) -> Any:
-            if name.startswith("__"):
-                raise AttributeError(name)
-            return nothing
-
-    package, module = types.ModuleType("IPython"), _Display("IPython.display")
-    module.display = display  # type: ignore[attr-defined]
-    shell = types.SimpleNamespace(run_line_magic=nothing, magic=nothing, system=nothing, run_cell_magic=nothing)
-    package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
-    package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
-    for name, stub in (("IPython", package), ("IPython.display", module)):
-        sys.modules.setdefault(name, stub)
-    builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
 
 
 def _make_pauses_short() -> None:

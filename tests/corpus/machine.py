@@ -5,7 +5,9 @@ from __future__ import annotations
 import builtins
 import importlib.util
 import json
+import os
 import re
+import subprocess
 import sys
 import tarfile
 import time
@@ -49,6 +51,9 @@ def patch(saved: list[dict[str, Any]]) -> None:
         raise RuntimeError("could not initialize GLFW")
 
     mujoco.viewer.launch_passive = mujoco.viewer.launch = no_screen
+    os.system = lambda command: 0  # what is to be installed is there
+    subprocess.check_call = lambda *a, **k: 0
+    subprocess.run = lambda *a, **k: subprocess.CompletedProcess(a, 0, "", "")
     original = Figure.savefig
 
     def savefig(self: Figure, *args: Any, **kwargs: Any) -> Any:

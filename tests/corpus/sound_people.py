@@ -179,6 +179,43 @@ def watch(model, data) -> None:
 '''
 )
 
+# The window of MuJoCo's first Python tutorials, opened for who wants to watch; and a notebook's habit of installing first.
+WINDOW = lab(
+    head="""\
+import os
+import subprocess
+import sys
+
+subprocess.check_call([sys.executable, "-m", "pip", "install", "-q", "mujoco"])
+os.system("pip install -q numpy")
+print(subprocess.run(["pip", "install", "matplotlib"], capture_output=True, text=True).stdout.upper())
+"""
+    + HEAD
+    + '''\
+import glfw
+from mujoco.glfw import glfw as window_library
+
+
+def watch(model, data) -> None:
+    if not glfw.init():
+        raise RuntimeError("no window can be opened")
+    window = window_library.create_window(640, 480, "IMU", None, None)
+    glfw.make_context_current(window)
+    width, height = glfw.get_framebuffer_size(window)
+    while not glfw.window_should_close(window) and glfw.get_key(window, glfw.KEY_ESCAPE) != glfw.PRESS:
+        mujoco.mj_step(model, data)
+        glfw.swap_buffers(window)
+        glfw.poll_events()
+    glfw.terminate()
+''',
+    main=f"""\
+model = mujoco.MjModel.from_xml_path("{MODEL_PATH}")
+data = mujoco.MjData(model)
+plot_imu_data(simulate_and_collect(model, data, 3.0))
+watch(model, data)
+""",
+)
+
 # Letters of the formulas as names; the decimal numbers of the sheet as constants.
 GREEK = lab(
     read='''\
@@ -353,6 +390,7 @@ PEOPLE = {
     "chatty_module_level": CHATTY,
     "viewer_at_module_level": VIEWER,
     "viewer_imported_first": WATCHING,
+    "glfw_and_pip_at_the_top": WINDOW,
     "greek_names": GREEK,
     "decorated_and_subclassed": DECORATED,
     "helper_modules": HELPERS,

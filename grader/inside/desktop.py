@@ -1,0 +1,172 @@
+"""What programs find on a student's desk and not here: windows, a notebook around them, an installer.
+
+Whoever asks for one gets an answer that lets the program go on: a window was closed at once, what is to be installed is there.
+"""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import io
+import os
+import subprocess
+import sys
+import types
+from collections.abc import Callable
+from typing import Any
+
+_GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
+_INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
+
+
+def furnish() -> None:
+    """Put the stand-ins in place."""
+    _take_the_screen_away()
+    _offer_glfw()
+    _offer_notebook_names()
+    _say_installed()
+
+
+def _take_the_screen_away() -> None:
+    """GUI back ends quietly become Agg; `show()` closes what it showed, as a window that the user closes does."""
+    import matplotlib
+    import matplotlib.pyplot as plt
+    import mujoco
+
+    def unless_gui(choose: Callable[..., Any]) -> Callable[..., Any]:
+        def chosen(backend: Any, *args: Any, **kwargs: Any) -> Any:
+            gui = isinstance(backend, str) and any(name in backend.lower() for name in _GUI_BACKENDS)
+            return choose("Agg" if gui else backend, *args, **kwargs)
+
+        return chosen
+
+    matplotlib.use = unless_gui(matplotlib.use)
+    plt.switch_backend = unless_gui(plt.switch_backend)
+
+    # The real module loads GLFW, see below.
+    viewer: Any = types.ModuleType("mujoco.viewer")
+    viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
+    viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
+    viewer.Handle = _NoViewer
+    sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
+
+
+class _NoViewer:
+    """A viewer whose window was closed at once."""
+
+    def __init__(self) -> None:
+        self.cam = self.opt = self.user_scn = types.SimpleNamespace()
+
+    def is_running(self) -> bool:
+        return False
+
+    def sync(self, *args: object, **kwargs: object) -> None:
+        """Nothing is shown."""
+
+    close = sync
+
+    def lock(self) -> Any:
+        return contextlib.nullcontext()
+
+    def __enter__(self) -> _NoViewer:
+        return self
+
+    def __exit__(self, *args: object) -> None:
+        """Nothing to close."""
+
+
+def _offer_notebook_names() -> None:
+    """`display`, `get_ipython` and `IPython.display`, which notebook code uses without asking."""
+
+    def display(*values: object, **_: object) -> None:
+        for value in values:
+            print(type(value).__name__)
+
+    def nothing(*_: object, **__: object) -> None:
+        """Accepts anything, shows nothing."""
+
+    class _Display(types.ModuleType):
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("__"):
+                raise AttributeError(name)
+            return nothing
+
+    package, module = types.ModuleType("IPython"), _Display("IPython.display")
+    module.display = display  # type: ignore[attr-defined]
+    shell = types.SimpleNamespace(run_line_magic=nothing, magic=nothing, system=nothing, run_cell_magic=nothing)
+    package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
+    package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
+    for name, stub in (("IPython", package), ("IPython.display", module)):
+        sys.modules.setdefault(name, stub)
+    builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
+
+
+class _Glfw(types.ModuleType):
+    """GLFW for a program that needs no more of it than a loop that ends; the real one starts a process to look at its library."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return 0 if name.isupper() else lambda *args, **kwargs: _GLFW_ANSWERS.get(name)
+
+
+_GLFW_ANSWERS = {
+    "init": True,
+    "create_window": "window",
+    "window_should_close": True,
+    "get_framebuffer_size": (640, 480),
+    "get_window_size": (640, 480),
+    "get_cursor_pos": (0.0, 0.0),
+    "get_time": 0.0,
+}
+
+
+def _offer_glfw() -> None:
+    import mujoco
+
+    package: Any = types.ModuleType("mujoco.glfw")
+    package.glfw = _Glfw("glfw")
+    sys.modules["glfw"] = package.glfw
+    sys.modules["mujoco.glfw"] = mujoco.glfw = package
+
+
+def _say_installed() -> None:
+    """Let a program that installs what it needs go on as if that had been done: what a box has is there already."""
+    really_open, really_system = subprocess.Popen, os.system
+
+    class Popen(really_open):  # type: ignore[valid-type,misc]
+        def __new__(cls, args: Any, *rest: Any, **options: Any) -> Any:
+            return _Installed(args, **options) if _installs(args) else super().__new__(cls)
+
+    vars(subprocess)["Popen"] = Popen
+    vars(os)["system"] = lambda command: 0 if _installs(command) else really_system(command)
+
+
+class _Installed:
+    """A process that has ended well and said nothing."""
+
+    def __init__(self, args: Any, **options: Any) -> None:
+        self.args, self.pid, self.returncode = args, 0, 0
+        text = any(options.get(name) for name in ("text", "universal_newlines", "encoding", "errors"))
+        self.stdin = self.stdout = self.stderr = io.StringIO() if text else io.BytesIO()
+
+    def __enter__(self) -> _Installed:
+        return self
+
+    def __exit__(self, *args: object) -> None:
+        """Nothing to wait for."""
+
+    def communicate(self, *args: Any, **options: Any) -> Any:
+        return self.stdout.read(), self.stderr.read()
+
+    def wait(self, timeout: float | None = None) -> int:
+        return self.returncode
+
+    def poll(self) -> int:
+        return self.returncode
+
+
+def _installs(command: Any) -> bool:
+    words = command.split() if isinstance(command, str) else command if isinstance(command, list | tuple) else []
+    names = [os.path.basename(word) for word in words if isinstance(word, str)]
+    return "install" in names and not _INSTALLERS.isdisjoint(names)
