@@ -8,6 +8,7 @@ What people add stands apart from it: who handed in and when, adjustments with e
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
 from array import array
 from collections.abc import Iterable, Iterator
@@ -85,7 +86,8 @@ class Store:
         self.path = out / FILE_NAME
         with self._told():
             out.mkdir(parents=True, exist_ok=True)
-            self._db = sqlite3.connect(self.path, timeout=30, isolation_level=None)
+            self._writable = not self.path.exists() or all(os.access(each, os.W_OK) for each in (out, self.path))
+            self._db = sqlite3.connect(self._address(), uri=True, timeout=30, isolation_level=None)
             try:
                 self._prepare()
             except BaseException:
@@ -213,6 +215,13 @@ class Store:
             astuple(key),
         )
 
+    def _address(self) -> str:
+        """The file as a URI; one that cannot be written, say in an archive, is read as it lies there if nothing is pending."""
+        pending = Path(f"{self.path}-wal")
+        settled = not pending.exists() or pending.stat().st_size == 0
+        mode = "mode=rwc" if self._writable else "immutable=1" if settled else "mode=ro"
+        return f"{self.path.absolute().as_uri()}?{mode}"
+
     def _prepare(self) -> None:
         """Open or lay out the file.
 
@@ -228,7 +237,8 @@ class Store:
                 f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
                 f"{SCHEMA_VERSION}); use that version, or another folder with -o"
             )
-        self._db.execute("PRAGMA journal_mode = WAL")
+        if self._writable:
+            self._db.execute("PRAGMA journal_mode = WAL")
         self._db.execute("PRAGMA synchronous = NORMAL")
         self._db.execute("PRAGMA foreign_keys = ON")
 

@@ -91,6 +91,34 @@ def test_a_folder_that_cannot_be_written_is_refused_in_one_line(tmp_path: Path) 
         tmp_path.chmod(0o700)
 
 
+def test_a_record_that_cannot_be_written_is_read_as_it_lies_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Store(tmp_path) as store:
+        store.keep(KEY, result())
+    before = {entry.name: entry.stat().st_mtime_ns for entry in tmp_path.iterdir()}
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # root may write anywhere
+    with Store.existing(tmp_path) as archived:
+        assert archived.present() == {"alice": result()}
+        with pytest.raises(RequestError, match=r"results.sqlite: attempt to write a readonly database"):
+            archived.keep(KEY, result(lost()))
+    assert {entry.name: entry.stat().st_mtime_ns for entry in tmp_path.iterdir()} == before
+
+
+def test_what_was_kept_last_before_a_kill_is_not_left_out_where_nothing_can_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = (
+        "import os, sys, pathlib; from tests.test_store import KEY, Store, result\n"
+        "Store(pathlib.Path(sys.argv[1])).keep(KEY, result()); os._exit(0)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True, cwd=Path(__file__).parents[1])
+    assert (tmp_path / f"{FILE_NAME}-wal").stat().st_size
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)
+    with Store.existing(tmp_path) as archived:
+        assert archived.present() == {"alice": result()}
+
+
 def test_a_damaged_record_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
     (tmp_path / FILE_NAME).write_bytes(b"no database at all" * 100)
     with pytest.raises(RequestError, match=r"file is not a database; free or repair it"):
