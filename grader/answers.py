@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .sandbox.wire import Frame
+from .text import printable
 
 Array = NDArray[np.float64]
 Node = Mapping[str, Any]
@@ -41,10 +42,10 @@ class Fault:
 
     @property
     def where(self) -> str:
-        """``imu_reader.py, line 12``; empty where no line of the student's was running."""
+        """``imu_reader.py, line 12``, as it can be shown; empty where no line of the student's was running."""
         if not self.file:
             return ""
-        file = self.file.replace(":cell ", ", cell ")
+        file = printable(self.file.replace(":cell ", ", cell "), 120)
         return f"{file}, line {self.line}" if self.line else file
 
 

@@ -35,6 +35,7 @@ HOMES: Mapping[str, str] = {
 _SCRIPTS = ("imu_reader.py", "noisy_imu.py", "filters.py")
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _FURTHER = 3  # programs that are run to see what they draw
+_LONGEST_NOTE = 500
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".npy", ".npz")
 _PICTURES = (".png", ".jpg", ".jpeg")
 _SENT_BYTES = 24_000_000
@@ -327,8 +328,9 @@ class Conversation:
 
     def note(self, text: str) -> None:
         """Tell the instructor something, once."""
-        if text not in self.notes:
-            self.notes.append(text)
+        shown = printable(text, _LONGEST_NOTE)
+        if shown not in self.notes:
+            self.notes.append(shown)
 
 
 def _is_run(path: str) -> bool:

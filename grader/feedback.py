@@ -109,7 +109,7 @@ def _lost(finding: Lost, *, hidden: bool) -> Told:
 
 def _raised(finding: Raised, *, hidden: bool) -> Told:
     fault = finding.fault
-    place = f" at {printable(fault.where, 120)}" if fault.where else ""
+    place = f" at {fault.where}" if fault.where else ""
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if hidden:
         said, place = _exception_name(fault), f" at line {fault.line}" if fault.line else ""

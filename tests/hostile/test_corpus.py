@@ -31,7 +31,7 @@ REDUCED = (
     "finds-what-another-left", "link-to-a-file-outside", "zip-that-slips-out",
 
     "error-says-html", "error-says-ansi", "error-says-workflow-command", "labels-say-html",
-    "carries-hidden-states-in-an-error", "carries-hidden-states-in-a-line-number",
+    "carries-hidden-states-in-an-error", "carries-hidden-states-in-a-line-number", "error-in-a-poisoned-file",
 )
 BY_NAME = {program.name: program for program in PROGRAMS}
 
