@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from .wire import MAX_BODY_BYTES, WireError
-
 MAX_ARRAYS = 1024
 MAX_DIMENSIONS = 8
 MAX_LENGTH = 1 << 31
@@ -30,59 +28,65 @@ def _padded(size: int) -> int:
     return -(-size // ALIGNMENT) * ALIGNMENT
 
 
-def pack(arrays: Mapping[str, np.ndarray]) -> tuple[list[list[Any]], list[bytes]]:
-    """Descriptions for the frame's JSON, and the bytes that follow it; WireError where an array cannot be sent."""
+def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], list[bytes]]:
+    """Descriptions for the frame's JSON, and the bytes that follow it.
+
+    Raises
+    ------
+    ValueError
+        If an array is of a kind that is not sent, or has more than `most` bytes.
+    """
     layout: list[list[Any]] = []
     chunks: list[bytes] = []
     for name, value in arrays.items():
         array = np.asarray(value)
         dtype = DTYPES.get(array.dtype.name)
         if dtype is None or array.ndim > MAX_DIMENSIONS:
-            raise WireError(f"array {name!r} of {array.dtype} with {array.ndim} dimensions cannot be sent")
-        if array.nbytes > MAX_BODY_BYTES:
-            raise WireError(f"array {name!r} has {array.nbytes} bytes, at most {MAX_BODY_BYTES} are allowed")
+            raise ValueError(f"array {name!r} of {array.dtype} with {array.ndim} dimensions cannot be sent")
+        if array.nbytes > most:
+            raise ValueError(f"array {name!r} has {array.nbytes} bytes, at most {most} are allowed")
         chunks.append(array.astype(dtype, copy=False).tobytes().ljust(_padded(array.nbytes), b"\0"))
         layout.append([name, array.dtype.name, list(array.shape)])
     return layout, chunks
 
 
 def unpack(layout: Any, body: memoryview) -> dict[str, np.ndarray]:
-    """The arrays that a description makes of the bytes; WireError where it is not exactly what `pack` could have written."""
+    """The arrays that a description makes of the bytes; ValueError where it is not exactly what `pack` could have written."""
     if not isinstance(layout, list) or len(layout) > MAX_ARRAYS:
-        raise WireError(f"the arrays are not a list of at most {MAX_ARRAYS}")
+        raise ValueError(f"the arrays are not a list of at most {MAX_ARRAYS}")
     arrays: dict[str, np.ndarray] = {}
     offset = 0
     for entry in layout:
         name, dtype, shape = _described(entry)
         if name in arrays:
-            raise WireError(f"array {name!r} comes twice")
+            raise ValueError(f"array {name!r} comes twice")
         size = math.prod(shape) * dtype.itemsize  # python integers: no overflow to hide behind
         if offset + _padded(size) > len(body):
-            raise WireError(f"array {name!r} is larger than what was sent")
+            raise ValueError(f"array {name!r} is larger than what was sent")
         arrays[name] = _rebuilt(body[offset : offset + size], dtype, shape)
         offset += _padded(size)
     if offset != len(body):
-        raise WireError("there are bytes that belong to no array")
+        raise ValueError("there are bytes that belong to no array")
     return arrays
 
 
 def _described(entry: Any) -> tuple[str, np.dtype[Any], tuple[int, ...]]:
     if not isinstance(entry, list) or len(entry) != 3:
-        raise WireError("an array is described by name, dtype and shape")
+        raise ValueError("an array is described by name, dtype and shape")
     name, kind, shape = entry
     if not isinstance(name, str) or not isinstance(kind, str) or kind not in DTYPES:
-        raise WireError("an array has a name and one of the known dtypes")
+        raise ValueError("an array has a name and one of the known dtypes")
     if not isinstance(shape, list) or len(shape) > MAX_DIMENSIONS:
-        raise WireError(f"array {name!r} does not have a shape of at most {MAX_DIMENSIONS} lengths")
+        raise ValueError(f"array {name!r} does not have a shape of at most {MAX_DIMENSIONS} lengths")
     if not all(type(length) is int and 0 <= length < MAX_LENGTH for length in shape):
-        raise WireError(f"array {name!r} has an impossible shape")
+        raise ValueError(f"array {name!r} has an impossible shape")
     return name, DTYPES[kind], tuple(shape)
 
 
 def _rebuilt(data: memoryview, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.ndarray:
     if dtype.kind == "b" and bool(np.any(np.frombuffer(data, np.uint8) > 1)):
-        raise WireError("a truth value is neither 0 nor 1")
+        raise ValueError("a truth value is neither 0 nor 1")
     try:
         return np.frombuffer(data, dtype).reshape(shape)
     except (ValueError, OverflowError) as error:  # e.g. (0, 2**31 - 1, 2**31 - 1, 2**31 - 1)
-        raise WireError(f"an array cannot have the shape {shape}: {error}") from None
+        raise ValueError(f"an array cannot have the shape {shape}: {error}") from None

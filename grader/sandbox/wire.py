@@ -63,7 +63,10 @@ def pack(nonce: bytes, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarra
     WireError
         If a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or a cap is passed.
     """
-    layout, chunks = _arrays().pack(arrays)
+    try:
+        layout, chunks = _arrays().pack(arrays, MAX_BODY_BYTES)
+    except ValueError as error:
+        raise WireError(str(error)) from None
     try:
         text = json.dumps({"fields": dict(fields), "arrays": layout}, allow_nan=False, ensure_ascii=False)
         payload = text.encode("utf-8")
@@ -88,7 +91,10 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray) -> Frame:
     fields, layout = message["fields"], message["arrays"]
     if not isinstance(fields, dict):
         raise WireError("the fields are not an object")
-    return Frame(fields, _arrays().unpack(layout, memoryview(body).toreadonly()))
+    try:
+        return Frame(fields, _arrays().unpack(layout, memoryview(body).toreadonly()))
+    except ValueError as error:
+        raise WireError(str(error)) from None
 
 
 class Incoming:
