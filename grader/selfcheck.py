@@ -9,6 +9,7 @@ from pathlib import Path
 
 from grader.intake import Submission, read_submission
 from grader.intake.names import is_litter
+from grader.lab_box import open_box_for
 from grader.marking import Marker
 from grader.results import Result
 from grader.rubric import Rubric
@@ -25,7 +26,13 @@ def check(submission: Submission, rubric: Rubric, traces: Traces, box: Box, *, o
 
 
 def check_on_save(
-    path: Path, rubric: Rubric, traces: Traces, *, only: str | None = None, written: Collection[Path] = ()
+    path: Path,
+    rubric: Rubric,
+    traces: Traces,
+    *,
+    only: str | None = None,
+    rung: str | None = None,
+    written: Collection[Path] = (),
 ) -> Iterator[Result]:
     """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
 
@@ -33,8 +40,7 @@ def check_on_save(
     ----------
     written : what is written of each result: it may lie in the folder, and is no change of the student's
     """
-    read_submission(path)  # a wrong path is told before the marker warms up
-    with Marker(rubric, traces) as marker:
+    with Marker(rubric, traces, box=open_box_for(read_submission(path).files, rung)) as marker:
         for _ in saves(path, written):
             yield marker.mark(read_submission(path), only=only)
 

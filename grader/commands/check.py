@@ -38,7 +38,7 @@ def check(
     from grader.lab_box import open_box_for  # noqa: PLC0415
 
     if watch:
-        return _watch(path, rubric, only, html, json)
+        return _watch(path, rubric, only, html, json, rung)
     submission = read_submission(path)
     with open_box_for(submission.files, rung) as box:
         from grader import opening  # noqa: PLC0415 - this and the next while the box warms up
@@ -60,7 +60,9 @@ def check(
     return 3 if result.status == "incomplete" else 0
 
 
-def _watch(path: Path, rubric: Path | None, only: str | None, html: Path | None, json: Path | None) -> int:
+def _watch(
+    path: Path, rubric: Path | None, only: str | None, html: Path | None, json: Path | None, rung: str | None
+) -> int:
     from grader import opening, selfcheck, traces  # noqa: PLC0415
     from grader import rubric as rubrics  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
@@ -70,7 +72,7 @@ def _watch(path: Path, rubric: Path | None, only: str | None, html: Path | None,
     bundle = traces.obtain(None, None)
     waiting = opening.waiting(read_submission(path), chosen, bundle, only) + "\n"
     written = [each for each in (html, json) if each is not None]
-    for result in selfcheck.check_on_save(path, chosen, bundle, only=only, written=written):
+    for result in selfcheck.check_on_save(path, chosen, bundle, only=only, rung=rung, written=written):
         console().clear()
         print(waiting)
         _show(result, html, json, only)
