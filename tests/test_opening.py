@@ -96,3 +96,15 @@ def test_the_first_line_waits_for_no_simulator_and_no_pytest() -> None:
     environ = {**os.environ, "PYTHONPATH": str(Path(cli.__file__).parent.parent)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environ)
     assert done.stdout.strip() == "[]"
+
+
+def test_the_box_is_opened_before_anything_slow_is_imported() -> None:
+    code = (
+        "import sys; from grader import cli; from grader.intake import read_submission; from grader.lab_box import open_box_for\n"
+        "box = open_box_for({})\n"
+        "print(sorted({'numpy', 'mujoco', 'matplotlib', 'pytest', 'yaml', 'grader.results'} & set(sys.modules)))\n"
+        "box.close()"
+    )
+    environ = {**os.environ, "PYTHONPATH": str(Path(cli.__file__).parent.parent)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environ)
+    assert done.stdout.strip() == "[]"
