@@ -1,6 +1,6 @@
 """What programs find on a student's desk and not here: windows, a notebook around them, an installer.
 
-Whoever asks for one gets an answer that lets the program go on: a window was closed at once, what is to be installed is there.
+Whoever asks for one gets an answer that lets the program go on: a window was closed again, what is to be installed is there.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from collections.abc import Callable
 from typing import Any
 
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
+_GLANCES = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
+_MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 _INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
 
 
@@ -46,33 +48,43 @@ def _take_the_screen_away() -> None:
     # The real module loads GLFW, see below.
     viewer: Any = types.ModuleType("mujoco.viewer")
     viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
-    viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
-    viewer.Handle = _NoViewer
+    viewer.launch_passive = viewer.Handle = _Viewer
     sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
 
 
-class _NoViewer:
-    """A viewer whose window was closed at once."""
+class _Viewer:
+    """A viewer that shows nothing, and whose window is closed after a while."""
 
-    def __init__(self) -> None:
-        self.cam = self.opt = self.user_scn = types.SimpleNamespace()
+    def __init__(self, model: Any, data: Any, **_: object) -> None:
+        import mujoco
+
+        self.m, self.d = model, data
+        self.cam, self.opt, self.perturb = mujoco.MjvCamera(), mujoco.MjvOption(), mujoco.MjvPerturb()
+        self.user_scn = mujoco.MjvScene(model, _MAX_MARKS)
+        self.viewport = mujoco.MjrRect(0, 0, 1280, 960)
+        self._glances = _GLANCES
 
     def is_running(self) -> bool:
-        return False
+        self._glances -= 1
+        return self._glances >= 0
+
+    def close(self) -> None:
+        self._glances = 0
 
     def sync(self, *args: object, **kwargs: object) -> None:
         """Nothing is shown."""
 
-    close = sync
+    set_figures = set_images = set_texts = clear_figures = clear_images = clear_texts = sync
+    update_hfield = update_mesh = update_texture = sync
 
     def lock(self) -> Any:
         return contextlib.nullcontext()
 
-    def __enter__(self) -> _NoViewer:
+    def __enter__(self) -> _Viewer:
         return self
 
     def __exit__(self, *args: object) -> None:
-        """Nothing to close."""
+        self.close()
 
 
 def _offer_notebook_names() -> None:
