@@ -18,6 +18,7 @@ from typing import Any
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
 _GLANCES = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
 _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
+_RUN_CELLS = ("time", "timeit", "capture", "prun")
 _INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
 
 
@@ -105,12 +106,27 @@ def _offer_notebook_names() -> None:
 
     package, module = types.ModuleType("IPython"), _Display("IPython.display")
     module.display = display  # type: ignore[attr-defined]
-    shell = types.SimpleNamespace(run_line_magic=nothing, magic=nothing, system=nothing, run_cell_magic=nothing)
     package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
     package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
     for name, stub in (("IPython", package), ("IPython.display", module)):
         sys.modules.setdefault(name, stub)
-    builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
+    builtins.display, builtins.get_ipython = display, _Shell  # type: ignore[attr-defined]
+
+
+class _Shell:
+    """The shell around a notebook that was exported as a program: its magics do nothing, but for those that run a cell."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return lambda *args, **kwargs: None
+
+    def getoutput(self, command: str, **_: object) -> list[str]:
+        return []
+
+    def run_cell_magic(self, name: str, line: str, cell: str) -> None:
+        if name in _RUN_CELLS:
+            exec(compile(cell, "<cell>", "exec"), sys._getframe(1).f_globals)
 
 
 class _Glfw(types.ModuleType):

@@ -21,6 +21,7 @@ from typing import Any
 from . import drawing, faults, figures, packages, world
 
 _REQUIRED = ("imu_reader", "noisy_imu", "filters")
+_FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
 _STANDIN_HOOK = "__sound_standin__"
 _LONGEST_NAME = 200
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -45,6 +46,8 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
 
     Answers with the paths of all files, those among them that a notebook writes with ``%%writefile``.
     """
+    os.makedirs(_FOLDER, exist_ok=True)
+    os.chdir(_FOLDER)
     STATE.folder = os.getcwd()
     world.settle(STATE.folder)
     for path, key in fields["files"]:

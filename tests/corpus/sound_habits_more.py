@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from tests.corpus.pieces import HEAD, IDS, lab, tidy
+from tests.corpus.pieces import HEAD, IDS, edit, lab, tidy
 
 # The window's camera and options are set before the simulation runs in it, as MuJoCo's documentation shows.
 VIEWER_SET_UP = HEAD + '''\
@@ -85,6 +85,54 @@ DOTTED_PACKAGE = below("imu", {
 })
 DOTTED_PACKAGE["imu/filters.py"] = "import imu.units.names\n" + DOTTED_PACKAGE["imu/filters.py"].replace("n=500", "n=imu.units.names.COUNT")
 
+# Constants and paths as large programs have them, all of them checked before anything else is defined.
+SETTINGS_FIRST = """\
+import configparser
+from pathlib import Path
+
+PROJECT_ROOT = Path(__file__).resolve().parents[2]
+MODEL_PATH = PROJECT_ROOT / "assets" / "models" / "humanoid-sensors.xml"
+if not MODEL_PATH.is_file():
+    raise FileNotFoundError(f"the lab model is not at {MODEL_PATH}")
+MODEL_SIZE = len(MODEL_PATH.read_text(encoding="utf-8"))
+MODEL_PATH = str(MODEL_PATH)
+SETTINGS = configparser.ConfigParser()
+SETTINGS.read("lab.ini")
+PUSH = SETTINGS.getfloat("simulation", "push")
+"""
+
+# What nbconvert makes of `%matplotlib inline`, `files = !ls` and `%%time`.
+EXPORTED = HEAD + """\
+get_ipython().run_line_magic('matplotlib', 'inline')
+get_ipython().run_line_magic('load_ext', 'autoreload')
+files = get_ipython().getoutput('ls')
+print(len(files), "files")
+get_ipython().run_cell_magic('time', '', 'PUSH = 0.5\\nSECONDS = 3.0\\n')
+"""
+
+FILM = """\
+from matplotlib.animation import FuncAnimation
+
+
+def film(imu_data, frames=15):
+    fig, ax = plt.subplots()
+    ax.set(xlim=(0, imu_data["time"][-1]), ylim=(-12, 0), xlabel="Time (s)", ylabel="Acceleration (m/s²)")
+    (line,) = ax.plot([], [])
+
+    def draw(frame):
+        line.set_data(imu_data["time"][:frame], imu_data["acceleration"][:frame, 2])
+        return (line,)
+
+    steps = range(0, len(imu_data["time"]), len(imu_data["time"]) // frames)
+    FuncAnimation(fig, draw, frames=steps, interval=40, blit=True).save("imu.gif", writer="pillow", fps=20)
+
+
+model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+imu_data = simulate_and_collect(model, mujoco.MjData(model), 3.0)
+film(imu_data)
+plot_imu_data(imu_data)
+"""
+
 HABITS_MORE = {
     "viewer_set_up_at_module_level": lab(head=VIEWER_SET_UP, collect=COLLECT_WHILE_WATCHING, main="""\
 model = mujoco.MjModel.from_xml_path(MODEL_PATH)
@@ -93,5 +141,11 @@ watch(model, data)
 plot_imu_data(simulate_and_collect(model, data, 3.0))
 """),
     "package_with_absolute_imports": ABSOLUTE_PACKAGE,
+    "settings_and_paths_first": {
+        **edit(lab(head=HEAD + SETTINGS_FIRST), "imu_reader.py", ("data.qvel[0] = 0.5", "data.qvel[0] = PUSH")),
+        "lab.ini": "[simulation]\npush = 0.5\n",
+    },
+    "exported_with_magics": edit(lab(head=EXPORTED), "imu_reader.py", ("data.qvel[0] = 0.5", "data.qvel[0] = PUSH")),
+    "film_of_the_recording": lab(main=FILM),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
