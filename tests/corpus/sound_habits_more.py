@@ -70,7 +70,6 @@ def below(folder: str, files: dict[str, str]) -> dict[str, str]:
 # Run from above as `python -m src.imu_lab.filters`, so every import begins there.
 ABSOLUTE_PACKAGE = {
     "pyproject.toml": '[project]\nname = "imu-lab"\nversion = "0.1"\n',
-    "src/__init__.py": "",
     **below("src/imu_lab", importing("from src.imu_lab.imu_reader import", "from src.imu_lab.noisy_imu import")),
     "src/imu_lab/__init__.py": "",
 }
