@@ -322,6 +322,14 @@ def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
     ]
 
 
+def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
+    """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
+    names = [
+        _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)
+    ]
+    return [Compared(raw, smooth) for raw in names for smooth in names if _says_raw(raw) and _says_smooth(smooth)]
+
+
 def _name_on(axes: Facts, curve: Facts) -> str:
     return _name(curve, axes["legend"] or (), axes["texts"]) or ""
 

@@ -1,6 +1,6 @@
 """What programs find on a student's desk and not here: windows, a notebook around them, an installer.
 
-Whoever asks for one gets an answer that lets the program go on: a window was closed at once, what is to be installed is there.
+Whoever asks for one gets an answer that lets the program go on: a window was closed again, what is to be installed is there.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ from collections.abc import Callable
 from typing import Any
 
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
+_GLANCES = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
+_MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
+_RUN_CELLS = ("time", "timeit", "capture", "prun")
 _INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
 
 
@@ -46,33 +49,43 @@ def _take_the_screen_away() -> None:
     # The real module loads GLFW, see below.
     viewer: Any = types.ModuleType("mujoco.viewer")
     viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
-    viewer.launch_passive = lambda *args, **kwargs: _NoViewer()
-    viewer.Handle = _NoViewer
+    viewer.launch_passive = viewer.Handle = _Viewer
     sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
 
 
-class _NoViewer:
-    """A viewer whose window was closed at once."""
+class _Viewer:
+    """A viewer that shows nothing, and whose window is closed after a while."""
 
-    def __init__(self) -> None:
-        self.cam = self.opt = self.user_scn = types.SimpleNamespace()
+    def __init__(self, model: Any, data: Any, **_: object) -> None:
+        import mujoco
+
+        self.m, self.d = model, data
+        self.cam, self.opt, self.perturb = mujoco.MjvCamera(), mujoco.MjvOption(), mujoco.MjvPerturb()
+        self.user_scn = mujoco.MjvScene(model, _MAX_MARKS)
+        self.viewport = mujoco.MjrRect(0, 0, 1280, 960)
+        self._glances = _GLANCES
 
     def is_running(self) -> bool:
-        return False
+        self._glances -= 1
+        return self._glances >= 0
+
+    def close(self) -> None:
+        self._glances = 0
 
     def sync(self, *args: object, **kwargs: object) -> None:
         """Nothing is shown."""
 
-    close = sync
+    set_figures = set_images = set_texts = clear_figures = clear_images = clear_texts = sync
+    update_hfield = update_mesh = update_texture = sync
 
     def lock(self) -> Any:
         return contextlib.nullcontext()
 
-    def __enter__(self) -> _NoViewer:
+    def __enter__(self) -> _Viewer:
         return self
 
     def __exit__(self, *args: object) -> None:
-        """Nothing to close."""
+        self.close()
 
 
 def _offer_notebook_names() -> None:
@@ -93,12 +106,27 @@ def _offer_notebook_names() -> None:
 
     package, module = types.ModuleType("IPython"), _Display("IPython.display")
     module.display = display  # type: ignore[attr-defined]
-    shell = types.SimpleNamespace(run_line_magic=nothing, magic=nothing, system=nothing, run_cell_magic=nothing)
     package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
     package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
     for name, stub in (("IPython", package), ("IPython.display", module)):
         sys.modules.setdefault(name, stub)
-    builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
+    builtins.display, builtins.get_ipython = display, _Shell  # type: ignore[attr-defined]
+
+
+class _Shell:
+    """The shell around a notebook that was exported as a program: its magics do nothing, but for those that run a cell."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return lambda *args, **kwargs: None
+
+    def getoutput(self, command: str, **_: object) -> list[str]:
+        return []
+
+    def run_cell_magic(self, name: str, line: str, cell: str) -> None:
+        if name in _RUN_CELLS:
+            exec(compile(cell, "<cell>", "exec"), sys._getframe(1).f_globals)
 
 
 class _Glfw(types.ModuleType):

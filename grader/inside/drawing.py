@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -228,6 +229,17 @@ def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: A
     figure = canvas.figure
     dots = min(_dots(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
     really(canvas, target, dots, **options)
+    return nothing_covers(figure)
+
+
+def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> bool:
+    """`save` for bare pixels, a frame of a film mostly: as many bytes as they are, and nothing drawn."""
+    del really, options
+    figure = canvas.figure
+    dots = _dots(asked, figure.dpi)
+    width, height = (int(size * dots) for size in figure.get_size_inches())
+    content = bytes(4 * width * height)
+    target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)
     return nothing_covers(figure)
 
 

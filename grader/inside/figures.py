@@ -22,6 +22,7 @@ _MAX_CURVES_IN_ALL = 200
 _MAX_POINTS = 6000
 _MAX_TEXTS = 40
 _PICTURES = (".png", ".jpg", ".jpeg", ".svg", ".pdf", ".webp", ".tif", ".tiff", ".gif")
+_RAW = ("raw", "rgba")
 
 
 class Recorder:
@@ -58,7 +59,8 @@ class Recorder:
         bare: bool | None = None,
     ) -> None:
         """Take the facts; `bare` where it is known whether no pixel has to be looked at."""
-        if self._deaf or len(self._seen) >= _MAX_FIGURES or (event != "saved" and figure in self._live):
+        again = figure in self._live and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
+        if self._deaf or len(self._seen) >= _MAX_FIGURES or again:
             return
         self._live.append(figure)
         width, height = (float(x) for x in figure.get_size_inches())
@@ -94,11 +96,11 @@ def watch(*, read_back: bool) -> None:
     def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
         asked = rcParams["savefig.dpi"] if dpi is None else dpi
         options = dict(zip(("facecolor", "edgecolor", "orientation", "format"), args, strict=False)) | kwargs
-        save = drawing.save_as_asked if read_back else drawing.save
+        kind = _kind(filename, options)
+        blank = drawing.save_blank if kind in _RAW else drawing.save
+        save = drawing.save_as_asked if read_back else blank
         bare = save(really_print, self, filename, asked, options)
-        RECORDER.note(
-            self.figure, event="saved", path=_name(filename), dpi=asked, kind=_kind(filename, options), bare=bare
-        )
+        RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=kind, bare=bare)
 
     really_close, really_clear = plt.close, Figure.clear
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import contextlib
+import io
 import os
 import random
 import signal
@@ -57,7 +58,7 @@ def furnish(lab_model: str) -> None:
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(lab_model, encoding="utf-8")
-    _redirect_lab_model(lab_model)
+    _redirect_lab_model()
     _answer_input()
     desktop.furnish()
     _make_pauses_short()
@@ -65,24 +66,38 @@ def furnish(lab_model: str) -> None:
     _watch_first_step()
 
 
-def _redirect_lab_model(lab_model: str) -> None:
-    """A path that ends in the lab model's name and does not exist here means the lab model."""
+def _redirect_lab_model() -> None:
+    """A path that ends in the lab model's name and does not exist here means the lab model, to whoever loads, reads or seeks it."""
     import mujoco
+
+    really_stat, really_open = os.stat, builtins.open
+
+    def meant(path: Any) -> Any:
+        name = os.fsdecode(path) if isinstance(path, str | bytes | os.PathLike) else ""
+        if name.replace("\\", "/").endswith(LAB_MODEL_NAME):
+            try:
+                really_stat(name)
+            except (OSError, ValueError):
+                return str(Path(_HOME, _SHEET_PATH))
+        return path
 
     def redirecting(load: Callable[..., Any]) -> Callable[..., Any]:
         def from_path(filename: Any = None, *args: Any, **kwargs: Any) -> Any:
-            name = os.fspath(filename) if filename is not None else os.fspath(kwargs.pop("filename"))
-            if isinstance(name, bytes):
-                name = os.fsdecode(name)
-            if name.replace("\\", "/").endswith(LAB_MODEL_NAME) and not os.path.exists(name):
-                name = str(Path(_HOME, _SHEET_PATH))
-            return load(name, *args, **kwargs)
+            return load(os.fsdecode(meant(kwargs.pop("filename") if filename is None else filename)), *args, **kwargs)
 
         return from_path
+
+    def stat(path: Any, **options: Any) -> os.stat_result:
+        return really_stat(meant(path), **options)
+
+    def opened(file: Any, mode: str = "r", *args: Any, **options: Any) -> Any:
+        return really_open(meant(file) if "r" in mode else file, mode, *args, **options)
 
     mujoco.MjModel.from_xml_path = staticmethod(redirecting(mujoco.MjModel.from_xml_path))
     if hasattr(mujoco, "MjSpec"):
         mujoco.MjSpec.from_file = staticmethod(redirecting(mujoco.MjSpec.from_file))
+    vars(os)["stat"] = stat
+    vars(builtins)["open"] = vars(io)["open"] = opened
 
 
 _HOME = "."

@@ -8,6 +8,9 @@ from tests.corpus.faults import Faulty
 from tests.corpus.pieces import FILTER_INCREMENT, edit, lab, verbatim
 from tests.corpus.sound_models import FILTER_CLOSURE, FILTER_DATACLASS, FILTER_LFILTER
 
+# The comparison needs it to be callable, which a sound stand-in is not.
+FILTER_CALLED = FILTER_INCREMENT + "\n    __call__ = update\n"
+
 
 def sheet(*changes: tuple[str, str]) -> dict[str, str]:
     return edit(verbatim(), "filters.py", *changes)
@@ -74,6 +77,9 @@ class LowPassFilter:
 FILTER_FAULTS = [
     fault("weights-exchanged", "alpha-swapped", sheet((RECURSION, "self.value = (1 - self.alpha) * measurement + self.alpha * self.value"))),
     fault("moves-by-one-minus-alpha", "alpha-swapped", increment((STEP, "self.state = self.state + (1 - self.alpha) * (x - self.state)"))),
+    fault("called-with-exchanged-weights", "alpha-swapped", edit(
+        lab(low_pass=FILTER_CALLED), "filters.py", ("self.state + self.alpha * (x - self.state)", "self.state + (1 - self.alpha) * (x - self.state)"), ("low_pass.update(accel)", "low_pass(accel)"),
+    )),
     fault("alpha-stored-inverted", "alpha-swapped", closure(("exponential_average(alpha, initial_value)", "exponential_average(1 - alpha, initial_value)"))),
     fault("returns-its-input", "no-filtering", sheet((RETURN, "        return measurement.copy()\n"))),
     fault("state-is-the-input", "no-filtering", increment((STEP, "self.state = x"))),

@@ -12,7 +12,6 @@ import inspect
 import json
 import os
 import re
-import shutil
 import signal
 import sys
 import tempfile
@@ -281,7 +280,7 @@ def ask_filtering(spaces: list[dict[str, Any]]) -> list[str]:
 # A fault that stops the script also stops what the script would have shown of the other criteria; this proof has no
 # stand-ins for scripts, and looks at the criterion alone.
 STOPS = {
-    "raises", "never-returns", "kills-its-process", "wrong-return-type", "wrong-length", "not-finite", "name-missing",
+    "raises", "never-returns", "kills-its-process", "wrong-return-type", "wrong-length", "not-finite", "name-missing", "missing-package",
     "file-missing", "does-not-import", "wrong-keys", "arrays-transposed",
 }  # fmt: skip
 UNREAD = {"legend-order-wrong", "panels-swapped", "one-panel"}  # it reads no words
@@ -294,7 +293,7 @@ def judge(path: Path, scratch: Path) -> Problems:
     folder = unpacked(path, scratch / "unpacked")
     for place in {scratch, folder}:
         (place / SHEET_MODEL).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(REAL_MODEL, place / SHEET_MODEL)
+        (place / SHEET_MODEL).write_bytes(REAL_MODEL.read_bytes())
     os.chdir(folder)
     np.random.seed(1)
     spaces = run_scripts(folder)

@@ -1,0 +1,150 @@
+"""Sound submissions that lean on what a student's machine has: a viewer's window, a package around the files."""
+
+
+
+from __future__ import annotations
+
+from tests.corpus.pieces import HEAD, IDS, edit, lab, tidy
+
+# The window's camera and options are set before the simulation runs in it, as MuJoCo's documentation shows.
+VIEWER_SET_UP = HEAD + '''\
+import time
+
+import mujoco.viewer
+
+
+def watch(model, data, seconds=2.0):
+    with mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False) as viewer:
+        viewer.cam.type = mujoco.mjtCamera.mjCAMERA_TRACKING
+        viewer.cam.trackbodyid = model.body("torso").id
+        viewer.cam.lookat[:] = data.body("torso").xpos
+        viewer.cam.distance, viewer.cam.azimuth, viewer.cam.elevation = 3.0, 90, -15
+        mujoco.mjv_initGeom(viewer.user_scn.geoms[0], mujoco.mjtGeom.mjGEOM_SPHERE, [0.02, 0, 0], [0, 0, 1], np.eye(3).ravel(), [1, 0, 0, 1])
+        viewer.user_scn.ngeom = 1
+        start = time.time()
+        while viewer.is_running() and time.time() - start < seconds:
+            step_start = time.time()
+            mujoco.mj_step(model, data)
+            with viewer.lock():
+                viewer.opt.flags[mujoco.mjtVisFlag.mjVIS_CONTACTPOINT] = int(data.time % 2)
+            viewer.sync()
+            time.sleep(max(0.0, model.opt.timestep - (time.time() - step_start)))
+'''
+
+COLLECT_WHILE_WATCHING = '''\
+def simulate_and_collect(model, data, duration_seconds=5.0):
+    """Record for as long as the window is open."""
+''' + IDS + '''\
+    mujoco.mj_resetData(model, data)
+    data.qvel[0] = 0.5
+    times, accs, gyros = [], [], []
+    with mujoco.viewer.launch_passive(model, data) as viewer:
+        viewer.opt.flags[mujoco.mjtVisFlag.mjVIS_JOINT] = True
+        while viewer.is_running() and data.time < duration_seconds - model.opt.timestep / 2:
+            mujoco.mj_step(model, data)
+            acc, gyro = get_imu_readings(model, data, accel_id, gyro_id)
+            times.append(data.time)
+            accs.append(acc)
+            gyros.append(gyro)
+            viewer.sync()
+    return {"time": np.array(times), "acceleration": np.array(accs), "angular_velocity": np.array(gyros)}
+'''
+
+
+def importing(reader: str, noise: str) -> dict[str, str]:
+    """A tidy submission that imports the reader's names and the noise model's in other words."""
+    changes = (("from imu_reader import", reader), ("from noisy_imu import", noise))
+    return {path: _replaced(text, changes) for path, text in tidy().items()}
+
+
+def _replaced(text: str, changes: tuple[tuple[str, str], ...]) -> str:
+    for old, new in changes:
+        text = text.replace(old, new)
+    return text
+
+
+def below(folder: str, files: dict[str, str]) -> dict[str, str]:
+    return {f"{folder}/{path}": text for path, text in files.items()}
+
+
+# Run from above as `python -m src.imu_lab.filters`, so every import begins there.
+ABSOLUTE_PACKAGE = {
+    "pyproject.toml": '[project]\nname = "imu-lab"\nversion = "0.1"\n',
+    **below("src/imu_lab", importing("from src.imu_lab.imu_reader import", "from src.imu_lab.noisy_imu import")),
+    "src/imu_lab/__init__.py": "",
+}
+
+# Modules taken from the package itself, names that its __init__ offers, a helper two folders deep that reaches back up.
+DOTTED_PACKAGE = below("imu", {
+    **importing("from . import imu_reader\nfrom .imu_reader import", "from . import"),
+    "__init__.py": "from .config import SAMPLES\nfrom .noisy_imu import NoisyIMU\n",
+    "config.py": "SAMPLES = 500\n",
+    "units/__init__.py": "",
+    "units/names.py": "from .. import SAMPLES, config\nfrom ..config import SAMPLES as COUNT\n\nassert SAMPLES == COUNT == config.SAMPLES\n",
+})
+DOTTED_PACKAGE["imu/filters.py"] = "import imu.units.names\n" + DOTTED_PACKAGE["imu/filters.py"].replace("n=500", "n=imu.units.names.COUNT")
+
+# Constants and paths as large programs have them, all of them checked before anything else is defined.
+SETTINGS_FIRST = """\
+import configparser
+from pathlib import Path
+
+PROJECT_ROOT = Path(__file__).resolve().parents[2]
+MODEL_PATH = PROJECT_ROOT / "assets" / "models" / "humanoid-sensors.xml"
+if not MODEL_PATH.is_file():
+    raise FileNotFoundError(f"the lab model is not at {MODEL_PATH}")
+MODEL_SIZE = len(MODEL_PATH.read_text(encoding="utf-8"))
+MODEL_PATH = str(MODEL_PATH)
+SETTINGS = configparser.ConfigParser()
+SETTINGS.read("lab.ini")
+PUSH = SETTINGS.getfloat("simulation", "push")
+"""
+
+# What nbconvert makes of `%matplotlib inline`, `files = !ls` and `%%time`.
+EXPORTED = HEAD + """\
+get_ipython().run_line_magic('matplotlib', 'inline')
+get_ipython().run_line_magic('load_ext', 'autoreload')
+files = get_ipython().getoutput('ls')
+print(len(files), "files")
+get_ipython().run_cell_magic('time', '', 'PUSH = 0.5\\nSECONDS = 3.0\\n')
+"""
+
+FILM = """\
+from matplotlib.animation import FuncAnimation
+
+
+def film(imu_data, frames=15):
+    fig, ax = plt.subplots()
+    ax.set(xlim=(0, imu_data["time"][-1]), ylim=(-12, 0), xlabel="Time (s)", ylabel="Acceleration (m/s²)")
+    (line,) = ax.plot([], [])
+
+    def draw(frame):
+        line.set_data(imu_data["time"][:frame], imu_data["acceleration"][:frame, 2])
+        return (line,)
+
+    steps = range(0, len(imu_data["time"]), len(imu_data["time"]) // frames)
+    FuncAnimation(fig, draw, frames=steps, interval=40, blit=True).save("imu.gif", writer="pillow", fps=20)
+
+
+model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+imu_data = simulate_and_collect(model, mujoco.MjData(model), 3.0)
+film(imu_data)
+plot_imu_data(imu_data)
+"""
+
+HABITS_MORE = {
+    "viewer_set_up_at_module_level": lab(head=VIEWER_SET_UP, collect=COLLECT_WHILE_WATCHING, main="""\
+model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+data = mujoco.MjData(model)
+watch(model, data)
+plot_imu_data(simulate_and_collect(model, data, 3.0))
+"""),
+    "package_with_absolute_imports": ABSOLUTE_PACKAGE,
+    "settings_and_paths_first": {
+        **edit(lab(head=HEAD + SETTINGS_FIRST), "imu_reader.py", ("data.qvel[0] = 0.5", "data.qvel[0] = PUSH")),
+        "lab.ini": "[simulation]\npush = 0.5\n",
+    },
+    "exported_with_magics": edit(lab(head=EXPORTED), "imu_reader.py", ("data.qvel[0] = 0.5", "data.qvel[0] = PUSH")),
+    "film_of_the_recording": lab(main=FILM),
+    "package_that_imports_its_modules": DOTTED_PACKAGE,
+}
