@@ -11,12 +11,14 @@ import io
 import os
 import subprocess
 import sys
+import time
 import types
 from collections.abc import Callable
 from typing import Any
 
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
 _GLANCES = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
+_PATIENCE_S = 2.0  # of CPU time before it is closed: such a loop needs 0.2, one that draws at every step never ends
 _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 _RUN_CELLS = ("time", "timeit", "capture", "prun")
 _INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
@@ -63,11 +65,11 @@ class _Viewer:
         self.cam, self.opt, self.perturb = mujoco.MjvCamera(), mujoco.MjvOption(), mujoco.MjvPerturb()
         self.user_scn = mujoco.MjvScene(model, _MAX_MARKS)
         self.viewport = mujoco.MjrRect(0, 0, 1280, 960)
-        self._glances = _GLANCES
+        self._glances, self._until_s = _GLANCES, time.process_time() + _PATIENCE_S
 
     def is_running(self) -> bool:
         self._glances -= 1
-        return self._glances >= 0
+        return self._glances >= 0 and time.process_time() < self._until_s
 
     def close(self) -> None:
         self._glances = 0
