@@ -5,6 +5,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from tests.corpus.broken import BROKEN
+from tests.corpus.extensions import FAULTY_EXTENSIONS, SOUND_EXTENSIONS
+from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS
+from tests.corpus.sound import SOUND
+
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```sh\n(.*?)```", README, re.DOTALL)
@@ -27,3 +32,17 @@ def test_ci_runs_the_test_command_of_the_readme() -> None:
 def test_the_files_that_the_readme_names_are_there() -> None:
     links = re.findall(r"\]\(([^)#]+)\)", README)
     assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_the_scoreboard_of_the_readme_is_that_of_this_corpus() -> None:
+    rows = dict(re.findall(r"^\| (.+?) \| (\d+) \| .+ \|$", README, re.MULTILINE))
+    faults = len(FAULTY) + len(LOOKALIKES) + len(PAIRS)
+    assert int(rows["sound submissions with false deductions"]) == len(SOUND)
+    assert (
+        int(rows["faults missed (one fault, look-alikes, pairs)"])
+        == int(rows["points lost in other criteria"])
+        == faults
+    )
+    assert int(rows["broken submissions without a clear verdict"]) == len(BROKEN)
+    sound, faulty = sum(map(len, SOUND_EXTENSIONS.values())), len(FAULTY_EXTENSIONS)
+    assert f"{sound} sound and {faulty}\nfaulty submissions in `tests/test_extensions.py`" in README
