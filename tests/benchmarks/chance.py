@@ -80,24 +80,24 @@ class Model:
     def __init__(self, law: Law, truth: Traces, rng: np.random.Generator) -> None:
         self._law, self._rng = law, rng
         self._clean = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
-        self._runs: dict[str, NoiseRun] = {}
+        self._answers: dict[Any, Any] = {}
+
+    def once(self, key: Any, ask: Callable[[], Any]) -> Any:
+        if key not in self._answers:
+            self._answers[key] = ask()
+        return self._answers[key]
 
     def noise(
         self, key: str, *, reads: int, stds: tuple[float, float], biases: tuple[Array, Array], **_: Any
     ) -> NoiseRun:
-        if key not in self._runs:
-            states = len(self._clean[0])
-            unit = np.concatenate([self._law.draw(self._rng, (reads, 6)) for _ in range(states)]).reshape(
-                states, reads, 6
-            )
-            parts = [
-                clean[:, None, :] + bias + std * (part + self._law.offset)
-                for clean, bias, std, part in zip(
-                    self._clean, biases, stds, (unit[..., :3], unit[..., 3:]), strict=True
-                )
-            ]
-            self._runs[key] = NoiseRun(parts[0], parts[1], np.zeros((0, 4)), None, None)
-        return self._runs[key]
+        del key
+        states = len(self._clean[0])
+        unit = np.concatenate([self._law.draw(self._rng, (reads, 6)) for _ in range(states)]).reshape(states, reads, 6)
+        parts = [
+            clean[:, None, :] + bias + std * (part + self._law.offset)
+            for clean, bias, std, part in zip(self._clean, biases, stds, (unit[..., :3], unit[..., 3:]), strict=True)
+        ]
+        return NoiseRun(parts[0], parts[1], np.zeros((0, 4)), None, None)
 
     def default_bias(self, *, instances: int, reads: int, **_: Any) -> NoiseRun:
         parts = [
