@@ -113,12 +113,17 @@ def marked_now_and_then(axes: Any) -> None:
     axes.lines[0].set_markevery([0, 5])
 
 
+def in_other_coordinates(axes: Any) -> None:
+    axes.plot(np.linspace(0, 1, 50), np.linspace(0, 1, 50), transform=axes.transAxes)
+
+
 def listened_to(axes: Any) -> None:
     axes.figure.canvas.mpl_connect("draw_event", print)
 
 
 @pytest.mark.parametrize(
-    "change", [spans, thick, boxed, arrowed, scaled, told_otherwise, marked_now_and_then, listened_to]
+    "change",
+    [spans, thick, boxed, arrowed, scaled, told_otherwise, marked_now_and_then, in_other_coordinates, listened_to],
 )
 def test_whatever_may_cover_a_curve_or_fail_is_drawn(figure: Any, change: Callable[[Any], None]) -> None:
     assert drawing.nothing_covers(figure)
@@ -126,6 +131,12 @@ def test_whatever_may_cover_a_curve_or_fail_is_drawn(figure: Any, change: Callab
     assert drawing.nothing_covers(figure)
     change(figure.axes[0])
     assert not drawing.nothing_covers(figure)
+
+
+def test_a_single_stroke_across_a_panel_covers_nothing(figure: Any) -> None:
+    figure.axes[0].axhline(-0.5, color="k", linestyle="--", label="gravity")
+    figure.axes[1].axvline(1.0)
+    assert drawing.nothing_covers(figure)
 
 
 def test_a_figure_that_may_cover_a_curve_is_drawn_in_full(figure: Any) -> None:

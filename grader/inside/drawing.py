@@ -92,9 +92,9 @@ def _is_bare_axis(axis: Any) -> bool:
 
 
 def _is_bare_line(line: Any, axes: Any) -> bool:
-    """Whether a curve is in the panel's own coordinates, with small markers at every point or at none."""
-    own = line.get_transform() is axes.transData and line.get_markevery() is None
-    return bool(own and line.get_markersize() <= _SMALL_MARKER)
+    """Whether a curve is in the panel's own coordinates or a single stroke, with small markers at every point or at none."""
+    own = line.get_transform() is axes.transData or len(line.get_xdata()) <= 2  # `axhline`, `axvline`
+    return bool(own and line.get_markevery() is None and line.get_markersize() <= _SMALL_MARKER)
 
 
 def _is_bare(text: Any) -> bool:
