@@ -64,9 +64,8 @@ def _is_bare_panel(axes: Any) -> bool:
     legend, lines, spines = axes.get_legend(), list(axes.lines), list(axes.spines.values())
     known = {axes.patch, *lines, *spines, *titles, *axis, *axes.texts, *([legend] if legend else [])}
     must_be_honest(axes, *known)
-    grid = [
-        tick.gridline for each in axis for tick in each.majorTicks
-    ]  # where none is made yet, this makes one of them
+    # One tick is made by asking where there is none yet; those that follow are made alike.
+    grid = [tick.gridline for each in axis for tick in each.majorTicks]
     strokes = [*lines, *spines, *grid]
     return (
         type(axes) is Axes
