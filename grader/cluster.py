@@ -69,6 +69,21 @@ def mark_all(
 
 
 @contextmanager
+def _or_lost(address: str) -> Iterator[None]:
+    """Whatever goes wrong between us and the scheduler means that the cluster is lost."""
+    try:
+        yield
+    except Exception as problem:
+        raise _lost(address) from problem
+
+
+def _lost(address: str) -> GraderError:
+    return GraderError(
+        f"the cluster at {address} was lost; the same command goes on where this one ended, here or elsewhere"
+    )
+
+
+@contextmanager
 def _connected(address: str) -> Iterator[Client]:
     try:
         import dask  # noqa: PLC0415 - an extra
@@ -79,10 +94,16 @@ def _connected(address: str) -> Iterator[Client]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is told here, in one line
     try:
         asyncio.run(_find_scheduler(address))
-        with dask.config.set(_SETTINGS), Client(address, timeout=ANSWERS_WITHIN_S, set_as_default=False) as client:
-            yield client
     except _NoSchedulerError as problem:
         raise RequestError(f"--cluster {printable(address)}: no Dask scheduler answers there ({problem})") from None
+    with dask.config.set(_SETTINGS):
+        with _or_lost(address):
+            client = Client(address, timeout=ANSWERS_WITHIN_S, set_as_default=False)
+        try:
+            yield client
+        finally:
+            with suppress(Exception):  # the scheduler may be gone; what came of the run is told, not this
+                client.close()
 
 
 class _NoSchedulerError(Exception):
@@ -110,7 +131,9 @@ def _seats(client: Client, open_marker: OpenMarker, address: str) -> Iterator[st
     """A seat for this run in every worker, and the name of the run; markers are closed at its end."""
     from grader.cluster_worker import Seat, versions  # noqa: PLC0415
 
-    if not client.nthreads():
+    with _or_lost(address):
+        staffed = bool(client.nthreads())
+    if not staffed:
         raise RequestError(
             f"--cluster {printable(address)}: it has no worker; start some with: dask worker {printable(address)} --nthreads 1"
         )
@@ -168,7 +191,8 @@ class _Errands:
 
         self._sent += 1
         plain = {**vars(task.submission), "files": dict(task.submission.files)}
-        future = self._client.submit(mark, self._run, plain, key=f"{self._run}-{self._sent}", pure=False)
+        with _or_lost(self._address):
+            future = self._client.submit(mark, self._run, plain, key=f"{self._run}-{self._sent}", pure=False)
         self._out[future] = task
         future.add_done_callback(self._done.put)
 
@@ -186,22 +210,15 @@ class _Errands:
                 )
 
     def _workers(self) -> int:
-        try:
+        with _or_lost(self._address):
             return len(self._client.nthreads())
-        except Exception as problem:
-            raise self._lost() from problem
-
-    def _lost(self) -> GraderError:
-        return GraderError(
-            f"the cluster at {self._address} was lost; the same command goes on where this one ended, here or elsewhere"
-        )
 
     def _outcome(self, future: Future[Any], task: Task) -> Result | Unmarked | None:
         """What came of a task; None if it is to be tried again."""
         from distributed import KilledWorker  # noqa: PLC0415
 
         if future.cancelled():
-            raise self._lost()
+            raise _lost(self._address)
         try:
             answer = future.result(timeout=_FETCHED_WITHIN_S)
         except (RequestError, GraderError):

@@ -350,6 +350,39 @@ def test_a_cluster_that_loses_its_last_worker_is_given_up_in_time(
     )
 
 
+def test_a_connection_that_cannot_be_closed_changes_nothing(
+    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As when the scheduler ends while its client gives up connecting to it."""
+
+    async def broken(client: Client, *, fast: bool = False) -> None:
+        await closing_as_ever(client, fast=fast)
+        raise RuntimeError("Cannot change state of expiring Timeout")
+
+    site.staff(1)
+    closing_as_ever = Client._close
+    monkeypatch.setattr(Client, "_close", broken)
+    assert isinstance(grade(site, tmp_path, "a")["a"], Result)
+    run = cluster.mark_all(iter([submission("b")]), partial(no_marker, tmp_path), site.address)
+    with pytest.raises(RequestError, match="no marker for"):
+        next(run)
+
+
+@pytest.mark.parametrize("moment", ["__init__", "nthreads", "register_plugin", "submit"])
+def test_a_scheduler_that_goes_away_at_any_moment_is_told_in_one_line(
+    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
+) -> None:
+    def gone(*_: object, **__: object) -> None:
+        raise OSError("Timed out during handshake while connecting to tcp://127.0.0.1:1")
+
+    site.staff(1)
+    monkeypatch.setattr(Client, moment, gone)
+    with pytest.raises((RequestError, GraderError)) as told:
+        grade(site, tmp_path, "a")
+    assert site.address in str(told.value)
+    assert "\n" not in str(told.value)
+
+
 def test_a_scheduler_that_goes_away_ends_the_run(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The last test here: it takes the scheduler with it."""
     monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 2.0)
