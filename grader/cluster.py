@@ -190,7 +190,7 @@ class _Errands:
         from grader.cluster_worker import mark  # noqa: PLC0415
 
         self._sent += 1
-        plain = {**vars(task.submission), "files": dict(task.submission.files)}
+        plain = {**vars(task.submission), "files": dict(task.submission.files), "above": dict(task.submission.above)}
         with _or_lost(self._address):
             future = self._client.submit(mark, self._run, plain, key=f"{self._run}-{self._sent}", pure=False)
         self._out[future] = task

@@ -75,14 +75,22 @@ class Conversation:
     ----------
     box : the zygote that workers come from
     files : relative path -> content
+    above : how many folders above the others some of them lie
     lab_model : XML text of the lab model
     call_cpu_s, submission_cpu_s : limits, from the rubric
     """
 
     def __init__(
-        self, box: Box, files: Mapping[str, bytes], *, lab_model: str, call_cpu_s: float, submission_cpu_s: float
+        self,
+        box: Box,
+        files: Mapping[str, bytes],
+        *,
+        above: Mapping[str, int],
+        lab_model: str,
+        call_cpu_s: float,
+        submission_cpu_s: float,
     ) -> None:
-        self._box = box
+        self._box, self._above = box, above
         self.files = dict(files)
         self.lab_model = lab_model
         self._call_cpu_s, self._left_cpu_s = call_cpu_s, submission_cpu_s
@@ -149,8 +157,8 @@ class Conversation:
         }
         self.paths = frozenset(worker.ask("submit", fields, arrays, cpu_s=self._call_cpu_s).fields["paths"])
 
-    def _files_to_send(self) -> tuple[list[list[str]], dict[str, np.ndarray]]:
-        rows: list[list[str]] = []
+    def _files_to_send(self) -> tuple[list[tuple[str, str, int]], dict[str, np.ndarray]]:
+        rows: list[tuple[str, str, int]] = []
         arrays: dict[str, np.ndarray] = {}
         total = 0
         wanted = [p for p in self.files if PurePosixPath(p).suffix.lower() in _SENT and p not in self.deadly]
@@ -160,7 +168,7 @@ class Conversation:
             if total > _SENT_BYTES:
                 break
             key = f"f{len(rows)}"
-            rows.append([path, key])
+            rows.append((path, key, self._above.get(path, 0)))
             arrays[key] = np.frombuffer(content, dtype=np.uint8)
         return rows, arrays
 

@@ -77,6 +77,7 @@ class Marker:
         student = Student(
             self._box,
             submission.files,
+            above=submission.above,
             lab_model=self._traces.models["lab"],
             call_cpu_s=self._rubric.limits.call_cpu_s,
             submission_cpu_s=self._rubric.limits.submission_cpu_s,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -25,6 +26,7 @@ from grader.formats.junit import junit
 from grader.formats.places import Place, Places, find_places
 from grader.formats.platforms import NAMES, PLATFORMS, answer_of, named, recognise, submission_of
 from grader.formats.prairielearn import prairielearn
+from grader.intake import read_submission
 from grader.results import Result
 from tests.made_up import HOSTILE, check, lost, result
 
@@ -153,15 +155,19 @@ def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -
     files = {"lab.py": b"import numpy\n\n\nclass LowPassFilter:\n    pass\n", "imu_reader.py": b"x = 1\n"}
     for name, content in files.items():
         (folder / name).write_bytes(content)
-    places = find_places(files, tmp_path, tmp_path)
+    (tmp_path / "week4" / "draw.py").write_bytes(b"class NoisyIMU:\n    pass\n")
+    places = find_places(read_submission(tmp_path), tmp_path, tmp_path)
     assert places.definitions["LowPassFilter"] == Place("week4/lab/lab.py", 4)
     assert places.definitions["get_imu_readings"] == Place("week4/lab/imu_reader.py")
-    assert "NoisyIMU" not in places.definitions
+    assert places.definitions["NoisyIMU"] == Place("week4/draw.py", 1)
+    assert "multi_imu" not in places.definitions
 
 
 def test_an_archive_has_no_lines_to_point_to(tmp_path: Any) -> None:
-    (tmp_path / "lab.zip").write_bytes(b"")
-    assert find_places({"filters.py": b""}, tmp_path / "lab.zip", tmp_path) == Places()
+    with zipfile.ZipFile(tmp_path / "lab.zip", "w") as archive:
+        archive.writestr("filters.py", b"")
+    for path in (tmp_path / "lab.zip", tmp_path):
+        assert find_places(read_submission(path), path, tmp_path) == Places()
 
 
 class Page(HTMLParser):

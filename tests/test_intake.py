@@ -144,8 +144,46 @@ def test_any_program_or_notebook_makes_a_submission(tmp_path: Path) -> None:
 
 def test_required_files_come_before_other_programs(tmp_path: Path) -> None:
     submission = read_submission(as_folder(tmp_path, {"run.py": b"", **below("src")}))
-    assert submission.files == LAB
-    assert submission.notes == ("Not looked at, because the lab's files are in src: run.py.",)
+    assert list(submission.files) == [*sorted(LAB), "run.py"]
+    assert submission.notes == ("The lab's files were found in src; looked at with them: run.py.",)
+
+
+@EVERY_WAY
+def test_what_lies_beside_the_labs_folder_comes_with_it_by_its_path_there(tmp_path: Path, pack: Pack) -> None:
+    beside = {"config.py": b"DT = 0.002", "tools/io.py": b"", "imu_data.png": b"\x89PNG", "run.ipynb": b"{}"}
+    above = {"hw/filters.py/x.py": b"", "config.py": b"above", "settings.toml": b"", "old/try.ipynb": b"{}"}
+    files = {**below("hw/src"), **below("hw", beside), **above, "hw/__init__.py": b"raise SystemExit"}
+    submission = read_submission(pack(tmp_path, files))
+    assert submission.files == {**LAB, **beside, "settings.toml": b""}
+    assert submission.origin("config.py") == "hw/config.py"
+    assert submission.origin("settings.toml") == "settings.toml"
+    assert submission.origin("imu_reader.py") == "hw/src/imu_reader.py"
+
+
+def test_of_files_with_one_name_the_nearest_to_the_lab_is_taken(tmp_path: Path) -> None:
+    three = {"far.py": b"3", "near.py": b"3", "here.py": b"3"}
+    two = {"hw/near.py": b"2", "hw/here.py": b"2"}
+    submission = read_submission(as_zip(tmp_path, {**three, **two, "hw/src/here.py": b"1", **below("hw/src")}))
+    assert submission.files == {**LAB, "far.py": b"3", "near.py": b"2", "here.py": b"1"}
+
+
+def test_the_labs_files_in_several_folders_are_one_submission(tmp_path: Path) -> None:
+    files = {
+        "step2/imu_reader.py": b"2",
+        "step5/noisy_imu.py": b"5",
+        "step6/filters.py": b"6",
+        "step6/b/filters.py": b"b",
+    }
+    submission = read_submission(as_zip(tmp_path, files))
+    assert submission.files == {
+        "imu_reader.py": b"2",
+        "step5/noisy_imu.py": b"5",
+        "step6/filters.py": b"6",
+    }
+    assert submission.notes == (
+        "More than one folder holds the lab's files: step2 was graded, not step6/b.",
+        "The lab's files were found in step2; looked at with them: step5/noisy_imu.py, step6/filters.py.",
+    )
 
 
 def test_of_two_folders_the_shallower_one_is_taken_and_the_other_named(tmp_path: Path) -> None:

@@ -110,7 +110,7 @@ def test_what_was_kept_last_before_a_kill_is_not_left_out_where_nothing_can_be_w
 ) -> None:
     code = (
         "import os, sys, pathlib; from tests.test_store import KEY, Store, result\n"
-        "Store(pathlib.Path(sys.argv[1])).keep(KEY, result()); os._exit(0)"
+        "store = Store(pathlib.Path(sys.argv[1])); store.keep(KEY, result()); os._exit(0)"
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path)], check=True, cwd=Path(__file__).parents[1])
     assert (tmp_path / f"{FILE_NAME}-wal").stat().st_size

@@ -111,7 +111,7 @@ def _text(job: Job, result: Result, submission: Submission, path: Path, identity
 
 def _places(job: Job, submission: Submission, path: Path) -> Places:
     root = Path(job.environ.get("GITHUB_WORKSPACE") or ".").resolve()
-    return find_places(submission.files, path.resolve(), root)
+    return find_places(submission, path.resolve(), root)
 
 
 def _write(job: Job, text: str, result: Result) -> None:

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from grader.conversation import HOMES
+from grader.intake import Submission
 from grader.plugin import PARTS
 from grader.results import CheckResult
 
 _RAISED = re.compile(r"^.* at ([^\n]{1,300}?), line (\d{1,7})$", re.MULTILINE)
 _DRAWS = {"visualization": "plot_imu_data", "visualization.comparison_plot": "LowPassFilter"}
-_FOLDERS_LIMIT = 2000
 
 
 @dataclass(frozen=True)
@@ -56,22 +56,21 @@ def _name(check_id: str) -> str:
     return _DRAWS.get(check_id) or _DRAWS.get(criterion) or next(iter(PARTS.get(criterion, ())), "")
 
 
-def find_places(files: Mapping[str, bytes], path: Path, root: Path) -> Places:
+def find_places(submission: Submission, path: Path, root: Path) -> Places:
     """Look up the places of a submission.
 
     Parameters
     ----------
-    files
-        Relative path to bytes, as a `Submission` has them.
+    submission
+        As it was read from `path`.
     path
         What was given to be graded: a folder, or an archive (then there are no lines to point to).
     root
         What the CI's file names start from: the root of the checkout.
     """
-    folder = _lab_folder(path, files)
-    if folder is None:
-        return Places()
-    names = {name: _relative(folder / name, root) for name in files}
+    files = submission.files
+    there = {name: path / submission.origin(name) for name in files}
+    names = {name: _relative(file, root) for name, file in there.items() if _holds(file, len(files[name]))}
     found = {name: _definition(name, home, files, names) for name, home in HOMES.items()}
     return Places(names, {name: place for name, place in found.items() if place})
 
@@ -83,25 +82,11 @@ def _relative(path: Path, root: Path) -> str:
 def _definition(name: str, home: str, files: Mapping[str, bytes], names: Mapping[str, str]) -> Place | None:
     """The first definition: in the file where the sheet expects it, else in any other; else that file, if it is there."""
     pattern = re.compile(rb"^[ \t]*(?:def|class)[ \t]+%s\b" % name.encode(), re.MULTILINE)
-    programs = sorted((file for file in files if file.endswith(".py")), key=lambda file: (file != home, file))
+    programs = sorted((file for file in names if file.endswith(".py")), key=lambda file: (file != home, file))
     for file in programs:
         if hit := pattern.search(files[file]):
             return Place(names[file], files[file].count(b"\n", 0, hit.start()) + 1)
     return Place(names[home]) if home in names else None
-
-
-def _lab_folder(path: Path, files: Mapping[str, bytes]) -> Path | None:
-    """The folder at or below `path` that holds the files: the shallowest where the programs lie with their sizes."""
-    if not path.is_dir():
-        return None
-    wanted = {name: len(content) for name, content in files.items() if name.endswith((".py", ".ipynb"))}
-    for seen, (folder, below, _) in enumerate(os.walk(path)):
-        if seen > _FOLDERS_LIMIT:
-            break
-        below[:] = sorted(name for name in below if not name.startswith("."))
-        if all(_holds(Path(folder, name), size) for name, size in wanted.items()):
-            return Path(folder)
-    return None
 
 
 def _holds(path: Path, size: int) -> bool:

@@ -50,14 +50,16 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     os.chdir(_FOLDER)
     STATE.folder = os.getcwd()
     world.settle(STATE.folder)
-    for path, key in fields["files"]:
+    for path, key, levels_above in fields["files"]:
         _write(path, arrays[key].tobytes())
+        if 0 < levels_above <= _FOLDER.count("/"):
+            _write("../" * levels_above + path, arrays[key].tobytes())  # for who opens it by way of its own folder
         STATE.paths.append(path)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
     world.furnish(fields["lab_model"])
     world.seed(fields["seed"])
-    figures.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key in fields["files"]))
+    figures.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
     _define_standins(fields["standins"])
     return {"paths": STATE.paths}, {}

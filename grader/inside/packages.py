@@ -23,7 +23,7 @@ def spoken_of(sources: Iterable[str], paths: Iterable[str]) -> set[str]:
     """The packages out of which these sources import files of the submission."""
     modules = {"imu_reader", "noisy_imu", *(path.split("/")[0].removesuffix(".py") for path in paths)} - {_AMBIGUOUS}
     imports = re.compile(
-        r"^[ \t]*(?:from|import)[ \t]+([^\W\d][\w.]*?)(?:\.|[ \t]+import\b[ \t]*(?:\(\s*)?(?:\w+\s*,\s*)*)"
+        r"^[ \t]*(?:from|import)[ \t]+\.*([^\W\d][\w.]*?)(?:\.|[ \t]+import\b[ \t]*(?:\(\s*)?(?:\w+\s*,\s*)*)"
         rf"(?:{'|'.join(map(re.escape, sorted(modules)))})\b",
         re.MULTILINE,
     )
@@ -31,9 +31,9 @@ def spoken_of(sources: Iterable[str], paths: Iterable[str]) -> set[str]:
 
 
 def without_dots(tree: ast.Module, path: str) -> None:
-    """Let a file import from the folder of the submission, which it takes for a package, by plain names."""
+    """Let a file import from the folder of the submission, or one above, which it takes for a package, by plain names."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level == path.count("/") + 1:
+        if isinstance(node, ast.ImportFrom) and node.level > path.count("/"):
             node.level, node.module = 0, node.module or _OWN
 
 

@@ -6,12 +6,12 @@ import builtins
 import contextlib
 import io
 import os
+import pathlib
 import random
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -54,7 +54,7 @@ def use_libraries() -> None:
 
 def furnish(lab_model: str) -> None:
     """Make the worker's process look like the machine that the lab sheet assumes."""
-    path = Path(_SHEET_PATH)
+    path = pathlib.Path(_SHEET_PATH)
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(lab_model, encoding="utf-8")
@@ -78,7 +78,7 @@ def _redirect_lab_model() -> None:
             try:
                 really_stat(name)
             except (OSError, ValueError):
-                return str(Path(_HOME, _SHEET_PATH))
+                return str(pathlib.Path(_HOME, _SHEET_PATH))
         return path
 
     def redirecting(load: Callable[..., Any]) -> Callable[..., Any]:
@@ -98,6 +98,9 @@ def _redirect_lab_model() -> None:
         mujoco.MjSpec.from_file = staticmethod(redirecting(mujoco.MjSpec.from_file))
     vars(os)["stat"] = stat
     vars(builtins)["open"] = vars(io)["open"] = opened
+    accessor = getattr(pathlib, "_NormalAccessor", None)  # Python 3.10's paths hold on to both
+    if accessor is not None:
+        accessor.stat, accessor.open = staticmethod(stat), staticmethod(opened)
 
 
 _HOME = "."

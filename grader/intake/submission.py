@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import posixpath
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -42,13 +43,18 @@ class Submission:
     name
         Its original name.
     files
-        Relative posix path inside the lab's folder to the file's bytes. Empty unless `status` is "ready".
+        Relative posix path to the file's bytes: first what is inside the lab's folder, then what lies beside it and above,
+        by its path there. Empty unless `status` is "ready".
     notes
         Sentences for the report, safe to print.
     status
         "ready", "empty" (nothing recognisable in it) or "unreadable" (a broken archive).
     sha256
         Of paths and bytes: the same for a folder and an archive of it, whatever the time stamps.
+    folder
+        The lab's folder below what was handed in, or below the archive in it; "" is that itself.
+    above
+        Of the files that lie outside the lab's folder: the number of folders between it and the one they lie in.
     """
 
     id: str
@@ -57,15 +63,20 @@ class Submission:
     notes: tuple[str, ...]
     status: Literal["ready", "empty", "unreadable"]
     sha256: str
+    folder: str = ""
+    above: Mapping[str, int] = field(default_factory=dict)
+
+    def origin(self, path: str) -> str:
+        """Where one of the files lies below what was handed in."""
+        return _outwards(self.folder, self.above.get(path, 0)) + path
 
 
 @dataclass(frozen=True)
 class _Choice:
-    """The lab's folder ("" is the root), others that qualify, and the files in none of them."""
+    """The lab's folder ("" is the root), and the folders that hold the same files once more."""
 
     folder: str
     others: tuple[str, ...]
-    outside: tuple[str, ...]
 
 
 def original_name(path: Path) -> str:
@@ -101,9 +112,12 @@ def read_submission(path: Path, *, id: str | None = None, name: str | None = Non
     choice = _choose(pile.files)
     if choice is None:
         return _without_files(id, name, *_nothing_found(pile))
-    files = _inside(choice.folder, pile)
-    notes = (*_choice_notes(choice), *pile.notes())
-    return Submission(id, name, files, notes, "ready", _digest(files.items()))
+    inside = _inside(choice.folder, pile)
+    above = _outside(choice, pile, inside)
+    files = {path: pile.files[_outwards(choice.folder, above.get(path, 0)) + path] for path in (*inside, *above)}
+    notes = (*_choice_notes(choice, pile.files, above), *pile.notes())
+    digest = _digest(("../" * above.get(path, 0) + path, content) for path, content in files.items())
+    return Submission(id, name, files, notes, "ready", digest, choice.folder, above)
 
 
 def _gather(path: Path, sources: Sources) -> Pile:
@@ -172,10 +186,13 @@ def _choose(paths: Iterable[str]) -> _Choice | None:
     if not qualified:
         return None
     chosen, *rest = sorted(qualified, key=lambda f: (_level(f), -complete[f], -len(folders[f]), f))
-    others = tuple(folder for folder in rest if complete[folder] or not _within(folder, chosen))
-    named = (chosen, *others)
-    outside = tuple(path for path in code if not any(_within(path, folder) for folder in named))
-    return _Choice(chosen, others, outside)
+    others, there = [], folders[chosen]
+    for folder in rest:
+        if folders[folder].intersection(there, REQUIRED) or not (complete[folder] or _within(folder, chosen)):
+            others.append(folder)
+        else:  # the lab's files lie in more than one folder
+            there = there | folders[folder]
+    return _Choice(chosen, tuple(others))
 
 
 def _level(folder: str) -> int:
@@ -186,29 +203,70 @@ def _within(path: str, folder: str) -> bool:
     return not folder or path.startswith(f"{folder}/")
 
 
-def _choice_notes(choice: _Choice) -> Iterable[str]:
+def _outwards(folder: str, levels: int) -> str:
+    """The folder that lies so many levels above this one, with a slash, or "" for the outermost."""
+    parts = folder.split("/") if folder else []
+    return "".join(f"{part}/" for part in parts[: len(parts) - levels])
+
+
+def _choice_notes(choice: _Choice, paths: Iterable[str], above: Mapping[str, int]) -> Iterable[str]:
     here = printable(choice.folder) or "the top folder"
     if choice.others:
         others = listing(list(choice.others))
         yield f"More than one folder holds the lab's files: {here} was graded, not {others}."
-    elif _level(choice.folder) > 1:
+    taken = sorted(_outwards(choice.folder, levels) + path for path, levels in above.items() if is_code(path))
+    if taken:
+        yield f"The lab's files were found in {here}; looked at with them: {listing(taken)}."
+    elif _level(choice.folder) > 1 and not choice.others:
         yield f"The lab's files were found in {here}."
-    if choice.outside:
-        yield f"Not looked at, because the lab's files are in {here}: {listing(list(choice.outside))}."
+    elsewhere = [p for p in _elsewhere(choice, paths) if is_code(p) and posixpath.basename(p) != "__init__.py"]
+    if left := sorted(set(elsewhere).difference(taken)):
+        yield f"Not looked at, because the lab's files are in {here}: {listing(left)}."
 
 
-def _inside(folder: str, pile: Pile) -> dict[str, bytes]:
-    """The files of the chosen folder by their path in it, sorted: names that every system can hold, side by side."""
+def _elsewhere(choice: _Choice, paths: Iterable[str]) -> list[str]:
+    """What lies neither in the lab's folder nor in another one of the kind."""
+    return [path for path in paths if not any(_within(path, folder) for folder in (choice.folder, *choice.others))]
+
+
+def _inside(folder: str, pile: Pile) -> list[str]:
+    """The paths in the lab's folder, sorted: names that every system can hold, side by side."""
     start = len(folder) + 1 if folder else 0
-    inside = {path[start:]: data for path, data in pile.files.items() if _within(path, folder)}
+    inside = sorted(path[start:] for path in pile.files if _within(path, folder))
     kept: dict[str, str] = {}
-    for path in sorted(inside, key=lambda p: (p not in REQUIRED, p)):
+    for path in sorted(inside, key=lambda p: p not in REQUIRED):
         if not portable(path):
             pile.leave(path, UNPORTABLE)
         elif kept.setdefault(folded(path), path) != path:
             pile.leave(path, CASE)
     folders = {above for key in kept for above in _above(key)}  # a file of that name would stand in their way
-    return {path: inside[path] for key, path in sorted(kept.items(), key=lambda item: item[1]) if key not in folders}
+    return sorted(path for key, path in kept.items() if key not in folders)
+
+
+def _outside(choice: _Choice, pile: Pile, inside: Iterable[str]) -> dict[str, int]:
+    """What lies beside the lab's folder and above it: the path there, and how many levels above the lab's folder that is.
+
+    A program that is started in a folder above finds what is there and imports the lab's files out of their folder. So both
+    are one submission, and a name further inside goes before one further outside. Notebooks of other folders are left,
+    because notebooks are run, and so is an ``__init__.py``: it would speak for the lab's folder.
+    """
+    files = set(map(folded, inside))
+    folders = {above for key in files for above in _above(key)}
+    outside: dict[str, int] = {}
+    for levels, path in sorted(_from_above(path, choice.folder) for path in _elsewhere(choice, pile.files)):
+        key = folded(path)
+        barred = path == "__init__.py" or (path.endswith(".ipynb") and "/" in path) or not portable(path)
+        if not barred and key not in files | folders and files.isdisjoint(_above(key)):
+            outside[path] = levels
+            files.add(key)
+            folders.update(_above(key))
+    return outside
+
+
+def _from_above(path: str, folder: str) -> tuple[int, str]:
+    """The lowest of the folders above the lab's that holds this path, by its level above the lab's, and the path in it."""
+    shared = posixpath.commonpath((posixpath.dirname(path), folder))
+    return _level(folder) - _level(shared), path[len(shared) + 1 :] if shared else path
 
 
 def _above(path: str) -> Iterable[str]:

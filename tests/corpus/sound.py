@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tests.corpus.sound_figures import FIGURES
+from tests.corpus.sound_folders import FOLDERS
 from tests.corpus.sound_habits import HABITS
 from tests.corpus.sound_habits_more import HABITS_MORE
 from tests.corpus.sound_layouts import LAYOUTS, WRAPPED
@@ -11,6 +12,6 @@ from tests.corpus.sound_people import PEOPLE
 from tests.corpus.sound_styles import STYLES
 from tests.corpus.writing import Files
 
-SOUND: dict[str, Files] = {**PEOPLE, **STYLES, **FIGURES, **LAYOUTS, **HABITS, **HABITS_MORE, **NEWCOMERS}
+SOUND: dict[str, Files] = {**PEOPLE, **STYLES, **FIGURES, **LAYOUTS, **FOLDERS, **HABITS, **HABITS_MORE, **NEWCOMERS}
 
 __all__ = ["SOUND", "WRAPPED"]

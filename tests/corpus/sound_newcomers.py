@@ -373,7 +373,9 @@ NEWCOMERS = {
     ),
     "resets_with_keyframe_free_copy": lab(
         collect=COLLECT_LOOKUP.replace("    mujoco.mj_resetData(model, data)\n    data.qvel[0] = 0.5\n",
-                                       "    fresh = mujoco.MjData(model)\n    fresh.qvel[0] = 0.5\n    mujoco.mj_copyData(data, model, fresh)\n"),
+                                       "    fresh = mujoco.MjData(model)\n    fresh.qvel[0] = 0.5\n"
+                                       "    if hasattr(mujoco, 'mj_copyData'):\n        mujoco.mj_copyData(data, model, fresh)\n"
+                                       "    else:  # an older MuJoCo\n        data = fresh\n"),
         plot=PLOT_LOOP.replace('    fig.savefig("imu_data.png", dpi=100)\n', '    for ending in ("pdf", "png"):\n        fig.savefig(f"imu_data.{ending}")\n'),
         head=HEAD + "\nplt.rcParams.update({'figure.autolayout': False, 'axes.spines.top': False})\n",
     ),
