@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -195,6 +195,13 @@ class Collection:
     changed: tuple[str, ...] = ()
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
+
+    def since(self, row: int) -> Collection:
+        """The same run without the rows before this one."""
+        time, acceleration, angular_velocity = (
+            None if array is None else array[row:] for array in (self.time, self.acceleration, self.angular_velocity)
+        )
+        return replace(self, time=time, acceleration=acceleration, angular_velocity=angular_velocity)
 
 
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:

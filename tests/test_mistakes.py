@@ -140,6 +140,7 @@ MEANS = {
 }
 ADDED = {
     "sensor_access": ["same-sensor-twice"],
+    "data_collection": ["keeps-old-rows"],
     "filtering": ["aliased-input"],
     "any": ["index-out-of-bounds", "missing-package", "not-written"],
 }

@@ -217,6 +217,11 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         raise Lost(
             "a model that is the same afterwards", f"{', '.join(series.changed)} changed", mistakes=["modifies-model"]
         )
+    push = _after_push(student, truth)
+    left = diagnosis.rows_left(push), diagnosis.rows_left(_after_dirt(student, truth), push)
+    if any(left):
+        got = f"a series that begins with {max(left)} rows of the run before"
+        raise Lost("the same series as from a fresh start", got, mistakes=["keeps-old-rows"])
     first, first_worlds = _story(student, truth, "push", _push(student, truth))
     story, worlds = _story(student, truth, "push_dirty", series)
     start = truth["reading_lab"]["qpos"][-1]
@@ -284,13 +289,25 @@ def _other_push(worlds: Worlds) -> None:
 
 
 def _push(student: Student, truth: Traces) -> Collection:
+    """The series after the push, without rows of earlier runs: starts_from_reset charges those."""
+    series = _after_push(student, truth)
+    return series.since(diagnosis.rows_left(series))
+
+
+def _dirty(student: Student, truth: Traces) -> Collection:
+    """The series from a state that was left by an earlier run, without rows of that."""
+    series = _after_dirt(student, truth)
+    return series.since(diagnosis.rows_left(series, _after_push(student, truth)))
+
+
+def _after_push(student: Student, truth: Traces) -> Collection:
     scalars = truth["push"].scalars
     series = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth))
     raised(series.fault, "collecting data")
     return series
 
 
-def _dirty(student: Student, truth: Traces) -> Collection:
+def _after_dirt(student: Student, truth: Traces) -> Collection:
     scenario = truth["push_dirty"]
     scalars = scenario.scalars
     dirty = (scenario["dirty_qpos"], scenario["dirty_qvel"], float(scenario["dirty_time"]))

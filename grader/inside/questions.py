@@ -188,12 +188,11 @@ def call_collector(function: Callable[..., Any], model: Any, data: Any, duration
     for name, parameter in parameters.items():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
-        if _ACCELEROMETER.match(name):
-            by_name[name] = ids["accel"]
-        elif _GYROSCOPE.match(name):
-            by_name[name] = ids["gyro"]
-        else:
+        sensor = "accel" if _ACCELEROMETER.match(name) else "gyro" if _GYROSCOPE.match(name) else None
+        if sensor is None:
             plain.append(name)
+        elif parameter.default is parameter.empty or isinstance(parameter.default, int | np.integer | None):
+            by_name[name] = ids[sensor]  # anything else that it stands for by default is no id: a sensor's name, a list
     if not by_name:
         return (
             function(model, data, duration_seconds=duration_s)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from tests.corpus.faults import Faulty
-from tests.corpus.pieces import COLLECT_LOOKUP, PLOT_LOOP, edit, lab, listy, looping, tidy, verbatim
+from tests.corpus.pieces import COLLECT_APPEND, COLLECT_LOOKUP, PLOT_LOOP, edit, lab, listy, looping, tidy, verbatim
 
 
 def sheet(*changes: tuple[str, str]) -> dict[str, str]:
@@ -51,7 +51,27 @@ def plot_imu_data(imu_data):
     t, acc, gyr = imu_data if isinstance(imu_data, tuple) else imu_data.values()
 '''
 
+LISTS = "    times, accs, gyros = [], [], []\n"
+
+
+def kept(main: str = "") -> dict[str, str]:
+    """Lists at module level, and what the program records by itself."""
+    collect = COLLECT_APPEND.replace(LISTS, "")
+    assert collect != COLLECT_APPEND
+    return lab(collect=f"times, accs, gyros = [], [], []\n\n\n{collect}", main=main)
+
+
 COLLECT_FAULTS = [
+    fault("lists-at-module-level", "keeps-old-rows", kept()),
+    fault("lists-at-module-level-recorded-before", "keeps-old-rows", kept("""\
+model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+for seconds in (0.8, 0.4):
+    plot_imu_data(simulate_and_collect(model, mujoco.MjData(model), seconds))
+""")),
+    fault("lists-in-a-default-argument", "keeps-old-rows", edit(
+        lab(collect=COLLECT_APPEND), "imu_reader.py",
+        ("duration_seconds=5.0):", "duration_seconds=5.0, times=[], accs=[], gyros=[]):"), (LISTS, ""),
+    )),
     fault("reset-forgotten", "no-reset", sheet(("    # Reset simulation\n    mujoco.mj_resetData(model, data)\n\n    # Apply", "    # Apply"))),
     fault("reset-forgotten-tidy", "no-reset", tidied((RESET, ""))),
     fault("only-the-clock-reset", "no-reset", looped((RESET, "    data.time = 0\n"))),

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from tests.corpus.pieces import HEAD, IDS, edit, lab, tidy
+from tests.corpus.pieces import COLLECT_APPEND, HEAD, IDS, edit, lab, tidy
 
 # The window's camera and options are set before the simulation runs in it, as MuJoCo's documentation shows.
 VIEWER_SET_UP = HEAD + '''\
@@ -145,6 +145,12 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
         "lab.ini": "[simulation]\npush = 0.5\n",
     },
     "exported_with_magics": edit(lab(head=EXPORTED), "imu_reader.py", ("data.qvel[0] = 0.5", "data.qvel[0] = PUSH")),
+    "sensors_by_name_as_parameters": edit(
+        lab(collect=COLLECT_APPEND), "imu_reader.py",
+        ("duration_seconds=5.0):", 'duration_seconds=5.0, *, accel_name="torso_accelerometer", gyro_name="torso_gyroscope"):'),
+        ('model.sensor("torso_accelerometer").id', "mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, accel_name)"),
+        ('model.sensor("torso_gyroscope").id', "mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, gyro_name)"),
+    ),
     "film_of_the_recording": lab(main=FILM),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
