@@ -113,6 +113,8 @@ def _raised(finding: Raised, *, hidden: bool) -> Told:
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if hidden:
         said, place = _exception_name(fault), f" at line {fault.line}" if fault.line else ""
+        if fault.type == "TypeError" and not fault.line:
+            said += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
     lines = [f"Expected  no exception while {finding.doing}", f"Got       {said}{place}"]
     if fault.text and not hidden:
         lines.append(f"          {printable(fault.text, 160)}")

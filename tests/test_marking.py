@@ -108,6 +108,17 @@ def test_checks_and_rubric_hold_the_same_ids() -> None:
     assert len([check_id for check_id in listed if check_id.split(".")[0] in rubric.CRITERIA]) == 30
 
 
+def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(tmp_path: Path) -> None:
+    hidden = traces.obtain("a seed of the tests", tmp_path / "cache")
+    reader = "\ndef get_imu_readings(model, data):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
+    with Marker(rubric.load(), hidden) as marker:
+        result = _mark(marker, tmp_path / "own", imu_reader__py=_source("imu_reader.py") + reader)
+    told = result.criteria[0].checks[0].message
+    assert told.endswith(
+        "TypeError in the call itself, before a line of yours ran: compare its parameters with the sheet's"
+    )
+
+
 def test_hidden_data_is_not_told(tmp_path: Path) -> None:
     hidden = traces.obtain("a seed of the tests", tmp_path / "cache")
     spy = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    raise ValueError(str(list(data.qpos)))\n"

@@ -41,4 +41,6 @@ INTERFACE_FAULTS = [
     _reader("everyone-gives-no-ids", "raises", "model, data",
             "return data.sensor('torso_accelerometer').data.copy(), data.sensor('torso_gyroscope').data.copy()",
             "get_imu_readings(model, data)"),
+    _reader("everyone-gives-no-ids-and-the-first-sensors-are-read", "raises", "model, data",
+            "return data.sensordata[0:3].copy(), data.sensordata[3:6].copy()", "get_imu_readings(model, data)"),
 ]  # fmt: skip
