@@ -234,12 +234,16 @@ def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: A
 def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> bool:
     """`save` for bare pixels, a frame of a film mostly: as many bytes as they are, and nothing drawn."""
     del really, options
-    figure = canvas.figure
+    content = blank(canvas.figure, asked)
+    target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)
+    return nothing_covers(canvas.figure)
+
+
+def blank(figure: Any, asked: Any) -> bytes:
+    """As many bytes as bare pixels of the figure take with this `dpi` of `savefig`."""
     dots = _dots(asked, figure.dpi)
     width, height = (int(size * dots) for size in figure.get_size_inches())
-    content = bytes(4 * width * height)
-    target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)
-    return nothing_covers(figure)
+    return bytes(4 * width * height)
 
 
 def _dots(asked: Any, own: float) -> float:

@@ -244,7 +244,7 @@ def _prepare_imports() -> None:
 
     sys.path_hooks.insert(0, hook)
     sys.path.insert(0, STATE.folder)
-    sys.meta_path += [_PartnerFinder, packages.PackageFinder(_own_packages(), _load_init)]
+    sys.meta_path += [_PartnerFinder, packages.PackageFinder(_own_packages, _load_init)]
     sys.dont_write_bytecode = True
     sys.argv = ["lab.py"]
 

@@ -7,6 +7,7 @@ is made here, and `package.imu_reader` is the module `imu_reader`.
 from __future__ import annotations
 
 import ast
+import functools
 import importlib
 import importlib.abc
 import importlib.machinery
@@ -42,14 +43,21 @@ class PackageFinder:
 
     Parameters
     ----------
-    names : what the package is called, from `spoken_of`
+    names : tells what the package is called, as `spoken_of` does; asked once, where an import finds nothing else
     load_init : makes the loader of the package's ``__init__.py``, or None where there is none
     """
 
-    def __init__(self, names: set[str], load_init: Callable[[str], Any]) -> None:
-        self._own, self._load_init = names | {_OWN}, load_init
-        self._around = {name[: dot.start()] for name in names for dot in re.finditer(r"\.", name)} - names
+    def __init__(self, names: Callable[[], set[str]], load_init: Callable[[str], Any]) -> None:
+        self._names, self._load_init = names, load_init
         self._made: list[str] = []
+
+    @functools.cached_property
+    def _own(self) -> set[str]:
+        return self._names() | {_OWN}
+
+    @functools.cached_property
+    def _around(self) -> set[str]:
+        return {name[: dot.start()] for name in self._own for dot in re.finditer(r"\.", name)} - self._own
 
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
         package, _, module = name.rpartition(".")

@@ -13,6 +13,8 @@ import weakref
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from . import drawing
+
 _MAX_FIRINGS = 2000
 _LAST_FRAMES = 3
 
@@ -143,10 +145,8 @@ class Screen:
 
         def print_figure(canvas: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
             self._seen(canvas.figure)
-            dots = canvas.figure.dpi if dpi in (None, "figure") else float(dpi)
-            width, height = (int(size * dots) for size in canvas.figure.get_size_inches())
-            kind = str(kwargs.get("format") or "png")
-            _write(filename, bytes(4 * width * height) if kind in ("raw", "rgba") else _one_pixel())
+            bare = kwargs.get("format") in ("raw", "rgba")
+            _write(filename, drawing.blank(canvas.figure, dpi) if bare else _one_pixel())
 
         return {
             "flush_events": lambda canvas: self._seen(canvas.figure),
