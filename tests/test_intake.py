@@ -167,6 +167,12 @@ def test_of_files_with_one_name_the_nearest_to_the_lab_is_taken(tmp_path: Path) 
     assert submission.files == {**LAB, "far.py": b"3", "near.py": b"2", "here.py": b"1"}
 
 
+def test_programs_of_other_names_in_several_folders_are_one_submission(tmp_path: Path) -> None:
+    files = {"reader/imu.py": b"1", "noise/model.py": b"2", "noise/extra.py": b"3"}
+    submission = read_submission(as_zip(tmp_path, files))
+    assert submission.files == {"model.py": b"2", "extra.py": b"3", "reader/imu.py": b"1"}
+
+
 def test_the_labs_files_in_several_folders_are_one_submission(tmp_path: Path) -> None:
     files = {
         "step2/imu_reader.py": b"2",

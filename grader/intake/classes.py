@@ -13,9 +13,10 @@ from grader.intake import canvas, clones, gradescope, moodle
 from grader.intake.downloads import Download, Sources, open_download
 from grader.intake.folders import is_link, status_of
 from grader.intake.found import Found, Shape
+from grader.intake.layout import MAX_LEVELS
 from grader.intake.names import ARCHIVES, CODE, REQUIRED, distinct_ids, has_suffix, is_code, is_litter, original
 from grader.intake.pile import LINK
-from grader.intake.submission import MAX_LEVELS, Submission, original_name, read_submission
+from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.standing import NOTHING_KNOWN, HandIn
 from grader.text import printable
 

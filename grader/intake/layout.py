@@ -1,0 +1,146 @@
+"""Which of the files that were handed in are the lab's: the folder that holds them, and what lies around it."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from grader.intake.names import REQUIRED, folded, is_code, portable
+from grader.intake.pile import CASE, UNPORTABLE, Pile, listing
+from grader.text import printable
+
+MAX_LEVELS = 4  # how far down the lab's folder may lie
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The files of one submission.
+
+    Attributes
+    ----------
+    folder
+        The lab's; "" is the top.
+    inside
+        Paths in it, sorted.
+    above
+        Paths beside it or above, by the folder that they share with it, and how many levels above it that folder lies.
+    notes
+        Sentences for the report.
+    """
+
+    folder: str
+    inside: tuple[str, ...]
+    above: Mapping[str, int]
+    notes: tuple[str, ...]
+
+
+def lay_out(pile: Pile) -> Layout | None:
+    """Choose the lab's folder and its files; None where there is no code. What cannot be taken is left with a reason."""
+    found = _choose(pile.files)
+    if found is None:
+        return None
+    folder, others = found
+    elsewhere = [path for path in pile.files if not any(_within(path, f) for f in (folder, *others))]
+    inside = _inside(folder, pile)
+    above = _around(folder, elsewhere, inside)
+    return Layout(folder, inside, above, tuple(_notes(folder, others, filter(is_code, elsewhere), above)))
+
+
+def outwards(folder: str, levels: int) -> str:
+    """The folder that lies so many levels above this one, with a slash, or "" for the top."""
+    parts = folder.split("/") if folder else []
+    return "".join(f"{part}/" for part in parts[: len(parts) - levels])
+
+
+def _choose(paths: Iterable[str]) -> tuple[str, list[str]] | None:
+    """The lab's folder, and those that hold the same files once more.
+
+    It is one with required files, or else with any code: the shallower, then the more complete, then by name.
+    """
+    folders: dict[str, set[str]] = {}
+    for path in filter(is_code, paths):
+        folder, _, name = path.rpartition("/")
+        if _level(folder) <= MAX_LEVELS:
+            folders.setdefault(folder, set()).add(name)
+    complete = {folder: len(names.intersection(REQUIRED)) for folder, names in folders.items()}
+    qualified = [folder for folder in folders if complete[folder]] or list(folders)
+    if not qualified:
+        return None
+    chosen, *rest = sorted(qualified, key=lambda f: (_level(f), -complete[f], -len(folders[f]), f))
+    others, there = [], folders[chosen]
+    for folder in rest:
+        if folders[folder].intersection(there, REQUIRED):
+            others.append(folder)
+        else:  # the lab's files lie in more than one folder
+            there = there | folders[folder]
+    return chosen, others
+
+
+def _level(folder: str) -> int:
+    return folder.count("/") + 1 if folder else 0
+
+
+def _within(path: str, folder: str) -> bool:
+    return not folder or path.startswith(f"{folder}/")
+
+
+def _inside(folder: str, pile: Pile) -> tuple[str, ...]:
+    """The paths in the lab's folder, sorted: names that every system can hold, side by side."""
+    start = len(folder) + 1 if folder else 0
+    inside = sorted(path[start:] for path in pile.files if _within(path, folder))
+    kept: dict[str, str] = {}
+    for path in sorted(inside, key=lambda p: p not in REQUIRED):
+        if not portable(path):
+            pile.leave(path, UNPORTABLE)
+        elif kept.setdefault(folded(path), path) != path:
+            pile.leave(path, CASE)
+    folders = {above for key in kept for above in _folders(key)}  # a file of that name would stand in their way
+    return tuple(sorted(path for key, path in kept.items() if key not in folders))
+
+
+def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dict[str, int]:
+    """What comes with the lab's folder: `Layout.above`.
+
+    A program that is started in a folder above finds what is there and imports the lab's files out of their folder. So both
+    are one submission, and a name further inside goes before one further outside. Notebooks of other folders are left,
+    because notebooks are run, and so is an ``__init__.py``: it would speak for the lab's folder.
+    """
+    files = set(map(folded, inside))
+    folders = {above for key in files for above in _folders(key)}
+    around: dict[str, int] = {}
+    for levels, path in sorted(_from_above(path, folder) for path in elsewhere):
+        key = folded(path)
+        barred = path == "__init__.py" or (path.endswith(".ipynb") and "/" in path) or not portable(path)
+        if not barred and key not in files | folders and files.isdisjoint(_folders(key)):
+            around[path] = levels
+            files.add(key)
+            folders.update(_folders(key))
+    return around
+
+
+def _from_above(path: str, folder: str) -> tuple[int, str]:
+    """The lowest of the folders above the lab's that holds this path, by its level above the lab's, and the path in it."""
+    shared = posixpath.commonpath((posixpath.dirname(path), folder))
+    return _level(folder) - _level(shared), path[len(shared) + 1 :] if shared else path
+
+
+def _folders(path: str) -> Iterable[str]:
+    """The folders that a path names, the outermost first."""
+    parts = path.split("/")
+    return ("/".join(parts[:n]) for n in range(1, len(parts)))
+
+
+def _notes(folder: str, others: list[str], elsewhere: Iterable[str], above: Mapping[str, int]) -> Iterable[str]:
+    """What is told of the choice, and of the code that lies `elsewhere`."""
+    here = printable(folder) or "the top folder"
+    if others:
+        yield f"More than one folder holds the lab's files: {here} was graded, not {listing(others)}."
+    taken = {outwards(folder, levels) + path for path, levels in above.items()}
+    code = sorted(path for path in elsewhere if path in taken or posixpath.basename(path) != "__init__.py")
+    if used := [path for path in code if path in taken]:
+        yield f"The lab's files were found in {here}; looked at with them: {listing(used)}."
+    elif _level(folder) > 1 and not others:
+        yield f"The lab's files were found in {here}."
+    if left := [path for path in code if path not in taken]:
+        yield f"Not looked at, because the lab's files are in {here}: {listing(left)}."
