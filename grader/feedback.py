@@ -103,7 +103,7 @@ def _lost(finding: Lost, *, hidden: bool) -> Told:
     if hidden:
         expected, got = _without_data(expected), finding.off or _without_data(got)
     message = f"Expected  {expected}\nGot       {got}"
-    hint = " ".join(_hint(m) for m in finding.mistakes) or finding.hint
+    hint = finding.hint or " ".join(_hint(m) for m in finding.mistakes)
     return Told(outcome, finding.keeps, message, hint, finding.mistakes)
 
 

@@ -15,7 +15,7 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
     expected, got : what was expected and what came: number, unit and place
     mistakes : ids of the mistakes that the measurement shows; empty where it shows none
     keeps : share of the points that is earned all the same, 0 to 1
-    hint : words for `Try` where no mistake is named but the measurement points somewhere
+    hint : words for `Try` where the measurement says more than the names of the mistakes, or names none
     off : the size of the error in words, which is said in place of the data where the scenario is hidden
     """
 

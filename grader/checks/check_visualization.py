@@ -189,7 +189,10 @@ def _scale_is_labelled(plot: _Plot) -> None:
             unsaid = said is None and shown.unit in ("g", "deg/s")
             if wrong or unsaid:
                 got = f"numbers in {shown.unit} under the label “{_shown(panel.facts['ylabel'])}”"
-                raise Lost("numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5)
+                hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
+                raise Lost(
+                    "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=hint
+                )
 
 
 @check("visualization.axis_labels_with_units", lab_step=4)
