@@ -317,12 +317,21 @@ class NoiseRun:
 
 @dataclass(frozen=True)
 class FilterRun:
-    """One filter over one signal: ``output`` (n, 3), or fewer rows where it raised, or None where nothing came."""
+    """One filter over one signal.
+
+    Attributes
+    ----------
+    output : (n, 3) ndarray, fewer rows where it raised, rows of NaN where no vector came; None where nothing came
+    odd : what came in place of the first missing vector
+    input_changed : whether a measurement or the initial value was written into
+    output_changed : whether the first output is another one after the last update
+    """
 
     output: Array | None
     odd: str | None
     fault: Fault | None
     input_changed: bool
+    output_changed: bool
 
 
 @dataclass(frozen=True)

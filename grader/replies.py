@@ -254,7 +254,7 @@ def _draws(answer: _Answer, rows: int) -> None:
 
 def _filter(answer: _Answer) -> None:
     cases = answer.fields["cases"]
-    kinds = _record(odd=_maybe(_node(answer)), error=_maybe(_fault), input_changed=_flag)
+    kinds = _record(odd=_maybe(_node(answer)), error=_maybe(_fault), input_changed=_flag, output_changed=_flag)
     answer.part("cases", _listed(kinds, len(cases), len(cases)))
     for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
         signal = answer.asked[asked["input"]]

@@ -270,4 +270,5 @@ def _filter_run(answer: Mapping[str, Any], frame: Frame) -> FilterRun:
         odd=shape_in_words(odd, frame.arrays) if odd else None,
         fault=Fault.of(answer["error"]),
         input_changed=bool(answer["input_changed"]),
+        output_changed=bool(answer["output_changed"]),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,13 +26,13 @@ _LARGEST_SIGNAL_ERROR = 0.5
 def check_follows_recursion(student: Student, truth: Traces) -> None:
     """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1], with alpha 0.1 where none is given"""
     runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
-    wrong = [(alpha, x, y) for alpha, x, y in runs if not diagnosis.obeys(x, y, alpha, 1 - alpha)]
+    wrong = [run for run in runs if not diagnosis.obeys(run[1], run[2], run[0], 1 - run[0])]
     if not wrong:
         return
     alpha, x, y = wrong[0]
     wanted = alpha * x[1:] + (1 - alpha) * y[:-1]
     row = int(np.argmax(np.abs(y[1:] - wanted).max(axis=1)))
-    only_default = len(wrong) == 1 and wrong[0][0] == _DEFAULT_ALPHA and wrong[0] is runs[-1]
+    only_default = len(wrong) == 1 and wrong[0] is runs[-1]
     mistakes = diagnosis.mistakes(runs)
     if not mistakes and _is_low_pass(student, truth):
         mistakes = ["other-low-pass"]
@@ -61,6 +61,9 @@ def check_starts_from_first_measurement(student: Student, truth: Traces) -> None
     """The first output is the first measurement, or follows from the initial value where one is given"""
     alpha, x, run = _plain(student, truth)[0]
     y = _output(run)
+    if _cases(student, truth).nothing_at_first:
+        got = f"{run.odd or 'nothing'} from the first update(), vectors from the next ones"
+        raise Lost(vector(x[0]), got, mistakes=["wrong-return-type"], off="no vector from the first update()")
     if _named(student, truth) == ["high-pass"]:
         return  # what it lets through of the first measurement is part of that fault
     if not same(y[0], x[0], diagnosis.ATOL) and not _scaled(x, y):
@@ -171,11 +174,14 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
         raise Lost("a state of the filter's own", got, mistakes=["aliased-output"], keeps=0.5)
     if any(run.input_changed for run in cases.every):
         raise Lost(
-            "the measurement as it was handed in",
-            "a measurement that was written into",
+            "the measurement and the initial value as they were handed in",
+            "an array that was written into",
             mistakes=["mutates-input"],
             keeps=0.5,
         )
+    if any(run.output_changed for run in cases.every):
+        got = "one array for all of them, which the next update() writes into"
+        raise Lost("an output that stays what it is", got, mistakes=["aliased-output"], keeps=0.5)
     if not same(_output(cases.spoilt_input), alone, diagnosis.ATOL):
         got = "one that changes when the caller writes into the array that went in"
         raise Lost("a state of the filter's own", got, keeps=0.5, mistakes=["aliased-input"])
@@ -204,6 +210,7 @@ class _Cases:
     beside: FilterRun
     spoilt_input: FilterRun
     spoilt_output: FilterRun
+    nothing_at_first: bool
 
     @property
     def every(self) -> list[FilterRun]:
@@ -219,27 +226,42 @@ def _cases(student: Student, truth: Traces) -> _Cases:
     phase = 2 * np.pi * np.arange(400)[:, None] / _SLOW_PERIOD + np.array([0.0, 1.0, 2.0])
     slow = np.sin(phase) * np.array([1.0, 2.0, 0.5]) + signal[0]
     constant = np.tile(signal[0], (300, 1))
-    runs = student.filter(
-        "cases",
-        [
-            *(FilterCase(signal, alpha) for alpha in alphas),
-            FilterCase(signal[:100]),
-            FilterCase(noise, 0.2),
-            FilterCase(slow, 0.2),
-            FilterCase(constant, 0.2),
-            FilterCase(short, alphas[1], initial),
-            *(
-                FilterCase(short, 0.3, None, handling)
-                for handling in ("plain", "beside", "spoil_input", "spoil_output")
-            ),
-        ],
-    )
-    plain = [(a, signal, run) for a, run in zip(alphas, runs, strict=False)]
-    plain.append((_DEFAULT_ALPHA, signal[:100], runs[len(alphas)]))
-    rest = runs[len(alphas) + 1 :]
+    cases = [
+        *(FilterCase(signal, alpha) for alpha in alphas),
+        FilterCase(signal[:100]),
+        FilterCase(noise, 0.2),
+        FilterCase(slow, 0.2),
+        FilterCase(constant, 0.2),
+        FilterCase(short, alphas[1], initial),
+        *(FilterCase(short, 0.3, None, handling) for handling in ("plain", "beside", "spoil_input", "spoil_output")),
+    ]
+    runs = student.filter("cases", cases)
+    series = [_from_first_vector(case.signal, run) for case, run in zip(cases, runs, strict=True)]
+    plain = [(alpha, *pair) for alpha, pair in zip((*alphas, _DEFAULT_ALPHA), series, strict=False)]
+    of_noise, of_slow, of_constant, from_initial, alone, beside, spoilt_input, spoilt_output = series[len(plain) :]
     return _Cases(
-        plain, (noise, rest[0]), (slow, rest[1]), (constant, rest[2]), (short, rest[3]), initial, alphas[1], *rest[4:]
-    )  # fmt: skip
+        plain,
+        of_noise,
+        of_slow,
+        of_constant,
+        from_initial,
+        initial,
+        initial_alpha=alphas[1],
+        alone=alone[1],
+        beside=beside[1],
+        spoilt_input=spoilt_input[1],
+        spoilt_output=spoilt_output[1],
+        nothing_at_first=len(series[0][0]) < len(signal),
+    )
+
+
+def _from_first_vector(signal: Array, run: FilterRun) -> tuple[Array, FilterRun]:
+    """A case without its first sample if update() returned nothing for that alone, which is one fault and judged as that."""
+    missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
+    if run.fault or missing != [0] or not run.odd:
+        return signal, run
+    assert run.output is not None
+    return signal[1:], replace(run, output=run.output[1:])
 
 
 def _plain(student: Student, truth: Traces) -> list[tuple[float, Array, FilterRun]]:

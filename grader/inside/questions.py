@@ -329,11 +329,11 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     ----------
     fields : ``path`` and ``cases``, each with ``input`` (array name), ``alpha`` (or None: the default), ``initial`` (array name
         or None), ``handling``: ``plain``; ``spoil_input``, ``spoil_output`` (the caller overwrites the array afterwards);
-        ``beside`` (a second instance is fed other data in between).
+        ``beside`` (a second instance with another alpha is fed other data in between).
 
     Returns
     -------
-    ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``.
+    ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``, ``output_changed``.
     """
     kind = loading.find("LowPassFilter", fields["path"])
     packer = Packer()
@@ -343,18 +343,27 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: Packer) -> dict[str, Any]:
     signal = np.array(arrays[case["input"]])
-    answer: dict[str, Any] = {"output": None, "odd": None, "error": None, "input_changed": False}
+    answer: dict[str, Any] = {
+        "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False
+    }  # fmt: skip
     rows: list[np.ndarray] = []
+    initial = None if case["initial"] is None else np.array(arrays[case["initial"]])
     with examined(answer):
         options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
-        if case["initial"] is not None:
-            options["initial_value"] = np.array(arrays[case["initial"]])
+        if initial is not None:
+            options["initial_value"] = initial
         instance = kind(**options)
-        other = kind(**options) if case["handling"] == "beside" else None
+        other = kind(**options | {"alpha": 1 - case["alpha"]}) if case["handling"] == "beside" else None
+        first: Any = None
         for measurement in signal:
-            rows.append(_filtered(instance, measurement, case["handling"], answer, packer))
+            value, row = _filtered(instance, measurement, case["handling"], answer, packer)
+            first = first if rows else value
+            rows.append(row)
             if other is not None:
                 other.update(100.0 - 3.0 * measurement)
+        if isinstance(first, np.ndarray) and first.size == rows[0].size:
+            answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
+        answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
     if rows:
         answer["output"] = packer.keep(np.array(rows))
     return answer
@@ -362,7 +371,7 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
 
 def _filtered(
     instance: Any, measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
-) -> np.ndarray:
+) -> tuple[Any, np.ndarray]:
     given = measurement.copy()
     value = instance.update(given)
     try:
@@ -375,7 +384,7 @@ def _filtered(
         given[:] = 1e3
     if handling == "spoil_output" and isinstance(value, np.ndarray) and value.flags.writeable:
         value[...] = 1e3
-    return row
+    return value, row
 
 
 # --- the plot ------------------------------------------------------------------------------------------------------------
