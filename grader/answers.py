@@ -330,8 +330,8 @@ class FilterRun:
     output: Array | None
     odd: str | None
     fault: Fault | None
-    input_changed: bool
-    output_changed: bool
+    input_changed: bool = False
+    output_changed: bool = False
 
 
 @dataclass(frozen=True)

@@ -197,7 +197,7 @@ def test_odd_numbers_make_a_record_and_a_page(odd: np.ndarray) -> None:
         found = [
             motion.chart(series(acceleration=odd), TRUTH["push"]),
             *noise.charts(replace(white(), accel=np.resize(odd, (2, 1250, 3))) if odd.size else None, TRUTH),
-            filtering.chart([FilterRun(odd, None, None, input_changed=False)], TRUTH["filter"]),
+            filtering.chart([FilterRun(odd, None, None)], TRUTH["filter"]),
         ]
     known = tuple(chart for chart in found if chart is not None)
     assert unpacked(packed(known)) == known
@@ -239,7 +239,7 @@ def test_noise_that_does_not_move_has_no_allan_curve() -> None:
 
 def test_the_gain_of_the_sheets_filter_is_found_to_two_percent() -> None:
     scenario = TRUTH["filter"]
-    chart = filtering.chart([FilterRun(scenario["low_passed"][0], None, None, input_changed=False)], scenario)
+    chart = filtering.chart([FilterRun(scenario["low_passed"][0], None, None)], scenario)
     sheet, own = panels(chart)["Gain"].curves
     assert own.y == pytest.approx(sheet.y, rel=0.02)
     omega = 2 * np.pi * np.array(sheet.x)
@@ -248,7 +248,7 @@ def test_the_gain_of_the_sheets_filter_is_found_to_two_percent() -> None:
 
 def test_a_filter_that_does_nothing_has_a_gain_of_one() -> None:
     scenario = TRUTH["filter"]
-    chart = filtering.chart([FilterRun(scenario["input"], None, None, input_changed=False)], scenario)
+    chart = filtering.chart([FilterRun(scenario["input"], None, None)], scenario)
     assert set(panels(chart)["Gain"].curves[1].y) == {1.0}
 
 
