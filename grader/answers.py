@@ -219,14 +219,15 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
         oddities.append(("wrong-return-type", f"got {shape_in_words(node, arrays)}, not a dictionary"))
     else:
         return _nothing_collected(f"got {shape_in_words(node, arrays)}, not a dictionary")
-    series = {name: value for name, value in members.items() if value is not None and value.size}
-    keys = _own_keys(series)
+    numeric = {name: value for name, value in members.items() if value is not None}
+    keys = _own_keys(numeric)
+    series = {name: value for name, value in numeric.items() if value.size}
     extras = {name: value for name, value in series.items() if name not in keys.values()}
     if not oddities and any(keys.get(key) != key for key in KEYS):
         oddities.append(
             ("wrong-keys", f"got the keys {', '.join(repr(name) for name in list(members)[:8]) or '(none)'}")
         )
-    found = _upright({key: series[own] for key, own in keys.items()}, oddities)
+    found = _upright({key: series[own] for key, own in keys.items() if own in series}, oddities)
     found |= {key: columns for key in KEYS[1:] if key not in found and (columns := _columns(key, extras)) is not None}
     time, acceleration, angular_velocity = (found.get(key) for key in KEYS)
     return Collection(time, acceleration, angular_velocity, keys, extras, tuple(oddities))

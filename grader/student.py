@@ -27,7 +27,7 @@ from .answers import (
     shape_in_words,
     three,
 )
-from .conversation import Conversation
+from .conversation import Conversation, Missing
 from .errors import NoAnswer
 from .replies import checked
 from .sandbox.wire import Frame
@@ -164,14 +164,28 @@ class Student(Conversation):
         frame = self.ask("filter", {"path": path, "cases": rows}, arrays)
         return [_filter_run(answer, frame) for answer in frame.fields["cases"]]
 
-    def plot(self, *, data: Mapping[str, Array]) -> Drawing:
-        """What `plot_imu_data` draws and saves of the given data, by the submission's own keys."""
-        return self.once("plot", lambda: self._plot(data))
+    def plot(self, *, data: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
+        """What `plot_imu_data` draws and saves of the given data, by the submission's own keys.
 
-    def _plot(self, data: Mapping[str, Array]) -> Drawing:
+        If it raises, it is given what the submission's own recorder returns, with the data in it: an object of the
+        submission's own, or a dictionary with labels and settings beside the numbers.
+        """
+        return self.once("plot", lambda: self._plot(data, ids))
+
+    def _plot(self, data: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
         keys = {name: f"d{number}" for number, name in enumerate(data)}
-        fields = {"path": self.place_of("plot_imu_data"), "keys": keys}
-        return drawing_of(self.ask("plot", fields, {keys[name]: value for name, value in data.items()}))
+        fields = {"path": self.place_of("plot_imu_data"), "keys": keys, "recorder": None}
+        arrays = {keys[name]: value for name, value in data.items()}
+        drawing = drawing_of(self.ask("plot", fields, arrays))
+        if drawing.fault is None:
+            return drawing
+        try:
+            path = self.place_of("simulate_and_collect")
+            recorder = {"path": path, "model": self.lab_model, "accel_id": ids[0], "gyro_id": ids[1]}
+            again = drawing_of(self.ask("plot", fields | {"recorder": recorder}, arrays))
+        except (Missing, NoAnswer):
+            return drawing
+        return drawing if again.fault else again
 
     def scripts(self) -> Iterator[Drawing]:
         """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.

@@ -54,25 +54,25 @@ def check_sample_count(student: Student, truth: Traces) -> None:
     if not off:
         return
     n, worlds = off[-1]
+    story, _ = _story(student, truth, "push", _push(student, truth))
     raise Lost(
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
-        mistakes=_count_mistakes(seen),
+        mistakes=_count_mistakes(seen, skips=story is not None and story.skip > 1),
         keeps=0.0,
     )
 
 
-def _count_mistakes(seen: list[tuple[int, Worlds]]) -> list[str]:
+def _count_mistakes(seen: list[tuple[int, Worlds]], *, skips: bool) -> list[str]:
     (first, a), (second, b) = seen
+    if not first and not second:
+        return []
     same_time = abs(first * a.timestep - second * b.timestep) <= max(a.timestep, b.timestep)
     if first == second or (same_time and abs(first - a.steps) > 1):
         return ["ignores-duration"]
     if abs(first / a.duration_s - second / b.duration_s) <= 1 / b.duration_s:
         return ["hard-coded-timestep"]
-    ratios = [w.steps / n for n, w in seen if n]
-    if len(ratios) == 2 and abs(ratios[0] - ratios[1]) < 0.1 and ratios[0] > 1.5:
-        return ["samples-skipped"]
-    return []
+    return ["samples-skipped"] if skips else []
 
 
 @check("data_collection.time_axis", lab_step=3)
@@ -86,7 +86,7 @@ def check_time_axis(student: Student, truth: Traces) -> None:
     time = series.time[:filled] if filled else series.time
     if not np.isfinite(time).all():
         raise Lost("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
-    error = diagnosis.time_error(time, _timestep(worlds, series), story.skip if story else 1)
+    error = diagnosis.time_error(time, _timestep(worlds, series), story or Story())
     worst = int(np.argmax(error)) if len(error) else 0
     if not len(error) or error[worst] > _TIME_ATOL:
         raise Lost(
@@ -130,6 +130,10 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     if story is None:
         _rows_differ(series, worlds)
     assert story is not None
+    if story.altered:
+        _one_sensor_differs(story.altered, series, worlds)
+    if story.world.startswith(diagnosis.OTHER_IMU):
+        raise Lost("readings of the torso's sensors", "those of another IMU of the model")
     if story.world == diagnosis.LAST_SENSOR:
         got = "those of the model's last sensor, which the id -1 of an unknown name reads"
         raise Lost("readings of the torso's sensors", got, mistakes=["sensor-not-found"])
@@ -150,7 +154,9 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
             f"{story.skip} steps between stored samples",
             mistakes=["samples-skipped"],
         )
-    if story.lag != 0 and not _begins_with_start(story, worlds, series):
+    if story.lag < -1:
+        raise Lost("a row for every step from the start on", f"none for the first {-story.lag} steps", keeps=0.5)
+    if story.lag != 0 and not _at_own_times(story, worlds, series):
         late = "late" if story.lag > 0 else "early"
         mistakes = ["read-before-step"] if story.lag > 0 else []
         raise Lost("each row read after its step", f"every row {late} by one sample", mistakes=mistakes, keeps=0.5)
@@ -158,10 +164,31 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
         raise Lost(f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=0.5)
 
 
-def _begins_with_start(story: Story, worlds: Worlds, series: Collection) -> bool:
-    """Whether the first row is the reading before any step, with its time: one sample more, and every row at its own time."""
-    if story.lag != 1 or series.time is None or series.acceleration is None or len(series.time) < 2:
+def _one_sensor_differs(altered: str, series: Collection, worlds: Worlds) -> None:
+    """One sensor's rows are right, the other's are not: what made others of them is named if it predicts every row."""
+    sensor = KEYS.index(altered) - 1
+    got, true = (series.acceleration, series.angular_velocity)[sensor], worlds.series[TRUE_WORLD][sensor]
+    assert got is not None
+    gap = deviation(got, true)
+    unit = ("m/s²", "rad/s")[sensor]
+    raise Lost(
+        f"{vector(true[gap.row])} {unit} under {altered!r} in row {gap.row}",
+        f"{vector(got[gap.row])}, while the other sensor is right",
+        mistakes=diagnosis.altered_by(altered, got, true),
+        keeps=0.5,
+        off=f"rows under {altered!r} that differ by {gap.rms:.3g} {unit} (RMS), while the other sensor is right",
+        hint=""
+        if diagnosis.altered_by(altered, got, true)
+        else "Store what get_imu_readings returns, as it is (Step 3).",
+    )
+
+
+def _at_own_times(story: Story, worlds: Worlds, series: Collection) -> bool:
+    """Whether each row stands at the time of its state: from the one before any step on, or by mj_forward after every step."""
+    if series.time is None or series.acceleration is None or len(series.time) < 2:
         return False
+    if story.lag == -1:
+        return bool(abs(series.time[0] - worlds.timestep) < _TIME_ATOL)
     first = worlds.series[story.world][0][0]
     at_once = np.abs(series.acceleration[0] - first).max() <= diagnosis.ATOL_ACCELERATION
     return bool(at_once and abs(series.time[0]) < _TIME_ATOL and abs(series.time[1] - worlds.timestep) < _TIME_ATOL)
@@ -194,6 +221,9 @@ def _rows_differ(series: Collection, worlds: Worlds) -> None:
         raise Lost("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
     in_accel, in_gyro = deviation(series.acceleration[:n], accel[:n]), deviation(series.angular_velocity[:n], gyro[:n])
     right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
+    if all(right):
+        rows = f"{n} row{'s' * (n != 1)}, then nothing"
+        raise Lost(f"{worlds.steps} rows", rows, hint="Return after the loop, when all rows are stored (Step 3).")
     got, true, at, unit = (
         (series.angular_velocity, gyro, in_gyro, "rad/s")
         if right[0]
@@ -225,7 +255,8 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
     first, first_worlds = _story(student, truth, "push", _push(student, truth))
     story, worlds = _story(student, truth, "push_dirty", series)
     start = truth["reading_lab"]["qpos"][-1]
-    if _time_goes_on(series, truth) or _starts_elsewhere(story, worlds, start):
+    goes_on = _time_goes_on(series, truth) or _starts_elsewhere(story, worlds, start)
+    if goes_on or _other_velocity(story, worlds, push):
         got = "a series that goes on from where the data was left"
         raise Lost("the same series as from a fresh start", got, mistakes=["no-reset"])
     unknown = story is None and not diagnosis.tells(first or Story(), series, worlds)
@@ -244,6 +275,13 @@ def _starts_elsewhere(story: Story | None, worlds: Worlds, start: Array) -> bool
     if story is None or story.world != diagnosis.CLAIMED_WORLD or worlds.claim is None:
         return story is not None and story.world == "no_reset"
     return bool(np.abs(worlds.claim.qpos - start).max() > _SAME_START)
+
+
+def _other_velocity(story: Story | None, worlds: Worlds, push: Collection) -> bool:
+    """Whether a run is known to begin with other velocities than the first run did: what an earlier one left stays in them."""
+    if story is None or story.world != diagnosis.CLAIMED_WORLD or worlds.claim is None or not push.first_step:
+        return False
+    return bool(np.abs(worlds.claim.qvel - push.first_step["qvel"]).max() > _SAME_START)
 
 
 def _time_goes_on(series: Collection, truth: Traces) -> bool:
@@ -342,9 +380,9 @@ def _story(student: Student, truth: Traces, name: str, series: Collection) -> tu
         claim = Claim(qpos, qvel, gravity, float(series.first_step["timestep"][0]), force)
         steps = min(_length(series) + 2, _LONGEST_REPLAY)
         runs = [student.replay(series.first_step, steps, held=held) for held in (False, True)]
-        address = np.asarray(truth["reading_lab"]["sensor_adr"], int)
+        address, pairs = (np.asarray(truth["reading_lab"][key], int) for key in ("sensor_adr", "pairs"))
         if runs[0] is not None and runs[1] is not None:
-            worlds = diagnosis.with_claim(worlds, claim, runs[0], runs[1], address, torso_ids(truth))
+            worlds = diagnosis.with_claim(worlds, claim, runs[0], runs[1], address, pairs)
             story = diagnosis.explain(series, worlds)
     return story, worlds
 

@@ -358,7 +358,7 @@ def _series(truth: Traces) -> Mapping[str, Array]:
 
 
 def _drawing(student: Student, truth: Traces) -> Drawing:
-    drawing = student.plot(data=_data(student, truth))
+    drawing = student.plot(data=_data(student, truth), ids=torso_ids(truth))
     if drawing.fault is not None and not drawing.figures:
         raised(drawing.fault, "plotting IMU data")
     return drawing

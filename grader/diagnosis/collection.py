@@ -12,21 +12,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..answers import Collection
+from ..answers import KEYS, Collection
 from ..compare import Array, same
 from ..traces import Scenario
+from .reading import alterations, alterations_of_acceleration, alterations_of_rate
 
 ATOL_ACCELERATION = 2e-3
 ATOL_RATE = 2e-4
 """m/s², rad/s. The same steps on the same machine repeat to 1e-9; an extra mj_forward before the first step or the use of
 mj_step1/mj_step2 stays below 1e-6. A lag of one sample after the push moves the series by more than 0.01 m/s²."""
 _FEWEST_ROWS = 20
+SENSORS = KEYS[1:]
 TRUE_WORLD = "truth"
 
 
 CLAIMED_WORLD = "claimed"
 HELD_WORLD = "push_at_every_step"
 LAST_SENSOR = "the model's last sensor"
+OTHER_IMU = "another IMU"
 
 
 @dataclass(frozen=True)
@@ -48,13 +51,17 @@ class Claim:
 
 @dataclass(frozen=True)
 class Worlds:
-    """What the sensors show in each world: name -> (acceleration, angular velocity), each (rows, 3)."""
+    """What the sensors show in each world: name -> (acceleration, angular velocity), each (rows, 3).
+
+    Those that rest on a `claim` are named in `claimed`; the others are of the traces.
+    """
 
     series: Mapping[str, tuple[Array, Array]]
     timestep: float
     duration_s: float
     steps: int
     claim: Claim | None = None
+    claimed: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, scenario: Scenario) -> Worlds:
@@ -67,20 +74,19 @@ class Worlds:
         return cls(series, float(scalars["timestep"]), float(scalars["duration_s"]), int(scalars["n_steps"]))
 
 
-def with_claim(
-    worlds: Worlds, claim: Claim, run: Array, held: Array, address: np.ndarray, ids: tuple[int, int]
-) -> Worlds:
+def with_claim(worlds: Worlds, claim: Claim, run: Array, held: Array, address: np.ndarray, pairs: np.ndarray) -> Worlds:
     """The same worlds and those that start as claimed.
 
     Parameters
     ----------
     run, held : (rows, n) ndarray, all sensors of a simulation from the claimed start, and of one that is pushed at every step
-    address : first index of each sensor; ids : of the accelerometer and the gyroscope
+    address : first index of each sensor; pairs : ids of every accelerometer and its gyroscope, the right ones first
 
     Returns
     -------
     Worlds
-        With the claimed run's right sensors, its last one as ``id = -1`` reads it, and the run that is pushed at every step.
+        With the claimed run's right sensors, its last one as ``id = -1`` reads it, those of the other IMUs, and the run that
+        is pushed at every step.
     """
 
     def at(first: int, sensordata: Array = run) -> Array:
@@ -89,18 +95,20 @@ def with_claim(
         out[:, : part.shape[1]] = part
         return out
 
-    first, second = (int(address[i]) for i in ids)
+    (first, second), *others = np.asarray(address)[pairs].tolist()
     series = {CLAIMED_WORLD: (at(first), at(second)), HELD_WORLD: (at(first, held), at(second, held))}
+    series |= {f"{OTHER_IMU} {number}": (at(accel), at(gyro)) for number, (accel, gyro) in enumerate(others)}
     if np.isfinite(last := at(int(address[-1]))).all():
         series[LAST_SENSOR] = (last, last)
-    return replace(worlds, series={**worlds.series, **series}, claim=claim)
+    return replace(worlds, series={**worlds.series, **series}, claim=claim, claimed=frozenset(series))
 
 
 @dataclass(frozen=True)
 class Story:
     """How rows came about: world, rows late by `lag` samples, `skip` steps a row, channels exchanged, rows aliased.
 
-    With several steps a row, `first` tells after which of them a row is stored, from 0 on.
+    With several steps a row, `first` tells after which of them a row is stored, from 0 on. `altered` is the sensor whose
+    numbers are others, where the rows of the other sensor tell the story alone.
     """
 
     world: str = TRUE_WORLD
@@ -109,6 +117,7 @@ class Story:
     first: int = 0
     exchanged: bool = False
     aliased: bool = False
+    altered: str = ""
 
     @property
     def oddness(self) -> int:
@@ -154,9 +163,10 @@ def explain(series: Collection, worlds: Worlds) -> Story | None:
     """The simplest story that predicts the rows, or None where none does or two equally simple ones do."""
     if tells(sound := Story(), series, worlds):
         return sound
-    fitting = [story for story in _stories(worlds) if tells(story, series, worlds)]
+    fitting = [story for story in _stories(series, worlds) if tells(story, series, worlds)]
     if not fitting:
-        return None
+        one_altered = (replace(sound, altered=key) for key in SENSORS)
+        return next((story for story in one_altered if tells(story, series, worlds)), None)
     least = min(story.oddness for story in fitting)
     simplest = [story for story in fitting if story.oddness == least]
     return simplest[0] if len({_kind(s) for s in simplest}) == 1 else None
@@ -166,14 +176,22 @@ def _kind(story: Story) -> tuple[object, ...]:
     return (story.world, story.lag != 0, story.skip != 1, story.exchanged, story.aliased)
 
 
-def _stories(worlds: Worlds) -> Iterator[Story]:
+def _stories(series: Collection, worlds: Worlds) -> Iterator[Story]:
     for world, exchanged in itertools.product(worlds.series, (False, True)):
-        for lag in (0, 1, -1):
+        for lag in {0, 1, -1, -_missing_at_first(series, worlds, world)}:
             yield Story(world, lag, exchanged=exchanged)
         for skip in (2, 3, 4, 5, 10, 20, 50, 100):
             for first in {0, skip - 1}:
                 yield Story(world, skip=skip, first=first, exchanged=exchanged)
         yield Story(world, exchanged=exchanged, aliased=True)
+
+
+def _missing_at_first(series: Collection, worlds: Worlds, world: str) -> int:
+    """How many samples of a world come before the first row, by the row of it that is nearest."""
+    assert series.acceleration is not None
+    if not len(series.acceleration) or not np.isfinite(series.acceleration[0]).all():
+        return 0
+    return int(np.argmin(np.abs(worlds.series[world][0] - series.acceleration[0]).max(axis=1)))
 
 
 def tells(story: Story, series: Collection, worlds: Worlds) -> bool:
@@ -187,7 +205,23 @@ def tells(story: Story, series: Collection, worlds: Worlds) -> bool:
     rows, wanted = _rows(story, filled_rows(series), len(true_accel))
     if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * story.skip))):
         return False
-    return same(accel[rows], true_accel[wanted], ATOL_ACCELERATION) and same(gyro[rows], true_gyro[wanted], ATOL_RATE)
+    if story.skip != 1 and same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION):
+        return False  # nothing moves in these rows: they would come of any number of steps
+    told = (
+        same(accel[rows], true_accel[wanted], ATOL_ACCELERATION),
+        same(gyro[rows], true_gyro[wanted], ATOL_RATE),
+    )
+    return told == tuple(key != story.altered for key in SENSORS)
+
+
+def altered_by(key: str, got: Array, true: Array) -> list[str]:
+    """The mistake that makes these rows (n, 3) of the true ones of a sensor, or nothing where none does or two do."""
+    own, atol = (
+        (alterations_of_acceleration(), ATOL_ACCELERATION) if key == SENSORS[0] else (alterations_of_rate(), ATOL_RATE)
+    )
+    n = min(len(got), len(true))
+    names = {name for name, change in (*alterations(), *own) if same(got[:n], change(true[:n]), atol)}
+    return sorted(names) if len(names) == 1 else []
 
 
 def nearest(series: Collection, worlds: Worlds) -> str | None:
@@ -197,7 +231,7 @@ def nearest(series: Collection, worlds: Worlds) -> str | None:
     """
     if series.acceleration is None or series.angular_velocity is None or not len(series.acceleration):
         return None
-    known = {name: rows for name, rows in worlds.series.items() if name not in (CLAIMED_WORLD, HELD_WORLD, LAST_SENSOR)}
+    known = {name: rows for name, rows in worlds.series.items() if name not in worlds.claimed}
     first, *others = sorted(
         (_distance(series.acceleration, series.angular_velocity, *rows), name) for name, rows in known.items()
     )
@@ -219,11 +253,13 @@ def _rows(story: Story, n: int, available: int) -> tuple[np.ndarray, np.ndarray]
     return rows[known], wanted[known]
 
 
-def time_error(time: Array, timestep: float, skip: int = 1) -> Array:
+def time_error(time: Array, timestep: float, story: Story) -> Array:
     """Distance (n,) of time stamps from dt … T or from 0 … T - dt, whichever is nearer as a whole, in seconds.
 
-    With `skip` steps a row, stamps that are as far apart and start within the first row's steps are as good.
+    With several steps a row, stamps that are as far apart and start within the first row's steps are as good; where the first
+    samples are missing, so are stamps that start behind them.
     """
-    stamps = timestep * skip * np.arange(len(time))
-    errors = [np.abs(time - stamps - timestep * first) for first in range(skip + 1)]
+    stamps = timestep * story.skip * np.arange(len(time))
+    starts = {*range(story.skip + 1), *((-story.lag, 1 - story.lag) if story.lag < -1 else ())}
+    errors = [np.abs(time - stamps - timestep * first) for first in sorted(starts)]
     return min(errors, key=lambda error: float(np.max(error, initial=0.0)))

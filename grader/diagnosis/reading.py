@@ -223,34 +223,55 @@ def _as_is(scene: Scene, accel: Array, gyro: Array) -> Two:
     return accel, gyro
 
 
-def _each(change: Callable[[Array], Array]) -> list[Value]:
-    """A change applied to the accelerometer, to the gyroscope, or to both."""
-    return [
-        lambda _, a, g: (change(a), g),
-        lambda _, a, g: (a, change(g)),
-        lambda _, a, g: (change(a), change(g)),
-    ]
+Change = Callable[[Array], Array]
+
+
+def alterations() -> Iterator[tuple[str, Change]]:
+    """What readers do to the numbers (…, 3) of either sensor, by the name of the mistake."""
+    for signs in itertools.product((1.0, -1.0), repeat=3):
+        if min(signs) < 0:
+            yield "sign-flipped", lambda x, s=signs: x * np.array(s)  # type: ignore[misc]
+    for order in itertools.permutations(range(3)):
+        if order != (0, 1, 2):
+            yield "axes-permuted", lambda x, o=order: x[..., list(o)]  # type: ignore[misc]
+    for decimals in range(5):
+        yield "precision-lost", lambda x, d=decimals: np.asarray(np.round(x, d))  # type: ignore[misc]
+    yield "precision-lost", lambda x: np.asarray(np.trunc(x))
+    yield "precision-lost", lambda x: x.astype(np.float16).astype(np.float64)
+
+
+def alterations_of_acceleration() -> Iterator[tuple[str, Change]]:
+    """What they do to accelerations alone."""
+    for shift in _G * np.concatenate([np.eye(3), -np.eye(3)]):
+        yield "gravity-removed", lambda x, s=shift: x + s  # type: ignore[misc]
+    yield from _scalings(*(factor for g in (_G, 9.80665, 9.8) for factor in (1 / g, g)), 100.0, 1000.0, 1 / 0.3048)
+
+
+def alterations_of_rate() -> Iterator[tuple[str, Change]]:
+    """What they do to angular velocities alone."""
+    yield from _scalings(180 / np.pi, np.pi / 180, 60 / (2 * np.pi), 1 / (2 * np.pi), 1000.0, 1 / _G)
+
+
+def _scalings(*factors: float) -> Iterator[tuple[str, Change]]:
+    for factor in factors:
+        yield "wrong-units", lambda x, k=factor: k * x  # type: ignore[misc]
 
 
 def _value_mistakes() -> Iterator[tuple[str, Value]]:
-    for signs in itertools.product((1.0, -1.0), repeat=3):
-        if min(signs) < 0:
-            yield from (("sign-flipped", v) for v in _each(lambda x, s=signs: x * np.array(s)))  # type: ignore[misc]
-    for axis, sign in itertools.product(range(3), (1.0, -1.0)):
-        shift = sign * _G * np.eye(3)[axis]
-        yield "gravity-removed", lambda _, a, g, s=shift: (a + s, g)  # type: ignore[misc]
+    for name, change in (*alterations(), ("cached-reading", _first_only)):
+        yield name, lambda _, a, g, c=change: (c(a), g)  # type: ignore[misc]
+        yield name, lambda _, a, g, c=change: (a, c(g))  # type: ignore[misc]
+        yield name, lambda _, a, g, c=change: (c(a), c(g))  # type: ignore[misc]
+    for name, change in alterations_of_acceleration():
+        yield name, lambda _, a, g, c=change: (c(a), g)  # type: ignore[misc]
+    for name, change in alterations_of_rate():
+        yield name, lambda _, a, g, c=change: (a, c(g))  # type: ignore[misc]
+    for gravity in (_G, 9.80665, 9.8):
+        yield "wrong-units", lambda _, a, g, k=gravity: (a / k, np.degrees(g))  # type: ignore[misc]
+    yield "wrong-units", lambda _, a, g: (np.degrees(a), g)  # with the sensors swapped
     yield "gravity-removed", _gravity_rotated_away(1.0)
     yield "gravity-removed", _gravity_rotated_away(-1.0)
-    yield from _unit_mistakes()
-    for order in itertools.permutations(range(3)):
-        if order != (0, 1, 2):
-            yield from (("axes-permuted", v) for v in _each(lambda x, o=order: x[..., list(o)]))  # type: ignore[misc]
     yield from (("world-frame", v) for v in (_world(True, True), _world(True, False), _world(False, True)))
-    for decimals in range(5):
-        yield from (("precision-lost", v) for v in _each(lambda x, d=decimals: np.asarray(np.round(x, d))))  # type: ignore[misc]
-    yield from (("precision-lost", v) for v in _each(lambda x: np.asarray(np.trunc(x))))
-    yield from (("precision-lost", v) for v in _each(lambda x: x.astype(np.float16).astype(np.float64)))
-    yield from (("cached-reading", v) for v in _each(_first_only))
     yield from _other_states()
 
 
@@ -262,21 +283,6 @@ def _rounded(value: Value, decimals: int) -> Value:
         return np.asarray(np.round(a, decimals)), np.asarray(np.round(g, decimals))
 
     return rounded
-
-
-def _unit_mistakes() -> Iterator[tuple[str, Value]]:
-    for gravity in (_G, 9.80665, 9.8):
-        yield "wrong-units", lambda _, a, g, k=gravity: (a / k, g)  # type: ignore[misc]
-        yield "wrong-units", lambda _, a, g, k=gravity: (a / k, np.degrees(g))  # type: ignore[misc]
-        yield "wrong-units", lambda _, a, g, k=gravity: (a * k, g)  # type: ignore[misc]
-    yield "wrong-units", lambda _, a, g: (a, np.degrees(g))
-    yield "wrong-units", lambda _, a, g: (a, np.radians(g))
-    for factor in (100.0, 1000.0, 1 / 0.3048):
-        yield "wrong-units", lambda _, a, g, k=factor: (k * a, g)  # type: ignore[misc]
-    for factor in (60 / (2 * np.pi), 1 / (2 * np.pi), 1000.0):
-        yield "wrong-units", lambda _, a, g, k=factor: (a, k * g)  # type: ignore[misc]
-    yield "wrong-units", lambda _, a, g: (np.degrees(a), g)  # with the sensors swapped
-    yield "wrong-units", lambda _, a, g: (a, g / _G)
 
 
 def _first_only(x: Array) -> Array:

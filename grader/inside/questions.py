@@ -20,6 +20,7 @@ from . import faults, figures, loading, world
 from .values import Packer
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
+_SHORT_RUN_S = 0.1
 _ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
 _GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
 _AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
@@ -395,7 +396,8 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``, ``keys``: the submission's own names, with the array that each stands for
+    fields : ``path``, ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
+        call the submission's `simulate_and_collect`, whose result is then given, with these series in the place of its own
     arrays : what is plotted; a number is an array of no dimension
     """
     function = loading.find("plot_imu_data", fields["path"])
@@ -403,12 +405,22 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     for name in figures.written_pictures(loading.STATE.folder):
         Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
     answer: dict[str, Any] = {}
+    given: Any = {
+        name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
+    }
     with examined(answer):
-        function(
-            {
-                name: arrays[key].copy() if arrays[key].ndim else float(arrays[key])
-                for name, key in fields["keys"].items()
-            }
-        )
+        function(_recorded(fields["recorder"], given) if fields["recorder"] else given)
     seen, facts = figures.RECORDER.take()
     return answer | {"figures": seen, "pictures": figures.written_pictures(loading.STATE.folder)}, facts
+
+
+def _recorded(recorder: dict[str, Any], series: dict[str, Any]) -> Any:
+    """What the submission returns for a short run, with other series in it: it may be more than a dictionary of numbers."""
+    function = loading.find("simulate_and_collect", recorder["path"])
+    model, data = simulation_of(recorder["model"])
+    ids = {"accel": recorder["accel_id"], "gyro": recorder["gyro_id"]}
+    provide_ids(ids)
+    recorded = call_collector(function, model, data, _SHORT_RUN_S, ids)
+    for name, value in series.items():
+        recorded[name] = value
+    return recorded

@@ -61,7 +61,12 @@ def kept(main: str = "") -> dict[str, str]:
     return lab(collect=f"times, accs, gyros = [], [], []\n\n\n{collect}", main=main)
 
 
+MATCHES = ("data_collection.matches_truth",)
+
 COLLECT_FAULTS = [
+    fault("gravity-added-to-the-rows", "gravity-removed", tidied((TIDY_STORE, TIDY_STORE + "        acceleration[i, 2] += 9.81\n")), loses=MATCHES),
+    fault("rates-stored-in-degrees", "wrong-units", listed((LIST_READ, LIST_READ + "        gyro = np.degrees(gyro)\n")), loses=MATCHES),
+    fault("velocities-not-reset", "no-reset", tidied((RESET, "    data.qpos[:] = model.qpos0\n    data.time = 0\n")), loses=("data_collection.starts_from_reset",)),
     fault("lists-at-module-level", "keeps-old-rows", kept()),
     fault("lists-at-module-level-recorded-before", "keeps-old-rows", kept("""\
 model = mujoco.MjModel.from_xml_path(MODEL_PATH)

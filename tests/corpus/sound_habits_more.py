@@ -151,6 +151,15 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
         ('model.sensor("torso_accelerometer").id', "mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, accel_name)"),
         ('model.sensor("torso_gyroscope").id', "mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, gyro_name)"),
     ),
+    "forward_after_every_step": edit(lab(), "imu_reader.py", ("mujoco.mj_step(model, data)\n", "mujoco.mj_step(model, data)\n        mujoco.mj_forward(model, data)\n")),
+    "recording_with_attributes": edit(
+        lab(head=HEAD + '\n\nclass Recording(dict):\n    __getattr__ = dict.__getitem__\n', collect=COLLECT_APPEND), "imu_reader.py",
+        ("return dict(time=", "return Recording(time="), ('t = imu_data["time"]', "t = imu_data.time"),
+    ),
+    "recording_with_labels": edit(
+        lab(collect=COLLECT_APPEND), "imu_reader.py",
+        ("return dict(time=", 'return dict(axes=["x", "y", "z"], time='), ('enumerate("xyz")', 'enumerate(imu_data["axes"])'),
+    ),
     "film_of_the_recording": lab(main=FILM),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
