@@ -169,17 +169,17 @@ def _one_sensor_differs(altered: str, series: Collection, worlds: Worlds) -> Non
     sensor = KEYS.index(altered) - 1
     got, true = (series.acceleration, series.angular_velocity)[sensor], worlds.series[TRUE_WORLD][sensor]
     assert got is not None
-    gap = deviation(got, true)
-    unit = ("m/s²", "rad/s")[sensor]
+    if not np.isfinite(got).all():
+        raise Lost("finite numbers", f"NaN or infinity under {altered!r}", mistakes=["not-finite"], keeps=0.5)
+    gap, unit = deviation(got, true), ("m/s²", "rad/s")[sensor]
+    mistakes = diagnosis.altered_by(altered, got, true)
     raise Lost(
         f"{vector(true[gap.row])} {unit} under {altered!r} in row {gap.row}",
         f"{vector(got[gap.row])}, while the other sensor is right",
-        mistakes=diagnosis.altered_by(altered, got, true),
+        mistakes=mistakes,
         keeps=0.5,
         off=f"rows under {altered!r} that differ by {gap.rms:.3g} {unit} (RMS), while the other sensor is right",
-        hint=""
-        if diagnosis.altered_by(altered, got, true)
-        else "Store what get_imu_readings returns, as it is (Step 3).",
+        hint="" if mistakes else "Store what get_imu_readings returns, as it is (Step 3).",
     )
 
 

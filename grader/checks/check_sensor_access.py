@@ -35,8 +35,12 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     """The values are the sensor's own: m/s² and rad/s in the sensor's frame, unaltered"""
     readings, scene = _torso(student, truth), _torso_scene(truth)
     explained = diagnosis.explain(readings.accel, readings.gyro, scene)
-    if explained is not None and not explained.value_mistakes:
-        return  # unaltered; whether it is the right place is what follows_address asks
+    if explained is None:
+        unaltered = diagnosis.at_fixed_places(readings.accel, readings.gyro, scene) is not None
+    else:
+        unaltered = not explained.value_mistakes
+    if unaltered:
+        return  # whether it is the right place is what follows_address asks
     _values_lost(readings, scene, explained)
 
 
@@ -68,6 +72,12 @@ def check_follows_address(student: Student, truth: Traces) -> None:
     first = diagnosis.explain(torso.accel, torso.gyro, scene)
     if first is not None and first.place_mistake:
         _place_lost(torso, scene, [first.place_mistake])
+    if first is None and (fixed := diagnosis.at_fixed_places(torso.accel, torso.gyro, scene)) is not None:
+        others = _readings(student, truth, "reading_lab", slice(1, None))
+        whatever_ids = diagnosis.agrees(
+            others.accel, others.gyro, fixed, Scene.of(truth["reading_lab"], slice(1, None))
+        )
+        _place_lost(torso, scene, ["hard-coded-address"] if whatever_ids else [])
     first = first or diagnosis.treated(torso.accel, torso.gyro, scene)
     for name, pairs in (("reading_lab", slice(1, None)), ("reading_shuffled", slice(None))):
         _follows(student, truth, name, pairs, first)

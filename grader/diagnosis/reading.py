@@ -99,16 +99,42 @@ def _fits(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) -> 
 def treated(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
     """An explanation without a name: the right sensors, mixed, scaled or shifted in the same way in every state; or None.
 
-    Four numbers an axis are fitted to a dozen states and more, which no other reading obeys by chance.
+    Their numbers, magnitudes or directions are. Four numbers an axis are fitted to a dozen states and more, which no other
+    reading obeys by chance.
     """
-    fits = [_affine(got[0], true[0]) for got, true in ((accel, scene.accel), (gyro, scene.gyro))]
-    if any(fit is None for fit in fits):
+    changes = [_treatment(got[0], true[0]) for got, true in ((accel, scene.accel), (gyro, scene.gyro))]
+    if any(change is None for change in changes):
         return None
+    return Explanation(None, (), _at(0, 0), lambda _, a, g: tuple(c(x) for c, x in zip(changes, (a, g), strict=True)))  # type: ignore[arg-type, misc, return-value]
 
-    def value(_: Scene, a: Array, g: Array) -> Two:
-        return tuple(x @ fit[:3] + fit[3] for x, fit in zip((a, g), fits, strict=True))  # type: ignore[index]
 
-    return Explanation(None, (), _at(0, 0), value)
+def _treatment(got: Array, true: Array) -> Change | None:
+    for part in (np.array, np.abs, _direction):
+        fit = _affine(got, part(true))
+        if fit is not None:
+            return lambda x, part=part, fit=fit: part(x) @ fit[:3] + fit[3]  # type: ignore[misc]
+    return None
+
+
+def _direction(x: Array) -> Array:
+    return np.asarray(x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), 1e-300))
+
+
+def at_fixed_places(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
+    """The explanation of a reader that, in every state, returns what stands at two other places of sensordata; or None.
+
+    Whether it does so whatever the ids are, is seen with other ids.
+    """
+    starts = [_start(got[0], scene.sensordata) for got in (accel, gyro)]
+    return None if starts[0] is None or starts[1] is None else always_reads(starts[0], starts[1])
+
+
+def _start(got: Array, sensordata: Array) -> int | None:
+    """Where these three numbers (k, 3) stand in every state; None for numbers that do not move, which stand anywhere."""
+    if not np.isfinite(got).all() or not np.ptp(got, axis=0).all():
+        return None
+    places = range(sensordata.shape[1] - 2)
+    return next((i for i in places if np.abs(sensordata[:, i : i + 3] - got).max() <= ATOL), None)
 
 
 def _affine(got: Array, true: Array) -> Array | None:
@@ -271,7 +297,9 @@ def _value_mistakes() -> Iterator[tuple[str, Value]]:
     yield "wrong-units", lambda _, a, g: (np.degrees(a), g)  # with the sensors swapped
     yield "gravity-removed", _gravity_rotated_away(1.0)
     yield "gravity-removed", _gravity_rotated_away(-1.0)
-    yield from (("world-frame", v) for v in (_world(True, True), _world(True, False), _world(False, True)))
+    for turning in ("pkij,pkj->pki", "pkji,pkj->pki"):  # into the world's axes, or the wrong way round
+        for sensors in ((True, True), (True, False), (False, True)):
+            yield "world-frame", _turned(turning, *sensors)
     yield from _other_states()
 
 
@@ -290,10 +318,10 @@ def _first_only(x: Array) -> Array:
     return np.broadcast_to(x[:, :1], x.shape)
 
 
-def _world(accel_too: bool, gyro_too: bool) -> Value:
+def _turned(turning: str, accel_too: bool, gyro_too: bool) -> Value:
     def value(scene: Scene, accel: Array, gyro: Array) -> Two:
         def turn(x: Array) -> Array:
-            return np.asarray(np.einsum("pkij,pkj->pki", scene.world_from_site, x))
+            return np.asarray(np.einsum(turning, scene.world_from_site, x))
 
         return (turn(accel) if accel_too else accel), (turn(gyro) if gyro_too else gyro)
 

@@ -49,7 +49,7 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Returns
     -------
-    ``calls`` : per pair and state a node; ``later`` : the first state's readings again, after the simulation stepped on;
+    ``calls`` : per pair and state a node; ``later`` : the first state's readings again, after a step and another reading;
     arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata while reading.
     """
     reader = loading.find("get_imu_readings", fields["path"])
@@ -67,6 +67,7 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
                 disturbance.append(_changes(before, _state(data)))
                 if index == 0:
                     move_on(model, data)
+                    reader(model, data, int(accel_id), int(gyro_id))  # into arrays of its own, or the same ones again
                     answer["later"].append(packer.node(reading))
     return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
 

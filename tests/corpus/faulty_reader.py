@@ -79,6 +79,12 @@ READER_FAULTS = [
         loses=IGNORES_IDS, reason="values unaltered, of the wrong place",
     ),
     fault("gyroscope-twice", "same-sensor-twice", sheet((SHEET_ADDRESSES[0], "accel_adr = model.sensor_adr[gyro_sensor_id]")), loses=IGNORES_IDS),
+    fault("first-six-numbers", "hard-coded-address", read("return data.sensordata[0:3].copy(), data.sensordata[3:6].copy()"), loses=("sensor_access.follows_address",)),
+    fault("rotated-the-wrong-way-round", "world-frame", after("turn = data.site_xmat[model.sensor_objid[accel_sensor_id]].reshape(3, 3).T", "acceleration, angular_velocity = turn @ acceleration, turn @ angular_velocity"), loses=("sensor_access.matches_truth",)),
+    fault("one-pair-of-arrays-for-all", "view-not-copy", edit(
+        read("OUT[0] = data.sensor(accel_sensor_id).data\nOUT[1] = data.sensor(gyro_sensor_id).data\nreturn OUT[0], OUT[1]"), "imu_reader.py",
+        ("def get_imu_readings", "OUT = np.zeros((2, 3))\n\n\ndef get_imu_readings"),
+    ), loses=("sensor_access.reading_is_a_copy",)),
     fault(
         "fixed-slices", "hard-coded-address", slices("data.sensordata[5:8].copy()", "data.sensordata[11:14].copy()"),
         loses=IGNORES_IDS, reason="right for the torso of the lab model only",
