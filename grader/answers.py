@@ -196,10 +196,11 @@ class Collection:
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
 
-    def since(self, row: int) -> Collection:
-        """The same run without the rows before this one."""
+    def rows(self, first: int, end: int | None = None) -> Collection:
+        """A part of the same run."""
         time, acceleration, angular_velocity = (
-            None if array is None else array[row:] for array in (self.time, self.acceleration, self.angular_velocity)
+            None if array is None else array[first:end]
+            for array in (self.time, self.acceleration, self.angular_velocity)
         )
         return replace(self, time=time, acceleration=acceleration, angular_velocity=angular_velocity)
 

@@ -299,7 +299,8 @@ def check_applies_push(student: Student, truth: Traces) -> None:
     if world is None:
         raise Skipped(_RECOGNISABLE)
     if world == "no_push":
-        raise Lost("data.qvel[0] = 0.5 after the reset", "a series without a push", mistakes=["no-perturbation"])
+        mistake = "no-perturbation" if story else "wrong-perturbation"
+        raise Lost("data.qvel[0] = 0.5 after the reset", "a series that starts without a push", mistakes=[mistake])
     if world == diagnosis.CLAIMED_WORLD:
         _other_push(worlds)
     elif world.startswith("push"):
@@ -329,13 +330,13 @@ def _other_push(worlds: Worlds) -> None:
 def _push(student: Student, truth: Traces) -> Collection:
     """The series after the push, without rows of earlier runs: starts_from_reset charges those."""
     series = _after_push(student, truth)
-    return series.since(diagnosis.rows_left(series))
+    return series.rows(diagnosis.rows_left(series))
 
 
 def _dirty(student: Student, truth: Traces) -> Collection:
     """The series from a state that was left by an earlier run, without rows of that."""
     series = _after_dirt(student, truth)
-    return series.since(diagnosis.rows_left(series, _after_push(student, truth)))
+    return series.rows(diagnosis.rows_left(series, _after_push(student, truth)))
 
 
 def _after_push(student: Student, truth: Traces) -> Collection:

@@ -225,13 +225,18 @@ def altered_by(key: str, got: Array, true: Array) -> list[str]:
 
 
 def nearest(series: Collection, worlds: Worlds) -> str | None:
-    """The world that rows which no story predicts come from: they are three times as near to it as to any other, or None.
+    """The world that rows which no story predicts come from, or None: one that they begin as, or are nearest to.
 
-    Smoothing, rounding or noise of half an m/s² leaves a run five times as near to its own world, or more.
+    Smoothing, rounding or noise of half an m/s² leaves a run five times as near to its own world, or more; three times as near
+    as to any other is asked for.
     """
     if series.acceleration is None or series.angular_velocity is None or not len(series.acceleration):
         return None
     known = {name: rows for name, rows in worlds.series.items() if name not in worlds.claimed}
+    start = series.rows(0, _FEWEST_ROWS)
+    begun = [name for name in known if tells(Story(name), start, worlds)]
+    if len(begun) == 1:
+        return begun[0]
     first, *others = sorted(
         (_distance(series.acceleration, series.angular_velocity, *rows), name) for name, rows in known.items()
     )
