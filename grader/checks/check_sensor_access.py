@@ -72,15 +72,22 @@ def check_follows_address(student: Student, truth: Traces) -> None:
     first = diagnosis.explain(torso.accel, torso.gyro, scene)
     if first is not None and first.place_mistake:
         _place_lost(torso, scene, [first.place_mistake])
-    if first is None and (fixed := diagnosis.at_fixed_places(torso.accel, torso.gyro, scene)) is not None:
-        others = _readings(student, truth, "reading_lab", slice(1, None))
-        whatever_ids = diagnosis.agrees(
-            others.accel, others.gyro, fixed, Scene.of(truth["reading_lab"], slice(1, None))
-        )
-        _place_lost(torso, scene, ["hard-coded-address"] if whatever_ids else [])
+    fixed = None if first else diagnosis.at_fixed_places(torso.accel, torso.gyro, scene)
+    if fixed is not None:
+        _place_lost(torso, scene, _elsewhere(student, truth, fixed))
     first = first or diagnosis.treated(torso.accel, torso.gyro, scene)
     for name, pairs in (("reading_lab", slice(1, None)), ("reading_shuffled", slice(None))):
         _follows(student, truth, name, pairs, first)
+
+
+def _elsewhere(student: Student, truth: Traces, fixed: Explanation) -> list[str]:
+    """Why the torso's readings come from a place of others: the same one whatever the ids are, or one that goes with them."""
+    pairs = slice(1, None)
+    readings, scene = _readings(student, truth, "reading_lab", pairs), Scene.of(truth["reading_lab"], pairs)
+    if diagnosis.agrees(readings.accel, readings.gyro, fixed, scene):
+        return ["hard-coded-address"]
+    found = diagnosis.explain(readings.accel, readings.gyro, scene)
+    return [found.place_mistake] if found is not None and found.place_mistake else []
 
 
 def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Explanation | None) -> None:
