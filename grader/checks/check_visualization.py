@@ -103,10 +103,8 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     unlabelled = []
     for sensor in (0, 1):
         for panel in plot.of_sensor(sensor):
-            said = plots.claims(panel.facts["ylabel"]) | plots.claims(panel.facts["title"])
-            if said == {1 - sensor} and _shown_elsewhere(plot, 1 - sensor, panel):
-                got = f"a panel labelled “{_shown(panel.words)}” that shows the {_SENSOR_WORDS[sensor]}"
-                raise Lost(f"{_SENSOR_WORDS[sensor]} under its own name", got, mistakes=["panels-swapped"])
+            if wrong := _misnaming(plot, panel, sensor):
+                _named_as_the_other(panel, sensor, wrong)
         if not _is_named(plot, sensor):
             unlabelled.append(_SENSOR_WORDS[sensor])
     missing = [_SENSOR_WORDS[s] for s in (0, 1) if not plot.of_sensor(s)]
@@ -115,6 +113,27 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     if unlabelled:
         got = f"nothing on the panel that says {' or '.join(unlabelled)}"
         raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
+
+
+def _misnaming(plot: _Plot, panel: Panel, sensor: int) -> list[str]:
+    """What is written on a panel of this sensor and speaks of the other one alone."""
+    texts = [panel.facts["title"], panel.facts["ylabel"]]
+    if not _shown_elsewhere(plot, 1 - sensor, panel):
+        return []
+    if plots.claims(texts[0]) | plots.claims(texts[1]) == {1 - sensor}:
+        return [text for text in texts if text.strip()]
+    return [text for text in texts if plots.names_only(1 - sensor, text)]
+
+
+def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
+    expected = f"{_SENSOR_WORDS[sensor]} under its own name"
+    got = f"a panel labelled “{_shown(' | '.join(wrong))}” that shows the {_SENSOR_WORDS[sensor]}"
+    if all(text in wrong for text in (panel.facts["title"], panel.facts["ylabel"]) if text.strip()):
+        raise Lost(expected, got, mistakes=["panels-swapped"])
+    hint = (
+        "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
+    )
+    raise Lost(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
 
 
 def _shown_elsewhere(plot: _Plot, sensor: int, panel: Panel) -> bool:
@@ -167,13 +186,19 @@ def _axis_is_time(plot: _Plot) -> None:
     if "index" in kinds:
         raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
     labelled = [plots.plain(text) for text in _x_labels(plot)]
-    if "ms" in kinds and any(labelled) and not any("ms" in text or "milli" in text for text in labelled):
+    said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
+    if "ms" in kinds and not said and not _own_ticks(plot):
         raise Lost(
             "curves against time in the unit of the label",
             "curves against milliseconds",
             mistakes=["x-not-time"],
             keeps=0.5,
         )
+
+
+def _own_ticks(plot: _Plot) -> bool:
+    """Whether the numbers beside the time axis may be others than those that are drawn."""
+    return any(panel.facts.get("own_ticks") is True for panel in plot.panels)
 
 
 def _scale_is_labelled(plot: _Plot) -> None:
@@ -205,10 +230,11 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
         panels = plot.of_sensor(sensor)
         labels = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
         beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"])
-        if panels:
-            lost += _label_problem(f"the y axis of the {_SENSOR_WORDS[sensor]}", labels, beside, sensor)
+        elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
+        if panels and elsewhere.isdisjoint(labels):  # a label of the other sensor is charged as the panel's name
+            lost += _label_problem(labels, beside, sensor)
     if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
-        lost += _time_problem(_x_labels(plot))
+        lost += _time_problem(plot)
     if lost:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
         keeps = round(1 - len(lost) / 3, 4) if len(lost) < 3 else 0.0
@@ -220,27 +246,27 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
         )
 
 
-def _label_problem(axis: str, labels: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
-    written = [label for label in labels if label.strip()]
+def _label_problem(labels: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
+    written, what = [label for label in labels if label.strip()], _SENSOR_WORDS[sensor]
     if not written:
-        beside = [text for text in beside if plots.unit_of(text) and sensor in plots.claims(text)]
-        return [] if beside and any(text.strip() for text in beside) else [("no-axis-labels", f"no label on {axis}")]
-    family = ("m/s²", "g") if sensor == 0 else ("rad/s", "deg/s")
-    units = [plots.unit_of(text) for text in written + beside]
-    if any(unit in family for unit in units):
+        told = any(plots.has_unit_of(sensor, text) and sensor in plots.claims(text) for text in beside)
+        return [] if told else [("no-axis-labels", f"no label on the y axis of the {what}")]
+    if any(plots.has_unit_of(sensor, text) for text in written + beside):
         return []
-    if any(unit is not None for unit in units[: len(written)]):
-        return []  # a unit of the other sensor: that is a panel under the other's name
-    return [("no-units", f"“{_shown(written[0])}” without a unit on {axis}")]
+    return [("no-units", f"“{_shown(written[0])}” without a unit of {what} on its y axis")]
 
 
-def _time_problem(labels: list[str]) -> list[tuple[str, str]]:
-    written = [label for label in labels if label.strip()]
+def _time_problem(plot: _Plot) -> list[tuple[str, str]]:
+    written = [label for label in _x_labels(plot) if label.strip()]
     if not written:
         return [("no-axis-labels", "no label on the time axis")]
-    if any(plots.has_time_unit(label) or plots.counts_samples(label) for label in written):
-        return []
-    return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
+    with_unit = [label for label in written if plots.has_time_unit(label)]
+    if not with_unit and not any(map(plots.counts_samples, written)):
+        return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
+    seconds = {s.x for panel in plot.panels for s in panel.shown} <= {"s", "s from start"}
+    if with_unit and all(map(plots.in_milliseconds, with_unit)) and seconds and not _own_ticks(plot):
+        return [("no-units", f"“{_shown(with_unit[0])}” under a time axis in seconds")]
+    return []
 
 
 def _x_labels(plot: _Plot) -> list[str]:

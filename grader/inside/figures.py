@@ -187,6 +187,8 @@ def _take_out_what_is_covered(figure: Any, facts: list[dict[str, Any]]) -> None:
 
 
 def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
+    from matplotlib.ticker import ScalarFormatter
+
     legend, behind = axes.get_legend(), axes.get_figure().get_facecolor()
     titles = (axes.title, axes._left_title, axes._right_title)
     labels = (axes.xaxis.label, axes.yaxis.label)
@@ -208,6 +210,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "curves": _curves(axes, packer),
         "images": len(axes.images),
         "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
+        "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
         "y_limits": [float(v) for v in axes.get_ylim()],
     }
 
