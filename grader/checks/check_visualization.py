@@ -35,7 +35,9 @@ class _Plot:
     drawing: Drawing
 
     def of_sensor(self, sensor: int) -> list[Panel]:
-        return [panel for panel in self.panels if sensor in panel.sensors]
+        """The sensor's own panels; where it has none, those that it shares."""
+        own = [panel for panel in self.panels if panel.mainly == {sensor}]
+        return own or [panel for panel in self.panels if sensor in panel.sensors]
 
 
 def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, Traces], None]:
@@ -97,8 +99,7 @@ def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
 def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     """Acceleration and angular velocity have a panel each, which says what it shows"""
     plot = _plot(student, truth)
-    both = [panel for panel in plot.panels if len(panel.sensors) > 1]
-    if both:
+    if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
         raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
     unlabelled = []
     for sensor in (0, 1):

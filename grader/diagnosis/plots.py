@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -46,6 +47,12 @@ class Panel:
     @property
     def sensors(self) -> set[int]:
         return {s.sensor for s in self.shown}
+
+    @property
+    def mainly(self) -> set[int]:
+        """The sensor that most of its curves show; both if they are as many."""
+        counts = Counter(s.sensor for s in self.shown)
+        return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
     @property
     def words(self) -> str:

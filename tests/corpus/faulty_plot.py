@@ -57,6 +57,20 @@ def plot_imu_data(imu_data):
     plt.close()
 '''
 
+ONE_PANEL_FOR_EACH_AXIS = '''\
+def plot_imu_data(imu_data):
+    fig, panels = plt.subplots(3, 1, figsize=(10, 9), sharex=True)
+    for k, ax in enumerate(panels):
+        ax.plot(imu_data["time"], imu_data["acceleration"][:, k], label="acceleration (m/s²)")
+        ax.plot(imu_data["time"], imu_data["angular_velocity"][:, k], label="angular velocity (rad/s)")
+        ax.set_title("IMU, axis " + "xyz"[k])
+        ax.set_ylabel("Acceleration (m/s²), angular velocity (rad/s)")
+        ax.legend()
+    panels[-1].set_xlabel("Time (s)")
+    fig.savefig("imu_data.png")
+    plt.close(fig)
+'''
+
 PLOT_FAULTS = [
     fault("shown-not-saved", "plot-not-saved", sheet((SHEET_SAVE, ""))),
     fault("drawn-and-closed", "plot-not-saved", loop((SAVE, ""))),
@@ -81,6 +95,7 @@ PLOT_FAULTS = [
     fault("gyroscope-panel-shows-acceleration", "wrong-data-plotted", loop(('imu_data["angular_velocity"][:, k]', 'imu_data["acceleration"][:, k]')), also=("panels-swapped",)),
     fault("cumulative-sum-drawn", "wrong-data-plotted", loop(('imu_data["angular_velocity"][:, k]', 'np.cumsum(imu_data["angular_velocity"][:, k])'))),
     fault("one-column-twice", "wrong-data-plotted", sheet(("imu_data['angular_velocity'][:, 2], label='Yaw rate'", "imu_data['angular_velocity'][:, 1], label='Yaw rate'"))),
+    fault("one-curve-of-the-other-sensor", "wrong-data-plotted", sheet(("imu_data['angular_velocity'][:, 0]", "imu_data['acceleration'][:, 0]")), never=("one-panel",), **only("curves_match_data")),
     fault("z-only", "curves-missing", sheet(*[(f"    axes[{p}].plot(imu_data['time'], imu_data['{k}'][:, {i}], label='{label}')\n", "") for p, k, i, label in ((0, "acceleration", 0, "X"), (0, "acceleration", 1, "Y"), (1, "angular_velocity", 0, "Roll rate"), (1, "angular_velocity", 1, "Pitch rate"))])),
     fault("two-of-three", "curves-missing", loop(('enumerate("xyz")', 'enumerate("xy")'))),
     fault("accelerometer-panel-only", "curves-missing", lab(plot='''\
@@ -93,6 +108,7 @@ def plot_imu_data(imu_data):
     plt.close(fig)
 '''), also=("one-panel",)),
     fault("both-on-one-scale", "one-panel", lab(plot=ONE_PANEL)),
+    fault("both-on-one-scale-for-each-axis", "one-panel", lab(plot=ONE_PANEL_FOR_EACH_AXIS), **only("two_labelled_panels")),
     fault("labels-of-panels-exchanged", "panels-swapped", loop(('imu_data["acceleration"][:, k]', 'imu_data["angular_velocity"][:, k]'), ('imu_data["angular_velocity"][:, k]', 'imu_data["acceleration"][:, k]')), also=("wrong-data-plotted",)),
     fault("titles-and-units-of-panels-exchanged", "panels-swapped", sheet(("'Acceleration (m/s²)'", "'Angular Velocity (rad/s)'"), ("'Angular Velocity (rad/s)'", "'Acceleration (m/s²)'"), ("'Accelerometer Readings'", "'Gyroscope readings'"), ("'Gyroscope Readings'", "'Accelerometer Readings'")), also=("wrong-data-plotted",)),
     fault("label-of-the-panel-above-copied", "panels-swapped", sheet(("'Angular Velocity (rad/s)'", "'Acceleration (m/s²)'")), **only("two_labelled_panels")),
