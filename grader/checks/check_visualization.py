@@ -6,6 +6,9 @@ import functools
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
+
+import numpy as np
 
 from ..answers import KEYS, Array, Drawing
 from ..conversation import Missing
@@ -330,8 +333,10 @@ def check_titles(student: Student, truth: Traces) -> None:
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
     drawn = broken_off = False
+    seen = ""
     for drawing in student.scripts():
         broken_off = broken_off or drawing.fault is not None
+        seen = seen or next((_curves_in_words(f, drawing) for f in drawing.figures if _is_meant(f, drawing)), "")
         pairs = [(f, _compared(student, f, drawing)) for f in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
         saved = [of_it for figure, of_it in compared if figure["event"] == "saved"]
@@ -349,14 +354,12 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             keeps=0.5,
         )
     if _picture_shows_something(student, _COMPARISON):
-        why = (
-            "and code that stops with an exception before it is drawn"
-            if broken_off
-            else "which no code of the submission draws"
-        )
+        why = f"and code that draws {seen}" if seen else "which no code of the submission draws"
+        if broken_off:
+            why = "and code that stops with an exception before it is drawn"
         got = f"{_COMPARISON}, {why}"
         raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
-    got = f"no code that draws it and no readable {_COMPARISON}"
+    got = seen or f"no code that draws it and no readable {_COMPARISON}"
     mistakes = (
         [] if broken_off else ["comparison-missing"]
     )  # an exception came first: what the script would draw is not known
@@ -368,6 +371,20 @@ def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[p
     found = plots.comparisons(figure, drawing.arrays)
     charged = "LowPassFilter" in student.broken
     return found or (plots.named_comparisons(figure, drawing.arrays) if charged else [])
+
+
+def _is_meant(figure: Facts, drawing: Drawing) -> bool:
+    """Whether a figure is meant to compare raw and filtered data: its file's name says so, or its curves' names."""
+    return PurePath(figure["path"] or "").name == _COMPARISON or bool(plots.named_comparisons(figure, drawing.arrays))
+
+
+def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
+    series = plots.series_drawn(figure, drawing.arrays)
+    if len(series) < 2:
+        return "a plot with one curve alone" if series else "a plot without a curve"
+    if all(np.array_equal(one, series[0]) for one in series):
+        return "a plot with the same series in every curve"
+    return f"a plot with {len(series)} curves, none of which is a smoother version of another"
 
 
 def _names_are_right(saved: list[list[plots.Compared]]) -> None:

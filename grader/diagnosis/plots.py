@@ -361,6 +361,11 @@ def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
     return [Compared(raw, smooth) for raw in names for smooth in names if _says_raw(raw) and _says_smooth(smooth)]
 
 
+def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
+    """The values of every curve of data in a figure."""
+    return [arrays[c["y"]] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
+
+
 def _name_on(axes: Facts, curve: Facts) -> str:
     return _name(curve, axes["legend"] or (), axes["texts"]) or ""
 
