@@ -26,6 +26,9 @@ _PICTURE = "imu_data.png"
 _COMPARISON = "filtered_imu.png"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
+_NONE_AS_GIVEN = (
+    "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
+)
 _SENSOR_WORDS = ("acceleration", "angular velocity")
 
 
@@ -180,6 +183,7 @@ def check_curves_match_data(student: Student, truth: Traces) -> None:
             got,
             mistakes=[mistake],
             keeps=len(shown) / 6 if shown else 0.0,
+            hint="" if shown or not strange else _NONE_AS_GIVEN,
         )
     _axis_is_time(plot)
     _scale_is_labelled(plot)
