@@ -6,6 +6,9 @@ import functools
 import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import PurePath
+
+import numpy as np
 
 from ..answers import KEYS, Array, Drawing
 from ..conversation import Missing
@@ -23,6 +26,9 @@ _PICTURE = "imu_data.png"
 _COMPARISON = "filtered_imu.png"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
+_NONE_AS_GIVEN = (
+    "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
+)
 _SENSOR_WORDS = ("acceleration", "angular velocity")
 
 
@@ -35,7 +41,9 @@ class _Plot:
     drawing: Drawing
 
     def of_sensor(self, sensor: int) -> list[Panel]:
-        return [panel for panel in self.panels if sensor in panel.sensors]
+        """The sensor's own panels; where it has none, those that it shares."""
+        own = [panel for panel in self.panels if panel.mainly == {sensor}]
+        return own or [panel for panel in self.panels if sensor in panel.sensors]
 
 
 def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, Traces], None]:
@@ -97,16 +105,13 @@ def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
 def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     """Acceleration and angular velocity have a panel each, which says what it shows"""
     plot = _plot(student, truth)
-    both = [panel for panel in plot.panels if len(panel.sensors) > 1]
-    if both:
+    if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
         raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
     unlabelled = []
     for sensor in (0, 1):
         for panel in plot.of_sensor(sensor):
-            said = plots.claims(panel.facts["ylabel"]) | plots.claims(panel.facts["title"])
-            if said == {1 - sensor} and _shown_elsewhere(plot, 1 - sensor, panel):
-                got = f"a panel labelled “{_shown(panel.words)}” that shows the {_SENSOR_WORDS[sensor]}"
-                raise Lost(f"{_SENSOR_WORDS[sensor]} under its own name", got, mistakes=["panels-swapped"])
+            if wrong := _misnaming(plot, panel, sensor):
+                _named_as_the_other(panel, sensor, wrong)
         if not _is_named(plot, sensor):
             unlabelled.append(_SENSOR_WORDS[sensor])
     missing = [_SENSOR_WORDS[s] for s in (0, 1) if not plot.of_sensor(s)]
@@ -115,6 +120,27 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     if unlabelled:
         got = f"nothing on the panel that says {' or '.join(unlabelled)}"
         raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
+
+
+def _misnaming(plot: _Plot, panel: Panel, sensor: int) -> list[str]:
+    """What is written on a panel of this sensor and speaks of the other one alone."""
+    texts = [panel.facts["title"], panel.facts["ylabel"]]
+    if not _shown_elsewhere(plot, 1 - sensor, panel):
+        return []
+    if plots.claims(texts[0]) | plots.claims(texts[1]) == {1 - sensor}:
+        return [text for text in texts if text.strip()]
+    return [text for text in texts if plots.names_only(1 - sensor, text)]
+
+
+def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
+    expected = f"{_SENSOR_WORDS[sensor]} under its own name"
+    got = f"a panel labelled “{_shown(' | '.join(wrong))}” that shows the {_SENSOR_WORDS[sensor]}"
+    if all(text in wrong for text in (panel.facts["title"], panel.facts["ylabel"]) if text.strip()):
+        raise Lost(expected, got, mistakes=["panels-swapped"])
+    hint = (
+        "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
+    )
+    raise Lost(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
 
 
 def _shown_elsewhere(plot: _Plot, sensor: int, panel: Panel) -> bool:
@@ -157,6 +183,7 @@ def check_curves_match_data(student: Student, truth: Traces) -> None:
             got,
             mistakes=[mistake],
             keeps=len(shown) / 6 if shown else 0.0,
+            hint="" if shown or not strange else _NONE_AS_GIVEN,
         )
     _axis_is_time(plot)
     _scale_is_labelled(plot)
@@ -167,13 +194,19 @@ def _axis_is_time(plot: _Plot) -> None:
     if "index" in kinds:
         raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
     labelled = [plots.plain(text) for text in _x_labels(plot)]
-    if "ms" in kinds and any(labelled) and not any("ms" in text or "milli" in text for text in labelled):
+    said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
+    if "ms" in kinds and not said and not _own_ticks(plot):
         raise Lost(
             "curves against time in the unit of the label",
             "curves against milliseconds",
             mistakes=["x-not-time"],
             keeps=0.5,
         )
+
+
+def _own_ticks(plot: _Plot) -> bool:
+    """Whether the numbers beside the time axis may be others than those that are drawn."""
+    return any(panel.facts.get("own_ticks") is True for panel in plot.panels)
 
 
 def _scale_is_labelled(plot: _Plot) -> None:
@@ -205,10 +238,11 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
         panels = plot.of_sensor(sensor)
         labels = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
         beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"])
-        if panels:
-            lost += _label_problem(f"the y axis of the {_SENSOR_WORDS[sensor]}", labels, beside, sensor)
+        elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
+        if panels and elsewhere.isdisjoint(labels):  # a label of the other sensor is charged as the panel's name
+            lost += _label_problem(labels, beside, sensor)
     if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
-        lost += _time_problem(_x_labels(plot))
+        lost += _time_problem(plot)
     if lost:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
         keeps = round(1 - len(lost) / 3, 4) if len(lost) < 3 else 0.0
@@ -220,27 +254,27 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
         )
 
 
-def _label_problem(axis: str, labels: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
-    written = [label for label in labels if label.strip()]
+def _label_problem(labels: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
+    written, what = [label for label in labels if label.strip()], _SENSOR_WORDS[sensor]
     if not written:
-        beside = [text for text in beside if plots.unit_of(text) and sensor in plots.claims(text)]
-        return [] if beside and any(text.strip() for text in beside) else [("no-axis-labels", f"no label on {axis}")]
-    family = ("m/s²", "g") if sensor == 0 else ("rad/s", "deg/s")
-    units = [plots.unit_of(text) for text in written + beside]
-    if any(unit in family for unit in units):
+        told = any(plots.has_unit_of(sensor, text) and sensor in plots.claims(text) for text in beside)
+        return [] if told else [("no-axis-labels", f"no label on the y axis of the {what}")]
+    if any(plots.has_unit_of(sensor, text) for text in written + beside):
         return []
-    if any(unit is not None for unit in units[: len(written)]):
-        return []  # a unit of the other sensor: that is a panel under the other's name
-    return [("no-units", f"“{_shown(written[0])}” without a unit on {axis}")]
+    return [("no-units", f"“{_shown(written[0])}” without a unit of {what} on its y axis")]
 
 
-def _time_problem(labels: list[str]) -> list[tuple[str, str]]:
-    written = [label for label in labels if label.strip()]
+def _time_problem(plot: _Plot) -> list[tuple[str, str]]:
+    written = [label for label in _x_labels(plot) if label.strip()]
     if not written:
         return [("no-axis-labels", "no label on the time axis")]
-    if any(plots.has_time_unit(label) or plots.counts_samples(label) for label in written):
-        return []
-    return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
+    with_unit = [label for label in written if plots.has_time_unit(label)]
+    if not with_unit and not any(map(plots.counts_samples, written)):
+        return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
+    seconds = {s.x for panel in plot.panels for s in panel.shown} <= {"s", "s from start"}
+    if with_unit and all(map(plots.in_milliseconds, with_unit)) and seconds and not _own_ticks(plot):
+        return [("no-units", f"“{_shown(with_unit[0])}” under a time axis in seconds")]
+    return []
 
 
 def _x_labels(plot: _Plot) -> list[str]:
@@ -303,8 +337,10 @@ def check_titles(student: Student, truth: Traces) -> None:
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
     drawn = broken_off = False
+    seen = ""
     for drawing in student.scripts():
         broken_off = broken_off or drawing.fault is not None
+        seen = seen or next((_curves_in_words(f, drawing) for f in drawing.figures if _is_meant(f, drawing)), "")
         pairs = [(f, _compared(student, f, drawing)) for f in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
         saved = [of_it for figure, of_it in compared if figure["event"] == "saved"]
@@ -322,14 +358,12 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             keeps=0.5,
         )
     if _picture_shows_something(student, _COMPARISON):
-        why = (
-            "and code that stops with an exception before it is drawn"
-            if broken_off
-            else "which no code of the submission draws"
-        )
+        why = f"and code that draws {seen}" if seen else "which no code of the submission draws"
+        if broken_off:
+            why = "and code that stops with an exception before it is drawn"
         got = f"{_COMPARISON}, {why}"
         raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
-    got = f"no code that draws it and no readable {_COMPARISON}"
+    got = seen or f"no code that draws it and no readable {_COMPARISON}"
     mistakes = (
         [] if broken_off else ["comparison-missing"]
     )  # an exception came first: what the script would draw is not known
@@ -341,6 +375,20 @@ def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[p
     found = plots.comparisons(figure, drawing.arrays)
     charged = "LowPassFilter" in student.broken
     return found or (plots.named_comparisons(figure, drawing.arrays) if charged else [])
+
+
+def _is_meant(figure: Facts, drawing: Drawing) -> bool:
+    """Whether a figure is meant to compare raw and filtered data: its file's name says so, or its curves' names."""
+    return PurePath(figure["path"] or "").name == _COMPARISON or bool(plots.named_comparisons(figure, drawing.arrays))
+
+
+def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
+    series = plots.series_drawn(figure, drawing.arrays)
+    if len(series) < 2:
+        return "a plot with one curve alone" if series else "a plot without a curve"
+    if all(np.array_equal(one, series[0]) for one in series):
+        return "a plot with the same series in every curve"
+    return f"a plot with {len(series)} curves, none of which is a smoother version of another"
 
 
 def _names_are_right(saved: list[list[plots.Compared]]) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -46,6 +47,12 @@ class Panel:
     @property
     def sensors(self) -> set[int]:
         return {s.sensor for s in self.shown}
+
+    @property
+    def mainly(self) -> set[int]:
+        """The sensor that most of its curves show; both if they are as many."""
+        counts = Counter(s.sensor for s in self.shown)
+        return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
     @property
     def words(self) -> str:
@@ -182,14 +189,17 @@ def plain(text: str) -> str:
 
 _ACCELERATION_UNIT = re.compile(
     r"m/\(?s(ec|ek)?\)?2|m/s/s|ms-2|m/sec/sec|ms2\b|ms2[\])]|(met(er|re)s?|meter|metros?|m[eè]tres?|метр\w*)[a-z]*(per|/|pro|por|par|al)?"
-    r"s(ec|ek|eg)\w*(squared|2|²|quadrat|alcuadrado|carr[eé]e?|aoquadrado)|[\[(/,]g0?[\])]?$|[\[(]g|[\[(]mg|米/秒"
+    r"s(ec|ek|eg)\w*(squared|2|²|quadrat|alcuadrado|carr[eé]e?|aoquadrado)|[\[(/,]g0?[\])]?$|[\[(]g|[\[(]mg|米/秒|м/с2"
 )
 _RATE_UNIT = re.compile(
-    r"rads?(ians?|iant\w*|i[aá]n\w*)?(/|s-1|per|pro|por|par|·)|deg(rees?)?(/|per|s-1)|°/s|°s-1|dps|grad?(os?)?/s|grad(pro|/)|弧度|度/秒|1/s|s-1"
+    r"(?![a-z°]+/\(?s(ec|ek)?(2(?!\w)|/s))"  # not per second squared
+    r"(rads?(ians?|iant\w*|i[aá]n\w*)?(/|s-1|per|pro|por|par|·)|deg\w*(/|per|par|s-1)|°/s|°s-1|dps|gra[du]\w*(/|per|pro|por)"
+    r"|弧度|度/秒|(рад|°|град)/с(?!2)|1/s|s-1)"
 )
 _TIME_UNIT = re.compile(
-    r"[\[(/,|]\(?(s|sec|secs|ms|us|min|sek|seg)\.?[\])]?$|[\[(](s|sec|ms|sek|seg|秒)[\])]|second|sekund|segund|секунд|秒|ins$|:s$|in(sec|ms)$|ms\b|millis"
+    r"[\[(/,|]\(?(s|sec|secs|ms|us|min|sek|seg|с|мс)\.?[\])]?$|[\[(](s|sec|ms|sek|seg|秒|с|мс)[\])]|second|sekund|segund|секунд|秒|ins$|:s$|in(sec|ms)$|ms\b|millis"
 )
+_MILLISECONDS = re.compile(r"([\[(/,|]|in)ms[\])]?$|[\[(]ms[\])]|millis")
 _COUNTED = re.compile(r"sample|index|step|abtast|muestra|échantillon|echantillon|frame|#|n$")
 
 
@@ -197,24 +207,40 @@ def unit_of(text: str) -> str | None:
     """The unit that a label names: ``m/s²``, ``g``, ``rad/s``, ``deg/s``; None where it names none of them."""
     words = plain(text)
     if _RATE_UNIT.search(words):
-        return "deg/s" if re.search(r"deg|°|dps|grad(os|/|pro)|度/秒", words) and "弧度" not in words else "rad/s"
+        return (
+            "deg/s"
+            if re.search(r"deg|°|dps|gra[du]\w*(/|per|pro|por)|град|度/秒", words) and "弧度" not in words
+            else "rad/s"
+        )
     if _ACCELERATION_UNIT.search(words):
         return "g" if not re.search(r"s2|s-2|/s/s|squared|2|²|quadr|cuadr|carr|米", words) else "m/s²"
     return None
+
+
+def has_unit_of(sensor: int, text: str) -> bool:
+    """Whether a label names a unit of the sensor, whatever else it names."""
+    return bool((_ACCELERATION_UNIT, _RATE_UNIT)[sensor].search(plain(text)))
 
 
 def has_time_unit(text: str) -> bool:
     return bool(_TIME_UNIT.search(plain(text)))
 
 
+def in_milliseconds(text: str) -> bool:
+    return bool(_MILLISECONDS.search(plain(text)))
+
+
 def counts_samples(text: str) -> bool:
     return bool(_COUNTED.search(plain(text)))
 
 
-_ACCELERATION_WORDS = re.compile(r"acc|acél|acel|accél|beschl|加速|specificforce|ускор|versnel|ivme|przysp|lineaire")
-_RATE_WORDS = re.compile(
-    r"gyr|giro|angul|rate|omega|ω|winkel|dreh|vitesseang|角速|陀螺|ジャイロ|가속|각속|угл|гиро|hoeksn|spin|rotat"
+_NAMES = (
+    r"accel|accél|acél|acel|beschl|加速|가속|specificforce|ускор|акселер|versnel|ivme|przysp",
+    r"gyr|giro|angularv|angularr|omega|ω|winkelg|dreh|(vitesse|velocidade?)ang|角速|陀螺|ジャイロ|각속|угл|гиро|hoeksn",
 )
+"""What acceleration and angular velocity, and their sensors, are called."""
+_ACCELERATION_WORDS = re.compile(_NAMES[0] + r"|acc|lineaire")
+_RATE_WORDS = re.compile(_NAMES[1] + r"|angul|winkel|rate|spin|rotat")
 
 
 def claims(text: str) -> set[int]:
@@ -227,6 +253,11 @@ def claims(text: str) -> set[int]:
     if unit is not None and not found:
         found.add(0 if unit in ("m/s²", "g") else 1)
     return found
+
+
+def names_only(sensor: int, text: str) -> bool:
+    """Whether a text calls one sensor, or what it measures, by its name and says nothing of the other one."""
+    return bool(re.search(_NAMES[sensor], plain(text))) and claims(text) == {sensor}
 
 
 _AXIS_WORDS = (
@@ -328,6 +359,11 @@ def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
         _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)
     ]
     return [Compared(raw, smooth) for raw in names for smooth in names if _says_raw(raw) and _says_smooth(smooth)]
+
+
+def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
+    """The values of every curve of data in a figure."""
+    return [arrays[c["y"]] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
 
 
 def _name_on(axes: Facts, curve: Facts) -> str:

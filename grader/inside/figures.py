@@ -30,7 +30,8 @@ class Recorder:
 
     def __init__(self) -> None:
         self._seen: list[dict[str, Any]] = []
-        self._live: list[Any] = []
+        self._noted: dict[Any, bool] = {}
+        """The figures so far, and whether there was anything on them."""
         self._packer = Packer()
         self._deaf = False
 
@@ -45,7 +46,7 @@ class Recorder:
         plt.close("all")
         self._deaf = False
         seen, arrays = self._seen, self._packer.arrays
-        self._seen, self._live, self._packer = [], [], Packer()
+        self._seen, self._noted, self._packer = [], {}, Packer()
         return seen, arrays
 
     def note(
@@ -59,10 +60,12 @@ class Recorder:
         bare: bool | None = None,
     ) -> None:
         """Take the facts; `bare` where it is known whether no pixel has to be looked at."""
-        again = figure in self._live and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
+        filled = any(axes.has_data() for axes in figure.get_axes())
+        known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
+        again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
         if self._deaf or len(self._seen) >= _MAX_FIGURES or again:
             return
-        self._live.append(figure)
+        self._noted[figure] = filled
         width, height = (float(x) for x in figure.get_size_inches())
         dots = float(figure.dpi if dpi is None or dpi == "figure" else dpi)
         facts: dict[str, Any] = {
@@ -184,6 +187,8 @@ def _take_out_what_is_covered(figure: Any, facts: list[dict[str, Any]]) -> None:
 
 
 def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
+    from matplotlib.ticker import ScalarFormatter
+
     legend, behind = axes.get_legend(), axes.get_figure().get_facecolor()
     titles = (axes.title, axes._left_title, axes._right_title)
     labels = (axes.xaxis.label, axes.yaxis.label)
@@ -205,6 +210,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "curves": _curves(axes, packer),
         "images": len(axes.images),
         "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
+        "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
         "y_limits": [float(v) for v in axes.get_ylim()],
     }
 

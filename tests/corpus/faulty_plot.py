@@ -57,12 +57,28 @@ def plot_imu_data(imu_data):
     plt.close()
 '''
 
+ONE_PANEL_FOR_EACH_AXIS = '''\
+def plot_imu_data(imu_data):
+    fig, panels = plt.subplots(3, 1, figsize=(10, 9), sharex=True)
+    for k, ax in enumerate(panels):
+        ax.plot(imu_data["time"], imu_data["acceleration"][:, k], label="acceleration (m/s²)")
+        ax.plot(imu_data["time"], imu_data["angular_velocity"][:, k], label="angular velocity (rad/s)")
+        ax.set_title("IMU, axis " + "xyz"[k])
+        ax.set_ylabel("Acceleration (m/s²), angular velocity (rad/s)")
+        ax.legend()
+    panels[-1].set_xlabel("Time (s)")
+    fig.savefig("imu_data.png")
+    plt.close(fig)
+'''
+
 PLOT_FAULTS = [
     fault("shown-not-saved", "plot-not-saved", sheet((SHEET_SAVE, ""))),
     fault("drawn-and-closed", "plot-not-saved", loop((SAVE, ""))),
     fault("saved-after-show", "blank-image", sheet((SHEET_SAVE + SHEET_SHOW, SHEET_SHOW + SHEET_SAVE)), reason="the window took the figure along"),
     fault("saved-after-clf", "blank-image", pyplot(('    plt.savefig("imu_data.png")\n', '    plt.clf()\n    plt.savefig("imu_data.png")\n'))),
     fault("saved-a-new-figure", "blank-image", loop((SAVE, '    plt.figure(figsize=(10, 6))\n    plt.savefig("imu_data.png")\n'))),
+    fault("saved-before-anything-is-drawn", "blank-image", loop(("sharex=True)\n", "sharex=True)\n" + SAVE), ("    fig.tight_layout()\n" + SAVE, "    fig.tight_layout()\n")), **only("saves_image")),
+    fault("saved-before-drawing-and-shown", "blank-image", sheet(("sharex=True)\n", "sharex=True)\n" + SHEET_SAVE), (SHEET_SAVE + SHEET_SHOW, SHEET_SHOW)), **only("saves_image")),
     fault("no-labels-at-all", "no-axis-labels", sheet(("    axes[0].set_ylabel('Acceleration (m/s²)')\n", ""), ("    axes[1].set_xlabel('Time (s)')\n", ""), ("    axes[1].set_ylabel('Angular Velocity (rad/s)')\n", "")), **only("axis_labels_with_units")),
     fault("no-labels-loop", "no-axis-labels", loop(('    top.set_ylabel("Acceleration [m/s^2]")\n', ""), ('    bottom.set_ylabel("Angular velocity [rad/s]")\n', ""), ('    bottom.set_xlabel("Time [s]")\n', "")), **only("axis_labels_with_units")),
     fault("labels-without-units", "no-units", sheet(("'Acceleration (m/s²)'", "'Acceleration'"), ("'Time (s)'", "'Time'"), ("'Angular Velocity (rad/s)'", "'Angular Velocity'")), **only("axis_labels_with_units")),
@@ -79,6 +95,10 @@ PLOT_FAULTS = [
     fault("gyroscope-panel-shows-acceleration", "wrong-data-plotted", loop(('imu_data["angular_velocity"][:, k]', 'imu_data["acceleration"][:, k]')), also=("panels-swapped",)),
     fault("cumulative-sum-drawn", "wrong-data-plotted", loop(('imu_data["angular_velocity"][:, k]', 'np.cumsum(imu_data["angular_velocity"][:, k])'))),
     fault("one-column-twice", "wrong-data-plotted", sheet(("imu_data['angular_velocity'][:, 2], label='Yaw rate'", "imu_data['angular_velocity'][:, 1], label='Yaw rate'"))),
+    fault("one-curve-of-the-other-sensor", "wrong-data-plotted", sheet(("imu_data['angular_velocity'][:, 0]", "imu_data['acceleration'][:, 0]")), never=("one-panel",), **only("curves_match_data")),
+    fault("draws-its-own-recording", "wrong-data-plotted", sheet(("def plot_imu_data(imu_data)", "def plot_imu_data(recorded)")), **only("curves_match_data")),
+    fault("first-hundred-samples-only", "wrong-data-plotted", loop(('    t = imu_data["time"]\n', '    imu_data = {name: values[:100] for name, values in imu_data.items()}\n    t = imu_data["time"]\n')), **only("curves_match_data")),
+    fault("minutes-under-seconds", "wrong-data-plotted", loop(('    t = imu_data["time"]\n', '    t = imu_data["time"] / 60\n')), also=("x-not-time",), **only("curves_match_data")),
     fault("z-only", "curves-missing", sheet(*[(f"    axes[{p}].plot(imu_data['time'], imu_data['{k}'][:, {i}], label='{label}')\n", "") for p, k, i, label in ((0, "acceleration", 0, "X"), (0, "acceleration", 1, "Y"), (1, "angular_velocity", 0, "Roll rate"), (1, "angular_velocity", 1, "Pitch rate"))])),
     fault("two-of-three", "curves-missing", loop(('enumerate("xyz")', 'enumerate("xy")'))),
     fault("accelerometer-panel-only", "curves-missing", lab(plot='''\
@@ -91,8 +111,16 @@ def plot_imu_data(imu_data):
     plt.close(fig)
 '''), also=("one-panel",)),
     fault("both-on-one-scale", "one-panel", lab(plot=ONE_PANEL)),
+    fault("both-on-one-scale-for-each-axis", "one-panel", lab(plot=ONE_PANEL_FOR_EACH_AXIS), **only("two_labelled_panels")),
     fault("labels-of-panels-exchanged", "panels-swapped", loop(('imu_data["acceleration"][:, k]', 'imu_data["angular_velocity"][:, k]'), ('imu_data["angular_velocity"][:, k]', 'imu_data["acceleration"][:, k]')), also=("wrong-data-plotted",)),
     fault("titles-and-units-of-panels-exchanged", "panels-swapped", sheet(("'Acceleration (m/s²)'", "'Angular Velocity (rad/s)'"), ("'Angular Velocity (rad/s)'", "'Acceleration (m/s²)'"), ("'Accelerometer Readings'", "'Gyroscope readings'"), ("'Gyroscope Readings'", "'Accelerometer Readings'")), also=("wrong-data-plotted",)),
+    fault("label-of-the-panel-above-copied", "panels-swapped", sheet(("'Angular Velocity (rad/s)'", "'Acceleration (m/s²)'")), **only("two_labelled_panels")),
+    fault("title-of-the-panel-above-copied", "panels-swapped", sheet(("'Gyroscope Readings'", "'Accelerometer Readings'")), **only("two_labelled_panels")),
+    fault("titles-of-panels-exchanged", "panels-swapped", sheet(("'Accelerometer Readings'", "'Gyroscope readings'"), ("'Gyroscope Readings'", "'Accelerometer readings'")), **only("two_labelled_panels")),
+    fault("units-of-panels-exchanged", "no-units", loop(("[m/s^2]", "[rad/s]"), ("[rad/s]", "[m/s^2]")), reason="the unit that belongs there is missing", never=("panels-swapped",), **only("axis_labels_with_units")),
+    fault("unit-of-the-other-sensor", "no-units", sheet(("(rad/s)", "(m/s²)")), never=("panels-swapped",), **only("axis_labels_with_units")),
+    fault("angular-velocity-per-second-squared", "no-units", sheet(("(rad/s)", "(rad/s²)")), **only("axis_labels_with_units")),
+    fault("milliseconds-over-seconds", "no-units", sheet(("'Time (s)'", "'Time (ms)'")), also=("x-not-time",), reason="the unit that the numbers have is missing", **only("axis_labels_with_units")),
     fault("against-the-sample-index", "x-not-time", edit({**verbatim(), "imu_reader.py": _times(verbatim()["imu_reader.py"])}, "imu_reader.py")),
     fault("against-the-index-loop", "x-not-time", loop(('    t = imu_data["time"]\n', '    t = np.arange(len(imu_data["time"]))\n'))),
     fault("a-stamp-not-a-picture", "low-resolution", loop(("figsize=(10, 6)", "figsize=(3, 2)"), ("dpi=100", "dpi=30"), ("    fig.tight_layout()\n", ""))),
@@ -101,6 +129,11 @@ def plot_imu_data(imu_data):
     fault("comparison-not-saved", "comparison-missing", edit(verbatim(), "filters.py", (SHEET_COMPARE_SAVE, "")), also=("plot-not-saved",), **only("comparison_plot")),
     fault("filtered-alone", "comparison-missing", compare(('    ax.plot(t, np.array(raw)[:, 2], alpha=0.5, label="raw z")\n', "")), **only("comparison_plot")),
     fault("raw-alone", "comparison-missing", compare(('    ax.plot(t, np.array(smooth)[:, 2], label="filtered z")\n', "")), **only("comparison_plot")),
+    fault("raw-drawn-twice", "comparison-missing", edit(verbatim(), "filters.py", ("plt.plot(filtered_data[:, 2]", "plt.plot(raw_data[:, 2]")), **only("comparison_plot")),
+    fault("filtered-drawn-twice", "comparison-missing", compare(("np.array(raw)[:, 2]", "np.array(smooth)[:, 2]")), **only("comparison_plot")),
+    fault("gyroscope-filtered-beside-acceleration", "comparison-missing", compare(("accel, _ = imu.read()", "accel, gyro = imu.read()"), ("low_pass.update(accel)", "low_pass.update(gyro)")), **only("comparison_plot")),
+    fault("a-new-filter-for-each-sample", "comparison-missing", compare(("low_pass.update(accel)", "LowPassFilter(alpha=0.1).update(accel)")), **only("comparison_plot")),
+    fault("filter-that-lets-all-pass", "comparison-missing", compare(("LowPassFilter(alpha=0.1)", "LowPassFilter(alpha=1.0)")), **only("comparison_plot")),
     fault("plot-raises", "raises", sheet(("axes[1].set_xlabel('Time (s)')", "axes[1].xlabel('Time (s)')"))),
     fault("plot-never-returns", "never-returns", loop((SAVE, SAVE + "    while plt.get_fignums():\n        pass\n"))),
     fault("plot-kills", "kills-its-process", pyplot(('    plt.savefig("imu_data.png")\n', '    import ctypes\n    ctypes.string_at(0)\n    plt.savefig("imu_data.png")\n'))),

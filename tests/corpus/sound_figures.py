@@ -264,6 +264,37 @@ PLOT_JAPANESE = _sheet_plot(
     ("'Pitch rate'", "'ピッチ'"),
     ("'Yaw rate'", "'ヨー'"),
 )
+PLOT_KOREAN = _sheet_plot(
+    ("'Acceleration (m/s²)'", "'가속도 (m/s²)'"),
+    ("'Accelerometer Readings'", "'가속도 센서'"),
+    ("'Time (s)'", "'시간 (s)'"),
+    ("'Angular Velocity (rad/s)'", "'각속도 (rad/s)'"),
+    ("'Gyroscope Readings'", "'자이로스코프'"),
+)
+PLOT_RUSSIAN = _sheet_plot(
+    ("'Acceleration (m/s²)'", "'Ускорение, м/с²'"),
+    ("'Accelerometer Readings'", "'Показания акселерометра'"),
+    ("'Time (s)'", "'Время, с'"),
+    ("'Angular Velocity (rad/s)'", "'Угловая скорость, рад/с'"),
+    ("'Gyroscope Readings'", "'Показания гироскопа'"),
+)
+
+# Numbers in another unit than the recorded ones, and labels that say so.
+PLOT_PORTUGUESE_DEGREES = (
+    PLOT_DEGREES.replace("Acceleration (m/s²)", "Aceleração (m/s²)")
+    .replace("Angular velocity (deg/s)", "Velocidade angular (graus/s)")
+    .replace("Time (s)", "Tempo (s)")
+)
+PLOT_MILLISECONDS = PLOT_LOOP.replace('t = imu_data["time"]', 't = 1000 * imu_data["time"]').replace("Time [s]", "Time [ms]")
+PLOT_MILLISECONDS_BESIDE_TICKS = PLOT_LOOP.replace(
+    '    bottom.set_xlabel("Time [s]")\n',
+    '    bottom.set_xlabel("Time [ms]")\n    bottom.xaxis.set_major_formatter(lambda seconds, _: f"{1000 * seconds:.0f}")\n',
+)
+
+# The titles tell of the experiment, the labels of the sensors.
+PLOT_TITLES_OF_THE_EXPERIMENT = PLOT_LOOP.replace('"Torso accelerometer"', '"Push of 0.5 m/s, sample rate 500 Hz"').replace(
+    '"Torso gyroscope"', '"Torso (global frame), accurate to 1 %"'
+)
 
 
 def _compare(*changes: tuple[str, str]) -> str:
@@ -368,4 +399,10 @@ FIGURES = {
     "labels_in_spanish": lab(plot=PLOT_SPANISH),
     "labels_in_chinese": lab(plot=PLOT_CHINESE, compare=COMPARE_CHINESE),
     "labels_in_japanese": lab(plot=PLOT_JAPANESE),
+    "labels_in_korean": lab(plot=PLOT_KOREAN),
+    "labels_in_russian": lab(plot=PLOT_RUSSIAN),
+    "degrees_in_portuguese": lab(plot=PLOT_PORTUGUESE_DEGREES),
+    "time_in_milliseconds_and_labelled_so": lab(plot=PLOT_MILLISECONDS),
+    "milliseconds_beside_the_ticks": lab(plot=PLOT_MILLISECONDS_BESIDE_TICKS),
+    "titles_of_the_experiment": lab(plot=PLOT_TITLES_OF_THE_EXPERIMENT),
 }
