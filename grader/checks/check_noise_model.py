@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from .. import statistics as st
-from ..answers import NoiseRun
+from ..answers import Fault, NoiseRun
 from ..compare import Array, vector
 from ..diagnosis import noise as diagnosis
 from ..diagnosis.noise import Facts
@@ -21,6 +21,8 @@ _INSTANCES = 24
 _SILENT_READS = 100
 _ROUGHLY = 0.3
 """600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
+_TRUTH_OF_ARRAY = "truth value of an array"
+"""What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
 _UNITS = ("m/s²", "rad/s")
 _NAMES = ("accel", "gyro")
 
@@ -64,6 +66,8 @@ def _redrawn_bias_explains(sensors: list[Facts], silent: list[Facts]) -> bool:
 def check_given_bias(student: Student, truth: Traces) -> None:
     """A bias that is given is added to every reading, zero included"""
     sensors, silent = _given(student, truth), _silent(student, truth)
+    for key in ("given", "silent"):
+        _is_taken(_asked(student, truth, key, given=True).fault)
     wrong = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
     redrawn = diagnosis.bias_is_redrawn(sensors, silent)
     if wrong:
@@ -83,6 +87,17 @@ def check_given_bias(student: Student, truth: Traces) -> None:
             mistakes=["bias-argument-ignored"],
             keeps=0.5,
         )
+
+
+def _is_taken(fault: Fault | None) -> None:
+    if fault is not None and _TRUTH_OF_ARRAY in fault.message:
+        raise Lost(
+            "a bias given as an array of three that is used as it is",
+            f"an exception{f' at {fault.where}' if fault.where else ''}: an array was tested for truth, and has none",
+            off="an exception: an array was tested for truth, and has none",
+            mistakes=["bias-argument-ignored"],
+        )
+    raised(fault, "reading the noisy IMU with given biases")
 
 
 def _bias_is_right(facts: Facts) -> bool:
@@ -211,6 +226,19 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
 
 
 def _run(student: Student, truth: Traces, key: str) -> NoiseRun:
+    """What the checks judge: reads with given biases; with the submission's own where it stumbles over given ones only."""
+    return _sound_form(_asked(student, truth, key, given=_takes_biases(student, truth, key)))
+
+
+def _takes_biases(student: Student, truth: Traces, key: str) -> bool:
+    """Whether a run with given biases is as good as one without: otherwise given_bias charges what it raises."""
+    return (
+        _asked(student, truth, key, given=True).fault is None
+        or _asked(student, truth, key, given=False).fault is not None
+    )
+
+
+def _asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun:
     scenario = truth["noise"]
     stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
     biases = (scenario["accel_bias"], scenario["gyro_bias"])
@@ -220,10 +248,15 @@ def _run(student: Student, truth: Traces, key: str) -> NoiseRun:
         "silent": (_SILENT_READS, (0.0, 0.0), (np.zeros(3), np.zeros(3))),
     }
     reads, stds, biases = settings[key]
-    run = student.noise(
-        key, qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), reads=reads, stds=stds, biases=biases
+    return student.noise(
+        key if given else f"{key}, without biases",
+        qpos=scenario["qpos"],
+        qvel=scenario["qvel"],
+        ids=torso_ids(truth),
+        reads=reads,
+        stds=stds,
+        biases=biases if given else None,
     )
-    return _sound_form(run)
 
 
 def _sound_form(run: NoiseRun) -> NoiseRun:
@@ -235,17 +268,22 @@ def _sound_form(run: NoiseRun) -> NoiseRun:
     return run
 
 
-def _facts(student: Student, truth: Traces, key: str, *, biased: bool = True) -> list[Facts]:
-    return student.once(("noise facts", key), lambda: _told_by(_run(student, truth, key), truth, biased=biased))
+def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
+    return student.once(("noise facts", key), lambda: _told_by(student, truth, key))
 
 
-def _told_by(run: NoiseRun, truth: Traces, *, biased: bool) -> list[Facts]:
-    scenario = truth["noise"]
+def _told_by(student: Student, truth: Traces, key: str) -> list[Facts]:
+    run, scenario = _run(student, truth, key), truth["noise"]
     clean = (scenario["acceleration"], scenario["angular_velocity"])
     stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
-    biases = (scenario["accel_bias"], scenario["gyro_bias"]) if biased else (np.zeros(3), np.zeros(3))
-    reads = (run.accel, run.gyro)
-    return [Facts(r - c[:, None, :], c, s, b) for r, c, s, b in zip(reads, clean, stds, biases, strict=True)]
+    residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
+    if key == "silent":
+        biases = [np.zeros(3), np.zeros(3)]
+    elif _takes_biases(student, truth, key):
+        biases = [scenario["accel_bias"], scenario["gyro_bias"]]
+    else:
+        biases = [r.mean(axis=(0, 1)) for r in residuals]
+    return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, stds, biases, strict=True)]
 
 
 def _given(student: Student, truth: Traces) -> list[Facts]:
@@ -257,7 +295,7 @@ def _given_again(student: Student, truth: Traces) -> list[Facts]:
 
 
 def _silent(student: Student, truth: Traces) -> list[Facts]:
-    return _facts(student, truth, "silent", biased=False)
+    return _facts(student, truth, "silent")
 
 
 def _default_biases(student: Student, truth: Traces) -> list[Array]:
