@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +26,10 @@ _TRUTH_OF_ARRAY = "truth value of an array"
 """What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
 _UNITS = ("m/s²", "rad/s")
 _NAMES = ("accel", "gyro")
+_ORDER = (
+    "Keep the two sensors apart in read(): the accelerometer's id, reading and bias come first, the gyroscope's second; "
+    "look at the order in the call of get_imu_readings, where it is unpacked, and in the return (Step 5)."
+)
 
 
 @check("noise_model.noise_size", lab_step=5)
@@ -68,16 +73,25 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     sensors, silent = _given(student, truth), _silent(student, truth)
     for key in ("given", "silent"):
         _is_taken(_asked(student, truth, key, given=True).fault)
+    if _returns_exchanged(student, truth):
+        raise Lost(
+            "accel first and gyro second from read(), each with its own bias",
+            "gyro first and accel second",
+            mistakes=["swapped-sensors"],
+            hint=_ORDER,
+        )
     wrong = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
     redrawn = diagnosis.bias_is_redrawn(sensors, silent)
     if wrong:
         facts, unit = sensors[wrong[0]], _UNITS[wrong[0]]
+        mistakes = ["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors)
         raise Lost(
             f"readings that are {vector(facts.bias)} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
             f"{vector(facts.offset[-1])} {unit}",
             off=f"an average that is off by up to {np.abs(facts.offset - facts.bias).max():.3g} {unit}",
-            mistakes=["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors),
+            mistakes=mistakes,
             keeps=0.5 if len(wrong) == 1 else 0.0,
+            hint=_ORDER if mistakes == ["swapped-sensors"] else "",
         )
     if any(facts.still and np.abs(facts.offset).max() > diagnosis.TRUTH_ATOL for facts in silent):
         got = next(f for f in silent if np.abs(f.offset).max() > diagnosis.TRUTH_ATOL)
@@ -227,7 +241,38 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
 
 def _run(student: Student, truth: Traces, key: str) -> NoiseRun:
     """What the checks judge: reads with given biases; with the submission's own where it stumbles over given ones only."""
-    return _sound_form(_asked(student, truth, key, given=_takes_biases(student, truth, key)))
+    return _sound_form(student, truth, _asked(student, truth, key, given=_takes_biases(student, truth, key)))
+
+
+def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
+    """A run of whole vectors, the accelerometer's first: given_bias charges it where they come the other way round."""
+    raised(run.fault, "reading the noisy IMU")
+    if not _is_whole(run):
+        finite = run.odd or "NaN or infinity"
+        mistake = "not-finite" if run.odd is None or "of shape (3,)" in finite else "wrong-return-type"
+        raise Lost("a tuple of two arrays of shape (3,) from read()", finite, mistakes=[mistake])
+    return _exchanged(run) if _returns_exchanged(student, truth) else run
+
+
+def _is_whole(run: NoiseRun) -> bool:
+    return bool(np.isfinite(run.accel).all() and np.isfinite(run.gyro).all())
+
+
+def _returns_exchanged(student: Student, truth: Traces) -> bool:
+    """Whether each vector is the other sensor's, with that sensor's bias."""
+    return student.once("noise exchanged", lambda: _fits_exchanged(student, truth))
+
+
+def _fits_exchanged(student: Student, truth: Traces) -> bool:
+    run = _asked(student, truth, "given", given=True)
+    if run.fault is not None or not _is_whole(run):
+        return False
+    straight, exchanged = (_facts_of(r, truth, _biases(truth)) for r in (run, _exchanged(run)))
+    return all(map(diagnosis.bias_is_right, exchanged)) and not any(map(diagnosis.bias_is_right, straight))
+
+
+def _exchanged(run: NoiseRun) -> NoiseRun:
+    return replace(run, accel=run.gyro, gyro=run.accel)
 
 
 def _takes_biases(student: Student, truth: Traces, key: str) -> bool:
@@ -238,13 +283,19 @@ def _takes_biases(student: Student, truth: Traces, key: str) -> bool:
     )
 
 
+def _stds(truth: Traces) -> tuple[float, float]:
+    return float(truth["noise"].scalars["accel_noise_std"]), float(truth["noise"].scalars["gyro_noise_std"])
+
+
+def _biases(truth: Traces) -> tuple[Array, Array]:
+    return truth["noise"]["accel_bias"], truth["noise"]["gyro_bias"]
+
+
 def _asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun:
     scenario = truth["noise"]
-    stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
-    biases = (scenario["accel_bias"], scenario["gyro_bias"])
     settings = {
-        "given": (st.READS, stds, biases),
-        "again": (3, stds, biases),
+        "given": (st.READS, _stds(truth), _biases(truth)),
+        "again": (3, _stds(truth), _biases(truth)),
         "silent": (_SILENT_READS, (0.0, 0.0), (np.zeros(3), np.zeros(3))),
     }
     reads, stds, biases = settings[key]
@@ -259,31 +310,23 @@ def _asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRu
     )
 
 
-def _sound_form(run: NoiseRun) -> NoiseRun:
-    raised(run.fault, "reading the noisy IMU")
-    if not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
-        finite = run.odd or "NaN or infinity"
-        mistake = "not-finite" if run.odd is None or "of shape (3,)" in finite else "wrong-return-type"
-        raise Lost("a tuple of two arrays of shape (3,) from read()", finite, mistakes=[mistake])
-    return run
-
-
 def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
     return student.once(("noise facts", key), lambda: _told_by(student, truth, key))
 
 
 def _told_by(student: Student, truth: Traces, key: str) -> list[Facts]:
-    run, scenario = _run(student, truth, key), truth["noise"]
-    clean = (scenario["acceleration"], scenario["angular_velocity"])
-    stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
-    residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
+    run = _run(student, truth, key)
     if key == "silent":
-        biases = [np.zeros(3), np.zeros(3)]
-    elif _takes_biases(student, truth, key):
-        biases = [scenario["accel_bias"], scenario["gyro_bias"]]
-    else:
-        biases = [r.mean(axis=(0, 1)) for r in residuals]
-    return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, stds, biases, strict=True)]
+        return _facts_of(run, truth, (np.zeros(3), np.zeros(3)))
+    return _facts_of(run, truth, _biases(truth) if _takes_biases(student, truth, key) else None)
+
+
+def _facts_of(run: NoiseRun, truth: Traces, biases: tuple[Array, Array] | None) -> list[Facts]:
+    """The facts of both sensors, about these biases, or about the mean where they are not known."""
+    clean = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
+    residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
+    about = biases or [r.mean(axis=(0, 1)) for r in residuals]
+    return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, _stds(truth), about, strict=True)]
 
 
 def _given(student: Student, truth: Traces) -> list[Facts]:
@@ -304,5 +347,5 @@ def _default_biases(student: Student, truth: Traces) -> list[Array]:
     run = student.default_bias(
         qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), instances=_INSTANCES, reads=3
     )
-    run = _sound_form(run)
+    run = _sound_form(student, truth, run)
     return [run.accel - scenario["acceleration"][0], run.gyro - scenario["angular_velocity"][0]]

@@ -179,6 +179,8 @@ def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     if all(_stale(f) for f in wrong):
         return ["stale-clean-reading"]
     other = {id(f): g for f, g in zip(sensors, reversed(sensors), strict=True)}
+    if len(wrong) == 2 and all(_offset_is(f, other[id(f)].truth - f.truth + f.bias) for f in wrong):
+        return ["swapped-sensors"]
     if any(_offset_is(f, other[id(f)].bias) for f in wrong) or all(_offset_is(f, np.full(3, f.bias[0])) for f in wrong):
         return ["bias-shared"]
     beside = [f.offset - f.bias for f in wrong]
