@@ -136,7 +136,7 @@ def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequ
     accel, gyro = sensors
     if _near(accel.pooled_spread, gyro.std) or _near(gyro.pooled_spread, accel.std):
         return ["stds-swapped"]
-    if all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong):
+    if wrong and all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong):
         return ["variance-as-std"]
     return []
 
