@@ -325,7 +325,7 @@ def _is_vector(value: Any) -> bool:
 
 
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build many `NoisyIMU` without biases and with no noise, and read each a few times in one state.
+    """Build many `NoisyIMU` without biases, and read each a few times in one state.
 
     Returns
     -------

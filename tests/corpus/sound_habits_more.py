@@ -152,5 +152,13 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
         ('model.sensor("torso_gyroscope").id', "mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, gyro_name)"),
     ),
     "film_of_the_recording": lab(main=FILM),
+    "bias_as_large_as_the_noise": edit(
+        lab(), "noisy_imu.py",
+        ("self.rng.normal(0.0, 0.1, size=3)", "self.rng.normal(0.0, self.accel_noise_std, size=3)"),
+        ("self.rng.normal(0.0, 0.01, size=3)", "2.0 * self.rng.normal(0.0, self.gyro_noise_std, size=3)"),
+    ),
+    "accelerometer_bias_as_large_as_the_noise": edit(
+        lab(), "noisy_imu.py", ("self.rng.normal(0.0, 0.1, size=3)", "self.rng.normal(0.0, self.accel_noise_std, size=3)"),
+    ),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
