@@ -170,10 +170,15 @@ def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:
 
 def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     moves = np.ptp(bias, axis=1)
-    if moves.max() > diagnosis.EXACT * max(1.0, np.abs(bias).max()) and not noisy:
-        row = int(np.argmax(moves.max(axis=1)))
-        got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
-        raise Lost(f"a {name} bias that stays the same from read to read", got, mistakes=["bias-redrawn"])
+    if moves.max() <= diagnosis.EXACT * max(1.0, np.abs(bias).max()) or noisy:
+        return
+    row = int(np.argmax(moves.max(axis=1)))
+    wanted = f"a {name} bias that stays the same from read to read"
+    got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
+    if np.ptp(bias[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT:  # the first read was before the next one was made
+        got += ", and from every other one that was made meanwhile"
+        raise Lost(wanted, got, mistakes=["bias-shared"], keeps=0.5)
+    raise Lost(wanted, got, mistakes=["bias-redrawn"])
 
 
 @check("noise_model.white_and_gaussian", lab_step=5)

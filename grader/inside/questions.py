@@ -327,6 +327,9 @@ def _is_vector(value: Any) -> bool:
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """Build many `NoisyIMU` without biases, and read each a few times in one state.
 
+    The first read of each comes right after it was built; the others come when all are built, so that what one does to
+    another shows.
+
     Returns
     -------
     arrays ``accel``, ``gyro`` (instances, reads, 3).
@@ -337,12 +340,15 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with examined(answer):
         model, data = simulation_of(fields["model"])
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
-        for number, instance in enumerate(readings):
-            sensor = _noisy(fields, {}, model, data)
-            for index, row in enumerate(instance):
+        sensors = []
+        for rows in readings:
+            sensors.append(_noisy(fields, {}, model, data))
+            _store(sensors[-1].read(), rows[0], answer, packer)
+            still.changes()
+            still.again(rows[0])
+        for sensor, rows in zip(sensors, readings, strict=True):
+            for row in rows[1:]:
                 _store(sensor.read(), row, answer, packer)
-                if number == index == 0:
-                    still.changes()
                 still.again(row)
             answer["done"] += 1
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
