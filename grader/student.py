@@ -259,7 +259,7 @@ def _noise_run(frame: Frame) -> NoiseRun:
         accel=frame.arrays["accel"],
         gyro=frame.arrays["gyro"],
         disturbance=frame.arrays.get("disturbance", np.zeros((0, 4))),
-        odd=shape_in_words(odd, frame.arrays) if odd else None,
+        odd=as_reading(odd, frame.arrays).oddity if odd else None,
         fault=Fault.of(frame.fields.get("error")),
     )
 

@@ -269,9 +269,8 @@ def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
     """A run of whole vectors, the accelerometer's first: given_bias charges it where they come the other way round."""
     raised(run.fault, "reading the noisy IMU")
     if not _is_whole(run):
-        finite = run.odd or "NaN or infinity"
-        mistake = "not-finite" if run.odd is None or "of shape (3,)" in finite else "wrong-return-type"
-        raise Lost("a tuple of two arrays of shape (3,) from read()", finite, mistakes=[mistake])
+        mistake = "wrong-return-type" if run.odd else "not-finite"
+        raise Lost("a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake])
     return _exchanged(run) if _returns_exchanged(student, truth) else run
 
 
