@@ -94,8 +94,10 @@ def check_given_bias(student: Student, truth: Traces) -> None:
             keeps=0.5 if len(wrong) == 1 else 0.0,
             hint=_ORDER if mistakes == ["swapped-sensors"] else "",
         )
-    if any(facts.still and np.abs(facts.offset).max() > diagnosis.TRUTH_ATOL for facts in silent):
-        got = next(f for f in silent if np.abs(f.offset).max() > diagnosis.TRUTH_ATOL)
+    exact = [diagnosis.TRUTH_ATOL + facts.grain / 2 for facts in sensors]
+    moved = [f for f, least in zip(silent, exact, strict=True) if np.abs(f.offset).max() > least]
+    if any(facts.still for facts in moved):
+        got = moved[0]
         raise Lost(
             "no offset where the given bias is zero",
             vector(got.offset[0]),
@@ -184,7 +186,11 @@ def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
 @check("noise_model.white_and_gaussian", lab_step=5)
 def check_white_and_gaussian(student: Student, truth: Traces) -> None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
-    sensors = [(f, n) for f, n in zip(_given(student, truth), _NAMES, strict=True) if not f.still]
+    both = _given(student, truth)
+    if any(facts.grain for facts in both):
+        grains = " and ".join(f"{f.grain:g} {u} ({n})" for f, u, n in zip(both, _UNITS, _NAMES, strict=True) if f.grain)
+        raise Lost("readings as fine as float64 has them", f"multiples of {grains} alone", mistakes=["precision-lost"])
+    sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
     if not sensors:
         raise Skipped("noise that differs from read to read")
     for facts, name in sensors:

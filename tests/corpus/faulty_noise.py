@@ -70,6 +70,8 @@ NOISE_FAULTS = [
     fault("laplace", "not-gaussian", both_tidy("self.rng.laplace(0.0, self.accel_noise_std / np.sqrt(2), size=3)", "self.rng.laplace(0.0, self.gyro_noise_std / np.sqrt(2), size=3)")),
     fault("uniform-within-one-std", "not-gaussian", both("np.random.uniform(-self.accel_noise_std, self.accel_noise_std, 3)", "np.random.uniform(-self.gyro_noise_std, self.gyro_noise_std, 3)")),
     fault("plus-or-minus-std", "not-gaussian", both_tidy("self.accel_noise_std * self.rng.choice([-1, 1], size=3)", "self.gyro_noise_std * self.rng.choice([-1, 1], size=3)")),
+    fault("noisy-readings-rounded-to-two-decimals", "precision-lost", sheet(("        return accel_noisy, gyro_noisy\n", "        return np.round(accel_noisy, 2), np.round(gyro_noisy, 2)\n")), reason="the gyroscope's noise is half a step: its size, its law and its bias suffer from the same rounding", loses=("noise_model.white_and_gaussian",)),
+    fault("noisy-readings-rounded-to-three-decimals", "precision-lost", tidy(("        return accel, gyro\n", "        return accel.round(3), gyro.round(3)\n")), loses=("noise_model.white_and_gaussian",)),
     fault("absolute-value-of-noise", "noise-not-zero-mean", both(f"np.abs({ACCEL_NOISE})", f"np.abs({GYRO_NOISE})")),
     fault("exponential", "noise-not-zero-mean", both("np.random.exponential(self.accel_noise_std, 3)", "np.random.exponential(self.gyro_noise_std, 3)"), reason="its standard deviation is the one asked for; its law is of one sign, and not normal", also=("not-gaussian",), loses=("noise_model.white_and_gaussian",)),
     fault("exponential-accelerometer", "noise-not-zero-mean", tidy((TIDY_ACCEL, "self.rng.exponential(self.accel_noise_std, size=3)")), also=("not-gaussian",), loses=("noise_model.white_and_gaussian",)),
