@@ -27,8 +27,8 @@ _TRUTH_OF_ARRAY = "truth value of an array"
 _UNITS = ("m/s²", "rad/s")
 _NAMES = ("accel", "gyro")
 _ORDER = (
-    "Keep the two sensors apart in read(): the accelerometer's id, reading and bias come first, the gyroscope's second; "
-    "look at the order in the call of get_imu_readings, where it is unpacked, and in the return (Step 5)."
+    "Keep the two sensors apart in read(), the accelerometer first: look at the order of the ids, of what you unpack and "
+    "of what you return, and at the bias that each one gets (Step 5)."
 )
 
 
@@ -86,13 +86,14 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     if wrong:
         facts, unit = sensors[wrong[0]], _UNITS[wrong[0]]
         mistakes = ["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors)
+        crossed = mistakes == ["swapped-sensors"] or diagnosis.biases_exchanged(sensors)
         raise Lost(
             f"readings that are {vector(facts.bias)} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
             f"{vector(facts.offset[-1])} {unit}",
             off=f"an average that is off by up to {np.abs(facts.offset - facts.bias).max():.3g} {unit}",
             mistakes=mistakes,
             keeps=0.5 if len(wrong) == 1 else 0.0,
-            hint=_ORDER if mistakes == ["swapped-sensors"] else "",
+            hint=_ORDER if crossed else "",
         )
     exact = [diagnosis.TRUTH_ATOL + facts.grain / 2 for facts in sensors]
     moved = [f for f, least in zip(silent, exact, strict=True) if np.abs(f.offset).max() > least]

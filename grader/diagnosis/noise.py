@@ -195,6 +195,8 @@ def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     other = {id(f): g for f, g in zip(sensors, reversed(sensors), strict=True)}
     if len(wrong) == 2 and all(_offset_is(f, other[id(f)].truth - f.truth + f.bias) for f in wrong):
         return ["swapped-sensors"]
+    if biases_exchanged(sensors):
+        return []
     if any(_offset_is(f, other[id(f)].bias) for f in wrong) or all(_offset_is(f, np.full(3, f.bias[0])) for f in wrong):
         return ["bias-shared"]
     beside = [f.offset - f.bias for f in wrong]
@@ -205,6 +207,11 @@ def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     if all(np.ptp(f.offset, axis=0).max() <= 2 * mean_bound(f) for f in wrong):
         return ["bias-argument-ignored"]
     return []
+
+
+def biases_exchanged(sensors: Sequence[Facts]) -> bool:
+    """Whether each sensor has the other's given bias."""
+    return all(_offset_is(f, g.bias) for f, g in zip(sensors, reversed(sensors), strict=True))
 
 
 def mean_bound(facts: Facts) -> float:
