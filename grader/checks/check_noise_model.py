@@ -20,6 +20,7 @@ from .check_data_collection import torso_ids
 
 _INSTANCES = 24
 _MANY = 100
+"""Reads of one instance in one state: their mean is off by a tenth of the noise."""
 _ROUGHLY = 0.3
 """600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
 _TRUTH_OF_ARRAY = "truth value of an array"
