@@ -308,7 +308,10 @@ def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[s
 
 @dataclass(frozen=True)
 class NoiseRun:
-    """Many reads of one `NoisyIMU`: ``accel``, ``gyro`` (states, reads, 3), NaN where a read was not two vectors of three."""
+    """Many reads of one `NoisyIMU`: ``accel``, ``gyro`` (states, reads, 3), NaN where a read was not two vectors of three.
+
+    ``odd`` says in words what came in place of two such vectors, if anything did.
+    """
 
     accel: Array
     gyro: Array

@@ -125,15 +125,16 @@ class Student(Conversation):
         given = {"accel_bias": biases[0], "gyro_bias": biases[1]} if biases else {}
         return _noise_run(self.ask("noise", fields, {"qpos": qpos, "qvel": qvel, **given}))
 
-    def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, reads: int) -> NoiseRun:
-        """A few noise-free reads of many `NoisyIMU` that were given no bias: (instances, reads, 3)."""
+    def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, reads: int,
+                     stds: tuple[float, float]) -> NoiseRun:  # fmt: skip
+        """A few reads of many `NoisyIMU` that were given no bias: (instances, reads, 3)."""
         fields = self._noise_fields
         return self.once(
-            "default_bias",
+            ("default_bias", stds),
             lambda: _noise_run(
                 self.ask(
                     "default_bias",
-                    fields(ids, reads, (0.0, 0.0)) | {"instances": instances},
+                    fields(ids, reads, stds) | {"instances": instances},
                     {"qpos": qpos, "qvel": qvel},
                 )
             ),
@@ -272,7 +273,7 @@ def _noise_run(frame: Frame) -> NoiseRun:
         accel=frame.arrays["accel"],
         gyro=frame.arrays["gyro"],
         disturbance=frame.arrays.get("disturbance", np.zeros((0, 4))),
-        odd=shape_in_words(odd, frame.arrays) if odd else None,
+        odd=as_reading(odd, frame.arrays).oddity if odd else None,
         fault=Fault.of(frame.fields.get("error")),
     )
 

@@ -137,3 +137,11 @@ def test_a_file_that_stops_after_what_is_asked_for_costs_nothing_and_is_told(mar
             f"(noisy_imu.py, line {files['noisy_imu.py'].count(chr(10))}); what it defines before counts"
         ],
     )
+
+
+def test_biases_in_each_others_place_bear_no_name_of_another_mistake(marker: Marker) -> None:
+    change = ("accel + self.accel_bias", "accel + self.gyro_bias"), ("gyro + self.gyro_bias", "gyro + self.accel_bias")
+    noise = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *change))
+    (row,) = (check for check in noise.checks if check.outcome != "passed")
+    assert (row.id, row.misconceptions) == ("noise_model.given_bias", ())
+    assert row.hint.endswith("and at the bias that each one gets (Step 5).")

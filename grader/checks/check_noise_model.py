@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
 from .. import statistics as st
-from ..answers import NoiseRun
+from ..answers import Fault, NoiseRun
 from ..compare import Array, vector
 from ..diagnosis import noise as diagnosis
 from ..diagnosis.noise import Facts
@@ -18,11 +19,18 @@ from ..verdicts import Lost, Skipped, raised
 from .check_data_collection import torso_ids
 
 _INSTANCES = 24
-_SILENT_READS = 100
+_MANY = 100
+"""Reads of one instance in one state: their mean is off by a tenth of the noise."""
 _ROUGHLY = 0.3
 """600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
+_TRUTH_OF_ARRAY = "truth value of an array"
+"""What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
 _UNITS = ("m/s²", "rad/s")
 _NAMES = ("accel", "gyro")
+_ORDER = (
+    "Keep the two sensors apart in read(), the accelerometer first: look at the order of the ids, of what you unpack and "
+    "of what you return, and at the bias that each one gets (Step 5)."
+)
 
 
 @check("noise_model.noise_size", lab_step=5)
@@ -47,8 +55,9 @@ def _size_is_right(facts: Facts) -> bool:
     """The size, in the light of a fault that another check charges: a law that is not normal, noise that adds up."""
     if diagnosis.accumulates(facts):
         return diagnosis.size_is_right(facts, float(np.sqrt(np.mean(facts.increments**2))))
-    if diagnosis.one_signed(facts):
-        return diagnosis.size_is_right(facts, float(np.sqrt(np.mean((facts.residual - facts.bias) ** 2))))
+    if diagnosis.one_signed(facts):  # |normal| has the root mean square that was asked for, an exponential law the mean
+        beside = np.abs(facts.residual - facts.bias)
+        return any(diagnosis.size_is_right(facts, float(s)) for s in (np.sqrt(np.mean(beside**2)), beside.mean()))
     return diagnosis.size_is_right(facts) or diagnosis.half_width_is_std(facts)
 
 
@@ -64,25 +73,50 @@ def _redrawn_bias_explains(sensors: list[Facts], silent: list[Facts]) -> bool:
 def check_given_bias(student: Student, truth: Traces) -> None:
     """A bias that is given is added to every reading, zero included"""
     sensors, silent = _given(student, truth), _silent(student, truth)
+    for key in ("given", "silent"):
+        _is_taken(_asked(student, truth, key, given=True).fault)
+    if _returns_exchanged(student, truth):
+        raise Lost(
+            "accel first and gyro second from read(), each with its own bias",
+            "gyro first and accel second",
+            mistakes=["swapped-sensors"],
+            hint=_ORDER,
+        )
     wrong = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
     redrawn = diagnosis.bias_is_redrawn(sensors, silent)
     if wrong:
         facts, unit = sensors[wrong[0]], _UNITS[wrong[0]]
+        mistakes = ["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors)
+        crossed = mistakes == ["swapped-sensors"] or diagnosis.biases_exchanged(sensors)
         raise Lost(
             f"readings that are {vector(facts.bias)} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
             f"{vector(facts.offset[-1])} {unit}",
             off=f"an average that is off by up to {np.abs(facts.offset - facts.bias).max():.3g} {unit}",
-            mistakes=["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors),
+            mistakes=mistakes,
             keeps=0.5 if len(wrong) == 1 else 0.0,
+            hint=_ORDER if crossed else "",
         )
-    if any(facts.still and np.abs(facts.offset).max() > diagnosis.TRUTH_ATOL for facts in silent):
-        got = next(f for f in silent if np.abs(f.offset).max() > diagnosis.TRUTH_ATOL)
+    exact = [diagnosis.TRUTH_ATOL + facts.grain / 2 for facts in sensors]
+    moved = [f for f, least in zip(silent, exact, strict=True) if np.abs(f.offset).max() > least]
+    if any(facts.still for facts in moved):
+        got = moved[0]
         raise Lost(
             "no offset where the given bias is zero",
             vector(got.offset[0]),
             mistakes=["bias-argument-ignored"],
             keeps=0.5,
         )
+
+
+def _is_taken(fault: Fault | None) -> None:
+    if fault is not None and _TRUTH_OF_ARRAY in fault.message:
+        raise Lost(
+            "a bias given as an array of three that is used as it is",
+            f"an exception{f' at {fault.where}' if fault.where else ''}: an array was tested for truth, and has none",
+            off="an exception: an array was tested for truth, and has none",
+            mistakes=["bias-argument-ignored"],
+        )
+    raised(fault, "reading the noisy IMU with given biases")
 
 
 def _bias_is_right(facts: Facts) -> bool:
@@ -100,10 +134,13 @@ def check_default_bias(student: Student, truth: Traces) -> None:
     biases = _default_biases(student, truth)
     sensors, silent = _given(student, truth), _silent(student, truth)
     noisy = any(not facts.still for facts in silent) and not diagnosis.bias_is_redrawn(sensors, silent)
-    for bias, name in zip(biases, _NAMES, strict=True):
+    none = [bool(np.abs(bias.mean(axis=1)).max() <= diagnosis.TRUTH_ATOL) for bias in biases]
+    for which, (bias, name) in enumerate(zip(biases, _NAMES, strict=True)):
         _bias_is_constant(bias, name, noisy=noisy)
         mean = bias.mean(axis=1)
-        if np.abs(mean).max() <= diagnosis.TRUTH_ATOL:
+        if none[which]:
+            if _drawn_with_noise(student, truth, which):
+                continue
             mistake = "no-bias" if diagnosis.bias_mistakes(sensors) == ["no-bias"] else "bias-not-random"
             keeps = 0.0 if mistake == "no-bias" else 0.5
             raise Lost(f"a random {name} bias for each instance", "none", mistakes=[mistake], keeps=keeps)
@@ -117,24 +154,45 @@ def check_default_bias(student: Student, truth: Traces) -> None:
         if np.ptp(mean, axis=1).max() <= diagnosis.TRUTH_ATOL:
             got = f"{vector(mean[0])}: the same on each axis"
             raise Lost(f"a {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
+    if any(none):
+        return
     ratio = biases[1].mean(axis=1) / biases[0].mean(axis=1)
     if np.ptp(ratio) <= 1e-3 * np.abs(ratio).max():
         got = f"{ratio[0, 0]:.3g} times the accelerometer's for the gyroscope, on every axis"
         raise Lost("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
 
 
+def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:
+    """Whether a sensor that has no bias where there is no noise has one where there is: its size may go with the noise's.
+
+    Its mean over many reads then scatters from instance to instance, by more than the noise alone lets it.
+    """
+    mean = _default_biases(student, truth, stds=_stds(truth), reads=_MANY)[which].mean(axis=1)
+    _, most = st.spread_bounds(mean.size, mean.shape[1])
+    return bool(np.sqrt(np.mean(np.var(mean, axis=0))) > most * _stds(truth)[which] / np.sqrt(_MANY))
+
+
 def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     moves = np.ptp(bias, axis=1)
-    if moves.max() > diagnosis.EXACT * max(1.0, np.abs(bias).max()) and not noisy:
-        row = int(np.argmax(moves.max(axis=1)))
-        got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
-        raise Lost(f"a {name} bias that stays the same from read to read", got, mistakes=["bias-redrawn"])
+    if moves.max() <= diagnosis.EXACT * max(1.0, np.abs(bias).max()) or noisy:
+        return
+    row = int(np.argmax(moves.max(axis=1)))
+    wanted = f"a {name} bias that stays the same from read to read"
+    got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
+    if np.ptp(bias[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT:  # the first read was before the next one was made
+        got += ", and from every other one that was made meanwhile"
+        raise Lost(wanted, got, mistakes=["bias-shared"], keeps=0.5)
+    raise Lost(wanted, got, mistakes=["bias-redrawn"])
 
 
 @check("noise_model.white_and_gaussian", lab_step=5)
 def check_white_and_gaussian(student: Student, truth: Traces) -> None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
-    sensors = [(f, n) for f, n in zip(_given(student, truth), _NAMES, strict=True) if not f.still]
+    both = _given(student, truth)
+    if any(facts.grain for facts in both):
+        grains = " and ".join(f"{f.grain:g} {u} ({n})" for f, u, n in zip(both, _UNITS, _NAMES, strict=True) if f.grain)
+        raise Lost("readings as fine as float64 has them", f"multiples of {grains} alone", mistakes=["precision-lost"])
+    sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
     if not sensors:
         raise Skipped("noise that differs from read to read")
     for facts, name in sensors:
@@ -211,41 +269,92 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
 
 
 def _run(student: Student, truth: Traces, key: str) -> NoiseRun:
+    """What the checks judge: reads with given biases; with the submission's own where it stumbles over given ones only."""
+    return _sound_form(student, truth, _asked(student, truth, key, given=_takes_biases(student, truth, key)))
+
+
+def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
+    """A run of whole vectors, the accelerometer's first: given_bias charges it where they come the other way round."""
+    raised(run.fault, "reading the noisy IMU")
+    if not _is_whole(run):
+        mistake = "wrong-return-type" if run.odd else "not-finite"
+        raise Lost("a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake])
+    return _exchanged(run) if _returns_exchanged(student, truth) else run
+
+
+def _is_whole(run: NoiseRun) -> bool:
+    return bool(np.isfinite(run.accel).all() and np.isfinite(run.gyro).all())
+
+
+def _returns_exchanged(student: Student, truth: Traces) -> bool:
+    """Whether each vector is the other sensor's, with that sensor's bias."""
+    return student.once("noise exchanged", lambda: _fits_exchanged(student, truth))
+
+
+def _fits_exchanged(student: Student, truth: Traces) -> bool:
+    run = _asked(student, truth, "given", given=True)
+    if run.fault is not None or not _is_whole(run):
+        return False
+    straight, exchanged = (_facts_of(r, truth, _biases(truth)) for r in (run, _exchanged(run)))
+    return all(map(diagnosis.bias_is_right, exchanged)) and not any(map(diagnosis.bias_is_right, straight))
+
+
+def _exchanged(run: NoiseRun) -> NoiseRun:
+    return replace(run, accel=run.gyro, gyro=run.accel)
+
+
+def _takes_biases(student: Student, truth: Traces, key: str) -> bool:
+    """Whether a run with given biases is as good as one without: otherwise given_bias charges what it raises."""
+    return (
+        _asked(student, truth, key, given=True).fault is None
+        or _asked(student, truth, key, given=False).fault is not None
+    )
+
+
+def _stds(truth: Traces) -> tuple[float, float]:
+    return float(truth["noise"].scalars["accel_noise_std"]), float(truth["noise"].scalars["gyro_noise_std"])
+
+
+def _biases(truth: Traces) -> tuple[Array, Array]:
+    return truth["noise"]["accel_bias"], truth["noise"]["gyro_bias"]
+
+
+def _asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun:
     scenario = truth["noise"]
-    stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
-    biases = (scenario["accel_bias"], scenario["gyro_bias"])
     settings = {
-        "given": (st.READS, stds, biases),
-        "again": (3, stds, biases),
-        "silent": (_SILENT_READS, (0.0, 0.0), (np.zeros(3), np.zeros(3))),
+        "given": (st.READS, _stds(truth), _biases(truth)),
+        "again": (3, _stds(truth), _biases(truth)),
+        "silent": (_MANY, (0.0, 0.0), (np.zeros(3), np.zeros(3))),
     }
     reads, stds, biases = settings[key]
-    run = student.noise(
-        key, qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), reads=reads, stds=stds, biases=biases
+    return student.noise(
+        key if given else f"{key}, without biases",
+        qpos=scenario["qpos"],
+        qvel=scenario["qvel"],
+        ids=torso_ids(truth),
+        reads=reads,
+        stds=stds,
+        biases=biases if given else None,
     )
-    return _sound_form(run)
 
 
-def _sound_form(run: NoiseRun) -> NoiseRun:
-    raised(run.fault, "reading the noisy IMU")
-    if not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
-        finite = run.odd or "NaN or infinity"
-        mistake = "not-finite" if run.odd is None or "of shape (3,)" in finite else "wrong-return-type"
-        raise Lost("a tuple of two arrays of shape (3,) from read()", finite, mistakes=[mistake])
-    return run
+def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
+    return student.once(("noise facts", key), lambda: _told_by(student, truth, key))
 
 
-def _facts(student: Student, truth: Traces, key: str, *, biased: bool = True) -> list[Facts]:
-    return student.once(("noise facts", key), lambda: _told_by(_run(student, truth, key), truth, biased=biased))
+def _told_by(student: Student, truth: Traces, key: str) -> list[Facts]:
+    run = _run(student, truth, key)
+    if key == "silent":
+        return _facts_of(run, truth, (np.zeros(3), np.zeros(3)))
+    return _facts_of(run, truth, _biases(truth) if _takes_biases(student, truth, key) else None)
 
 
-def _told_by(run: NoiseRun, truth: Traces, *, biased: bool) -> list[Facts]:
-    scenario = truth["noise"]
-    clean = (scenario["acceleration"], scenario["angular_velocity"])
-    stds = (float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"]))
-    biases = (scenario["accel_bias"], scenario["gyro_bias"]) if biased else (np.zeros(3), np.zeros(3))
-    reads = (run.accel, run.gyro)
-    return [Facts(r - c[:, None, :], c, s, b) for r, c, s, b in zip(reads, clean, stds, biases, strict=True)]
+def _facts_of(run: NoiseRun, truth: Traces, biases: tuple[Array, Array] | None) -> list[Facts]:
+    """The facts of both sensors, about these biases, or about the mean where they are not known."""
+    clean = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
+    residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
+    about = biases or [r.mean(axis=(0, 1)) for r in residuals]
+    return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, _stds(truth), about, strict=True)]
 
 
 def _given(student: Student, truth: Traces) -> list[Facts]:
@@ -257,14 +366,16 @@ def _given_again(student: Student, truth: Traces) -> list[Facts]:
 
 
 def _silent(student: Student, truth: Traces) -> list[Facts]:
-    return _facts(student, truth, "silent", biased=False)
+    return _facts(student, truth, "silent")
 
 
-def _default_biases(student: Student, truth: Traces) -> list[Array]:
-    """(instances, reads, 3) offsets of each sensor, without noise."""
+def _default_biases(
+    student: Student, truth: Traces, stds: tuple[float, float] = (0.0, 0.0), reads: int = 3
+) -> list[Array]:
+    """(instances, reads, 3) offsets of each sensor, without noise if nothing else is asked for."""
     scenario = truth["noise"]
     run = student.default_bias(
-        qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), instances=_INSTANCES, reads=3
+        qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), instances=_INSTANCES, reads=reads, stds=stds
     )
-    run = _sound_form(run)
+    run = _sound_form(student, truth, run)
     return [run.accel - scenario["acceleration"][0], run.gyro - scenario["angular_velocity"][0]]

@@ -21,6 +21,9 @@ EXACT = 1e-9
 TRUTH_ATOL = 1e-5
 """m/s², rad/s. How far the truth itself may be off: bundles recorded with another MuJoCo differ by 1.3e-7."""
 
+_DECIMALS = (2, 3, 4)
+"""That a rounding is looked for. Fewer leave nothing of the sheet's noise that could be judged; more are as good as the truth."""
+
 
 @dataclass(frozen=True)
 class Facts:
@@ -68,6 +71,13 @@ class Facts:
         return np.asarray((self.centred / spread[:, None, :]).reshape(-1, 3))
 
     @cached_property
+    def grain(self) -> float:
+        """The last decimal's worth where noisy readings are rounded; 0 where they are not."""
+        readings = self.residual + self.truth[:, None, :]
+        rounded_to = (d for d in _DECIMALS if np.abs(readings - readings.round(d)).max() < EXACT)
+        return 0.0 if self.still else next((10.0**-d for d in rounded_to), 0.0)
+
+    @cached_property
     def increments(self) -> Array:
         """(states, reads - 1, 3) differences of successive reads."""
         return np.diff(self.residual, axis=1)
@@ -95,14 +105,18 @@ def half_width_is_std(facts: Facts) -> bool:
 
 
 def size_is_right(facts: Facts, spread: float | None = None) -> bool:
-    """Whether the pooled spread and that of each axis agree with the standard deviation asked for."""
+    """Whether the pooled spread and that of each axis agree with the standard deviation asked for.
+
+    Rounding adds to each value half a grain at most, and so to a spread: the triangle inequality.
+    """
     states, reads, _ = facts.residual.shape
+    rounding = facts.grain / 2 / facts.std
     low, high = st.spread_bounds(3 * states * reads, 3 * states)
-    if not low <= (facts.pooled_spread if spread is None else spread) / facts.std <= high:
+    if not low - rounding <= (facts.pooled_spread if spread is None else spread) / facts.std <= high + rounding:
         return False
     low, high = st.spread_bounds(states * reads, states)
     per_axis = np.sqrt(np.mean(facts.centred**2, axis=(0, 1))) / facts.std
-    return spread is not None or bool(np.all((low <= per_axis) & (per_axis <= high)))
+    return spread is not None or bool(np.all((low - rounding <= per_axis) & (per_axis <= high + rounding)))
 
 
 def proportional(facts: Facts) -> bool:
@@ -136,7 +150,7 @@ def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequ
     accel, gyro = sensors
     if _near(accel.pooled_spread, gyro.std) or _near(gyro.pooled_spread, accel.std):
         return ["stds-swapped"]
-    if all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong):
+    if wrong and all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong):
         return ["variance-as-std"]
     return []
 
@@ -179,6 +193,10 @@ def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     if all(_stale(f) for f in wrong):
         return ["stale-clean-reading"]
     other = {id(f): g for f, g in zip(sensors, reversed(sensors), strict=True)}
+    if len(wrong) == 2 and all(_offset_is(f, other[id(f)].truth - f.truth + f.bias) for f in wrong):
+        return ["swapped-sensors"]
+    if biases_exchanged(sensors):
+        return []
     if any(_offset_is(f, other[id(f)].bias) for f in wrong) or all(_offset_is(f, np.full(3, f.bias[0])) for f in wrong):
         return ["bias-shared"]
     beside = [f.offset - f.bias for f in wrong]
@@ -191,6 +209,11 @@ def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     return []
 
 
+def biases_exchanged(sensors: Sequence[Facts]) -> bool:
+    """Whether each sensor has the other's given bias."""
+    return all(_offset_is(f, g.bias) for f, g in zip(sensors, reversed(sensors), strict=True))
+
+
 def mean_bound(facts: Facts) -> float:
     reads = facts.residual.shape[1]
     return st.mean_bound(reads, max(facts.std, facts.pooled_spread)) + TRUTH_ATOL
@@ -201,12 +224,12 @@ def bias_is_right(facts: Facts) -> bool:
     states, reads, _ = facts.residual.shape
     gap = np.abs(facts.offset - facts.bias)
     overall = np.abs(facts.offset.mean(axis=0) - facts.bias)
-    sigma = max(facts.std, facts.pooled_spread)
+    sigma, exact = max(facts.std, facts.pooled_spread), TRUTH_ATOL + facts.grain / 2
     if facts.still:  # one draw that is repeated, or none: the offset may be off by that draw
-        return bool(gap.max() <= st.Z * facts.std + TRUTH_ATOL)
+        return bool(gap.max() <= st.Z * facts.std + exact)
     return bool(
-        gap.max() <= st.mean_bound(reads, sigma) + TRUTH_ATOL
-        and overall.max() <= st.mean_bound(states * reads, sigma) + TRUTH_ATOL
+        gap.max() <= st.mean_bound(reads, sigma) + exact
+        and overall.max() <= st.mean_bound(states * reads, sigma) + exact
     )
 
 

@@ -258,20 +258,48 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         sensor = _noisy(fields, arrays, model, data)
         for state in range(len(readings)):
-            put_in_state(model, data, arrays["qpos"][state], arrays["qvel"][state])
-            before, sensordata = _state(data), data.sensordata
-            clean = sensordata.copy()
+            still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             for index, row in enumerate(readings[state]):
                 _store(sensor.read(), row, answer, packer)
                 if index == 0:
-                    disturbance.append(_changes(before, _state(data)))
-                sensordata[:] = clean  # a read that wrote into it spoils the next ones no further
+                    disturbance.append(still.changes())
+                still.again(row)
                 answer["done"] += 1
     return answer, packer.arrays | {
         "accel": readings[:, :, :3],
         "gyro": readings[:, :, 3:],
         "disturbance": np.array(disturbance).reshape(-1, 4),
     }
+
+
+class _Still:
+    """A simulation that is held in one state, whatever the reads do to it.
+
+    A read that wrote into the sensors' data spoils the next ones no further. One that stepped or reset, which costs it
+    leaves_simulation_alone, is told as a reading of the state that it found: what the sensors changed by is taken off.
+    """
+
+    def __init__(self, fields: dict[str, Any], model: Any, data: Any, qpos: Any, qvel: Any) -> None:
+        self._model, self._data, self._qpos, self._qvel = model, data, qpos, qvel
+        addresses = [int(model.sensor_adr[fields[name]]) for name in ("accel_id", "gyro_id")]
+        self._columns = [address + axis for address in addresses for axis in range(3)]
+        put_in_state(model, data, qpos, qvel)
+        self._before, self._sensordata = _state(data), data.sensordata
+        self._clean = self._sensordata.copy()
+        self._moved = False
+
+    def changes(self) -> list[float]:
+        """What the first read changed; where it moved the simulation, each of the next is looked after."""
+        found = _changes(self._before, _state(self._data))
+        self._moved = any(found[:3])
+        return found
+
+    def again(self, row: np.ndarray) -> None:
+        """As it was before the read that gave this row."""
+        if self._moved:
+            row -= (self._sensordata - self._clean)[self._columns]
+            put_in_state(self._model, self._data, self._qpos, self._qvel)
+        self._sensordata[:] = self._clean
 
 
 def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any) -> Any:
@@ -299,7 +327,10 @@ def _is_vector(value: Any) -> bool:
 
 
 def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Build many `NoisyIMU` without biases and with no noise, and read each a few times in one state.
+    """Build many `NoisyIMU` without biases, and read each a few times in one state.
+
+    The first read of each comes right after it was built; the others come when all are built, so that what one does to
+    another shows.
 
     Returns
     -------
@@ -310,13 +341,17 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
     with examined(answer):
         model, data = simulation_of(fields["model"])
-        put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
-        clean = np.array(data.sensordata)
-        for instance in readings:
-            sensor = _noisy(fields, {}, model, data)
-            for row in instance:
+        still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
+        sensors = []
+        for rows in readings:
+            sensors.append(_noisy(fields, {}, model, data))
+            _store(sensors[-1].read(), rows[0], answer, packer)
+            still.changes()
+            still.again(rows[0])
+        for sensor, rows in zip(sensors, readings, strict=True):
+            for row in rows[1:]:
                 _store(sensor.read(), row, answer, packer)
-                data.sensordata[:] = clean
+                still.again(row)
             answer["done"] += 1
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
 

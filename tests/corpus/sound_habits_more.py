@@ -161,5 +161,13 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
         ("return dict(time=", 'return dict(axes=["x", "y", "z"], time='), ('enumerate("xyz")', 'enumerate(imu_data["axes"])'),
     ),
     "film_of_the_recording": lab(main=FILM),
+    "bias_as_large_as_the_noise": edit(
+        lab(), "noisy_imu.py",
+        ("self.rng.normal(0.0, 0.1, size=3)", "self.rng.normal(0.0, self.accel_noise_std, size=3)"),
+        ("self.rng.normal(0.0, 0.01, size=3)", "2.0 * self.rng.normal(0.0, self.gyro_noise_std, size=3)"),
+    ),
+    "accelerometer_bias_as_large_as_the_noise": edit(
+        lab(), "noisy_imu.py", ("self.rng.normal(0.0, 0.1, size=3)", "self.rng.normal(0.0, self.accel_noise_std, size=3)"),
+    ),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
