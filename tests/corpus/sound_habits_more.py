@@ -160,6 +160,10 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
         lab(collect=COLLECT_APPEND), "imu_reader.py",
         ("return dict(time=", 'return dict(axes=["x", "y", "z"], time='), ('enumerate("xyz")', 'enumerate(imu_data["axes"])'),
     ),
+    "deviations_must_be_positive": edit(
+        lab(), "noisy_imu.py",
+        ("        self.model, self.data = model, data\n", "        if accel_noise_std <= 0 or gyro_noise_std <= 0:\n            raise ValueError('no noise')\n        self.model, self.data = model, data\n"),
+    ),
     "film_of_the_recording": lab(main=FILM),
     "bias_as_large_as_the_noise": edit(
         lab(), "noisy_imu.py",
