@@ -88,7 +88,8 @@ def test_rows_that_were_changed_after_a_sound_run_cost_the_rows_and_not_reset_an
 
 def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(marker: Marker) -> None:
     collect = COLLECT_LOOKUP.replace(
-        "    return {", "    acceleration = np.random.normal(0, 9.81, acceleration.shape)\n    return {"
+        "    return {",
+        "    acceleration, angular_velocity = np.random.normal(0, 9.81, (2, *acceleration.shape))\n    return {",
     )
     criterion = _criterion(marker, "data_collection", lab(collect=collect))
     outcomes = {check.id.partition(".")[2]: check.outcome for check in criterion.checks}
