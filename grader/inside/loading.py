@@ -10,7 +10,7 @@ import ast
 import builtins
 import importlib.machinery
 import importlib.util
-import json
+import inspect
 import os
 import re
 import sys
@@ -18,7 +18,7 @@ import types
 from pathlib import Path
 from typing import Any
 
-from . import drawing, faults, figures, packages, world
+from . import drawing, faults, figures, notebooks, packages, world
 
 _REQUIRED = ("imu_reader", "noisy_imu", "filters")
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
@@ -103,7 +103,7 @@ def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, A
 def _defined(path: str) -> list[str]:
     content = Path(STATE.folder, path).read_bytes()
     try:
-        texts = code_cells(content) if path.endswith(".ipynb") else [_decode(content)]
+        texts = notebooks.code_cells(content) if path.endswith(".ipynb") else [_decode(content)]
     except (ValueError, SyntaxError, RecursionError):
         return []
     names: list[str] = []
@@ -285,7 +285,11 @@ def _errors_of(path: str) -> list[dict[str, Any]]:
 def _run(code: types.CodeType, module: types.ModuleType) -> None:
     """Run code in a module, with the built-in functions that all modules share: the harness's are its own."""
     vars(module)["__builtins__"] = vars(builtins)
-    exec(code, vars(module))
+    awaiting = eval(code, vars(module))
+    if code.co_flags & inspect.CO_COROUTINE:
+        import asyncio  # few cells wait for anything
+
+        asyncio.run(awaiting)
 
 
 # --- compiling -----------------------------------------------------------------------------------------------------------
@@ -301,12 +305,13 @@ def _decode(source: bytes) -> str:
         return source.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _compile(source: bytes, path: str) -> types.CodeType:
+def _compile(source: bytes, path: str, flags: int = 0) -> types.CodeType:
     text = _decode(source)
     own = faults.own_name(path)
     _remember_lines(own, text)
-    code = _adapted(ast.parse(text, own), path) if STATE.standins or _RELATIVE.search(text) else text
-    return compile(code, own, "exec", dont_inherit=True)
+    source_or_tree = _adapted(ast.parse(text, own), path) if STATE.standins or _RELATIVE.search(text) else text
+    code: types.CodeType = compile(source_or_tree, own, "exec", flags, dont_inherit=True)
+    return code
 
 
 def _remember_lines(own: str, text: str) -> None:
@@ -352,7 +357,7 @@ def _run_notebook(path: str) -> types.ModuleType:
     for number, source in enumerate(_cells(path), start=1):
         where = f"{path}:cell {number}"
         try:
-            _run(_compile(source.encode("utf-8", "replace"), where), module)
+            _run(_compile(source.encode("utf-8", "replace"), where, ast.PyCF_ALLOW_TOP_LEVEL_AWAIT), module)
         except BaseException as raised:  # whatever student code raises, SystemExit included
             STATE.errors[where] = faults.describe(raised)
     return module
@@ -361,7 +366,7 @@ def _run_notebook(path: str) -> types.ModuleType:
 def _write_cells_to_files(path: str, withheld: list[str]) -> None:
     """Do what ``%%writefile NAME.py`` cells do, so that the files are there before anything is imported."""
     try:
-        sources = raw_cells(Path(STATE.folder, path).read_bytes())
+        sources = notebooks.raw_cells(Path(STATE.folder, path).read_bytes())
     except (ValueError, RecursionError):
         return
     for source in sources:
@@ -374,7 +379,7 @@ def _write_cells_to_files(path: str, withheld: list[str]) -> None:
 
 def _cells(path: str) -> list[str]:
     try:
-        return code_cells(Path(STATE.folder, path).read_bytes())
+        return notebooks.code_cells(Path(STATE.folder, path).read_bytes())
     except (ValueError, RecursionError) as error:
         STATE.errors[path] = {
             **faults.describe(error),
@@ -382,52 +387,3 @@ def _cells(path: str) -> list[str]:
             "message": "this is not a notebook that can be read",
         }
         return []
-
-
-def code_cells(content: bytes) -> list[str]:
-    """The code cells of a notebook as plain Python; ValueError where it is no notebook."""
-    return [plain_python(source) for source in raw_cells(content)]
-
-
-def raw_cells(content: bytes) -> list[str]:
-    """The code cells of a notebook (format 3 or 4) as they stand; ValueError where it is no notebook."""
-    book = json.loads(content.decode("utf-8-sig"))
-    if not isinstance(book, dict):
-        raise ValueError("a notebook is a JSON object")
-    worksheets = book.get("worksheets")
-    sheets = worksheets if isinstance(worksheets, list) else [book]
-    cells = [c for s in sheets if isinstance(s, dict) and isinstance(s.get("cells"), list) for c in s["cells"]]
-    code = [c for c in cells if isinstance(c, dict) and c.get("cell_type") == "code"]
-    return [_source(cell) for cell in code]
-
-
-def _source(cell: dict[str, Any]) -> str:
-    source = cell.get("source", cell.get("input", ""))
-    return "".join(map(str, source)) if isinstance(source, list) else str(source)
-
-
-_TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
-_SHELL_ASSIGNMENT = re.compile(r"^(\s*[\w, ]+=\s*)[!%].*$")
-
-
-def plain_python(cell: str) -> str:
-    """A cell without magics, shell lines and help marks; line numbers stay what they were."""
-    first = cell.lstrip().split("\n", 1)[0].strip()
-    if first.startswith("%%") and not first.startswith(_TRANSPARENT):
-        return ""
-    try:
-        ast.parse(cell)
-    except (SyntaxError, ValueError, RecursionError):
-        return "\n".join(map(_plain_line, cell.split("\n")))
-    return cell
-
-
-def _plain_line(line: str) -> str:
-    start = line.lstrip()
-    indent = line[: len(line) - len(start)]
-    if start.startswith(("%time ", "%timeit ")):
-        return indent + start.split(maxsplit=1)[1]
-    if start.startswith(("%", "!")) or start.rstrip().endswith("?") or start.startswith("?"):
-        return f"{indent}pass"
-    assigned = _SHELL_ASSIGNMENT.match(line)
-    return f"{assigned.group(1)}None" if assigned else line

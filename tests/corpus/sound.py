@@ -8,10 +8,13 @@ from tests.corpus.sound_habits import HABITS
 from tests.corpus.sound_habits_more import HABITS_MORE
 from tests.corpus.sound_layouts import LAYOUTS, WRAPPED
 from tests.corpus.sound_newcomers import NEWCOMERS
+from tests.corpus.sound_notebooks import NOTEBOOKS
 from tests.corpus.sound_people import PEOPLE
 from tests.corpus.sound_styles import STYLES
 from tests.corpus.writing import Files
 
-SOUND: dict[str, Files] = {**PEOPLE, **STYLES, **FIGURES, **LAYOUTS, **FOLDERS, **HABITS, **HABITS_MORE, **NEWCOMERS}
+SOUND: dict[str, Files] = {
+    **PEOPLE, **STYLES, **FIGURES, **LAYOUTS, **NOTEBOOKS, **FOLDERS, **HABITS, **HABITS_MORE, **NEWCOMERS,
+}  # fmt: skip
 
 __all__ = ["SOUND", "WRAPPED"]

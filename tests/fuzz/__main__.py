@@ -10,7 +10,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping
 
-from grader.inside import loading
+from grader.inside import notebooks
 from tests.fuzz.decoder import FRAME, check_decoder
 from tests.fuzz.mangling import mangled_bytes, mangled_value
 from tests.fuzz.test_fuzz import ARCHIVES, BOOK, RUBRIC, check_archive, check_rubric
@@ -21,7 +21,7 @@ def check_notebook(chance: random.Random) -> None:
     for _ in range(chance.randint(1, 4)):
         book = mangled_value(book, chance)
     try:
-        loading.code_cells(mangled_bytes(json.dumps(book).encode(), chance) if chance.random() < 0.3 else json.dumps(book).encode())
+        notebooks.code_cells(mangled_bytes(json.dumps(book).encode(), chance) if chance.random() < 0.3 else json.dumps(book).encode())
     except (ValueError, RecursionError):
         return
 

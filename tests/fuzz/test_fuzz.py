@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from grader import rubric
 from grader.errors import RequestError
-from grader.inside import loading
+from grader.inside import notebooks
 from grader.intake.archives import gather_archive
 from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
 from grader.sandbox import wire
@@ -152,10 +152,24 @@ def test_a_notebook_that_is_almost_right_gives_cells_or_a_value_error(seed: int)
     for _ in range(chance.randint(1, 4)):
         book = mangled_value(book, chance)
     try:
-        cells = loading.code_cells(json.dumps(book).encode())
+        cells = notebooks.code_cells(json.dumps(book).encode())
     except (ValueError, RecursionError):
         return
     assert all(isinstance(cell, str) for cell in cells)
+
+
+MAGIC_LINES = ("%timeit -n 3 f()", "!pip install \\", "    it's", "if x:", "    %run a.py", "x = (1", "  % 2)", "y?", "z = !ls", "%time ", "")
+
+
+@SHORT
+@given(st.lists(st.sampled_from(MAGIC_LINES), max_size=12))
+def test_a_cell_without_its_magics_has_as_many_lines(lines: list[str]) -> None:
+    assert len(notebooks.plain_python("\n".join(lines)).split("\n")) == max(len(lines), 1)
+
+
+@pytest.mark.parametrize("path", ["../a.py", "/etc/a.py", "a/../../b.py", ".ssh/a.py", "'a.py", "~/a.py", "C:/a.py", "a.py/../../b.py", "a.pth"])
+def test_a_cell_writes_no_file_outside_its_folder(path: str) -> None:
+    assert notebooks.files_written(notebook(f"%%writefile {path}\nx = 1").encode()) == {}
 
 
 @SHORT
@@ -164,7 +178,7 @@ def test_a_notebook_that_is_almost_right_gives_cells_or_a_value_error(seed: int)
 @example(b'{"cells": [{"cell_type": "code", "source": {"a": 1}}]}')
 def test_a_notebook_of_any_bytes_gives_cells_or_a_value_error(content: bytes) -> None:
     try:
-        loading.code_cells(content)
+        notebooks.code_cells(content)
     except (ValueError, RecursionError):
         return
 
