@@ -24,11 +24,15 @@ _RUN_CELLS = ("time", "timeit", "capture", "prun")
 _INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
 
 
-def furnish() -> None:
+RunMagic = Callable[[str, dict[str, Any]], None]
+"""Does what ``%run LINE`` does, among the names of who asks for it."""
+
+
+def furnish(run_magic: RunMagic) -> None:
     """Put the stand-ins in place."""
     _take_the_screen_away()
     _offer_glfw()
-    _offer_notebook_names()
+    _offer_notebook_names(run_magic)
     _say_installed()
 
 
@@ -90,7 +94,7 @@ class _Viewer:
         self.close()
 
 
-def _offer_notebook_names() -> None:
+def _offer_notebook_names(run_magic: RunMagic) -> None:
     """`display`, `get_ipython` and `IPython.display`, which notebook code uses without asking."""
 
     def display(*values: object, **_: object) -> None:
@@ -112,11 +116,15 @@ def _offer_notebook_names() -> None:
     package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
     for name, stub in (("IPython", package), ("IPython.display", module)):
         sys.modules.setdefault(name, stub)
-    builtins.display, builtins.get_ipython = display, _Shell  # type: ignore[attr-defined]
+    shell = _Shell(run_magic)
+    builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
 
 
 class _Shell:
-    """The shell around a notebook that was exported as a program: its magics do nothing, but for those that run a cell."""
+    """The shell around a notebook, or one that was exported as a program: its magics do nothing, but for those that run code."""
+
+    def __init__(self, run_magic: RunMagic) -> None:
+        self._run_magic = run_magic
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -125,6 +133,10 @@ class _Shell:
 
     def getoutput(self, command: str, **_: object) -> list[str]:
         return []
+
+    def run_line_magic(self, name: str, line: str, *_: object) -> None:
+        if name == "run":
+            self._run_magic(line, sys._getframe(1).f_globals)
 
     def run_cell_magic(self, name: str, line: str, cell: str) -> None:
         if name in _RUN_CELLS:

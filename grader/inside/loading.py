@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import importlib.machinery
 import importlib.util
 import inspect
 import os
 import re
+import shlex
 import sys
 import types
 from pathlib import Path
@@ -57,7 +59,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
         STATE.paths.append(path)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
-    world.furnish(fields["lab_model"])
+    world.furnish(fields["lab_model"], run_magic=_run_magic)
     world.seed(fields["seed"])
     figures.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
@@ -83,15 +85,19 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     path: str = fields["path"]
     error = None
     with world.at_home(STATE.folder):
-        module = types.ModuleType("__main__")
-        module.__file__ = str(Path(STATE.folder, path))
-        sys.modules["__main__"] = module
+        module = sys.modules["__main__"] = _main_module(path)
         try:
-            _run(_compile(Path(path).read_bytes(), path), module)
+            _run(_compile(Path(path).read_bytes(), path), vars(module))
         except BaseException as raised:  # whatever student code raises, SystemExit included
             error = faults.describe(raised)
     seen, facts = figures.RECORDER.take()
     return {"error": error, "figures": seen, "pictures": figures.written_pictures(STATE.folder)}, facts
+
+
+def _main_module(path: str) -> types.ModuleType:
+    module = types.ModuleType("__main__")
+    module.__file__ = str(Path(STATE.folder, path))
+    return module
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -148,7 +154,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
         path = Path(self.path).relative_to(STATE.folder).as_posix()
         STATE.modules[path] = module
         try:
-            _run(self.get_code(module.__name__), module)
+            _run(self.get_code(module.__name__), vars(module))
         except BaseException as raised:  # whatever student code raises, SystemExit included
             STATE.errors[path] = faults.describe(raised)
             vars(module).setdefault("__getattr__", _absent_names(path))
@@ -282,10 +288,10 @@ def _errors_of(path: str) -> list[dict[str, Any]]:
     return [{"path": p, **error} for p, error in STATE.errors.items() if p == path or p.startswith(f"{path}:")][:20]
 
 
-def _run(code: types.CodeType, module: types.ModuleType) -> None:
-    """Run code in a module, with the built-in functions that all modules share: the harness's are its own."""
-    vars(module)["__builtins__"] = vars(builtins)
-    awaiting = eval(code, vars(module))
+def _run(code: types.CodeType, names: dict[str, Any]) -> None:
+    """Run code among these names, with the built-in functions that all modules share: the harness's are its own."""
+    names["__builtins__"] = vars(builtins)
+    awaiting = eval(code, names)
     if code.co_flags & inspect.CO_COROUTINE:
         import asyncio  # few cells wait for anything
 
@@ -341,7 +347,7 @@ def _replacements(node: ast.stmt) -> list[ast.stmt]:
 def _define_standins(sources: dict[str, str]) -> None:
     space = types.ModuleType("standins")
     for name, source in sources.items():
-        _run(compile(source, "<stand-in>", "exec"), space)
+        _run(compile(source, "<stand-in>", "exec"), vars(space))
         STATE.standins[name] = vars(space)[name]
     setattr(builtins, _STANDIN_HOOK, STATE.standins)
 
@@ -354,26 +360,40 @@ def _run_notebook(path: str) -> types.ModuleType:
         return STATE.modules[path]
     module = types.ModuleType("__main__")
     STATE.modules[path] = module
+    _run_cells(path, vars(module))
+    return module
+
+
+def _run_cells(path: str, names: dict[str, Any]) -> None:
     for number, source in enumerate(_cells(path), start=1):
         where = f"{path}:cell {number}"
         try:
-            _run(_compile(source.encode("utf-8", "replace"), where, ast.PyCF_ALLOW_TOP_LEVEL_AWAIT), module)
+            _run(_compile(source.encode("utf-8", "replace"), where, ast.PyCF_ALLOW_TOP_LEVEL_AWAIT), names)
         except BaseException as raised:  # whatever student code raises, SystemExit included
             STATE.errors[where] = faults.describe(raised)
-    return module
+
+
+def _run_magic(line: str, names: dict[str, Any]) -> None:
+    """Do what ``%run FILE`` does: a notebook's cells run among the names of who asks, a program leaves its own there."""
+    path = next(Path(word).as_posix() for word in shlex.split(line) if not word.startswith("-"))
+    if path.endswith(".ipynb"):
+        _run_cells(path, names)
+        return
+    program = _main_module(path)
+    with contextlib.suppress(BaseException):  # whatever ends it, SystemExit included, does not end the notebook
+        _run(_compile(Path(STATE.folder, path).read_bytes(), path), vars(program))
+    names.update({name: value for name, value in vars(program).items() if not name.startswith("__")})
 
 
 def _write_cells_to_files(path: str, withheld: list[str]) -> None:
     """Do what ``%%writefile NAME.py`` cells do, so that the files are there before anything is imported."""
     try:
-        sources = notebooks.raw_cells(Path(STATE.folder, path).read_bytes())
+        files = notebooks.files_written(Path(STATE.folder, path).read_bytes())
     except (ValueError, RecursionError):
         return
-    for source in sources:
-        head, _, body = source.lstrip().partition("\n")
-        name = head.split()[-1] if head.startswith("%%writefile") else ""
-        if re.fullmatch(r"\w[\w-]{0,60}\.py", name) and name not in withheld and not Path(STATE.folder, name).exists():
-            _write(name, body.encode("utf-8", "replace"))
+    for name, text in files.items():
+        if name not in withheld and not Path(STATE.folder, name).exists():
+            _write(name, text.encode("utf-8", "replace"))
             STATE.paths.append(name)
 
 

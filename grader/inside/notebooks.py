@@ -11,6 +11,9 @@ _MOST_MAGICS = 300  # in a cell, which is parsed again after each
 _TRANSPARENT = ("%%time", "%%timeit", "%%capture", "%%prun")
 _TIMED = re.compile(r"%(?:time|timeit)\b(?:\s+-[a-z]+(?:\s*\d+)?)*\s*")  # and its options, up to what is timed
 _SHELL_ASSIGNMENT = re.compile(r"^(\s*[\w, ]+=\s*)[!%].*$")
+_WRITES = re.compile(  # /content is where a notebook is at home in Colab; no part of a path may lead out of the folder
+    r"""%%(?:writefile|file)\s+(-a\s+|--append\s+)?(["']?)(?:\./|/content/)?((?:\w[\w-]{0,60}/){0,3}\w[\w-]{0,60}\.py)\2\s*"""
+)
 
 
 def code_cells(content: bytes) -> list[str]:
@@ -33,6 +36,17 @@ def raw_cells(content: bytes) -> list[str]:
 def _source(cell: dict[str, Any]) -> str:
     source = cell.get("source", cell.get("input", ""))
     return "".join(map(str, source)) if isinstance(source, list) else str(source)
+
+
+def files_written(content: bytes) -> dict[str, str]:
+    """What ``%%writefile`` cells leave behind, Python files only, by path; ValueError where it is no notebook."""
+    files: dict[str, str] = {}
+    for source in raw_cells(content):
+        head, _, body = source.lstrip().partition("\n")
+        if written := _WRITES.fullmatch(head):
+            appended, _, path = written.groups()
+            files[path] = f"{files.get(path, '') if appended else ''}{body}\n"
+    return files
 
 
 def plain_python(cell: str) -> str:
@@ -86,6 +100,8 @@ def _plain_line(line: str) -> str:
     indent = line[: len(line) - len(start)]
     if timed := _TIMED.match(start):
         return indent + (start[timed.end() :] or "pass")
+    if start.startswith("%run "):
+        return f"{indent}get_ipython().run_line_magic('run', {start.removeprefix('%run ')!r})"
     if start.startswith(("%", "!")) or start.rstrip().endswith("?") or start.startswith("?"):
         return f"{indent}pass"
     assigned = _SHELL_ASSIGNMENT.match(line)

@@ -52,7 +52,7 @@ def use_libraries() -> None:
     PIL.Image.init()
 
 
-def furnish(lab_model: str) -> None:
+def furnish(lab_model: str, *, run_magic: desktop.RunMagic) -> None:
     """Make the worker's process look like the machine that the lab sheet assumes."""
     path = pathlib.Path(_SHEET_PATH)
     if not path.exists():
@@ -60,7 +60,7 @@ def furnish(lab_model: str) -> None:
         path.write_text(lab_model, encoding="utf-8")
     _redirect_lab_model()
     _answer_input()
-    desktop.furnish()
+    desktop.furnish(run_magic)
     _make_pauses_short()
     _make_signals_deadly()
     _watch_first_step()

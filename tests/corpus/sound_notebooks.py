@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.corpus.pieces import COLLECT_LOOKUP, FILTER_INCREMENT, HEAD, NOISE_GENERATOR, PLOT_LOOP, READ_DIM
+from tests.corpus.pieces import COLLECT_LOOKUP, FILTER_INCREMENT, HEAD, NOISE_GENERATOR, PLOT_LOOP, READ_DIM, tidy
 from tests.corpus.sound_layouts import COMPARE_CELLS, RUN_CELL
 from tests.corpus.writing import notebook
 
@@ -15,6 +15,27 @@ def whole(*, head: str = HEAD, low_pass: str = FILTER_INCREMENT) -> dict[str, st
     return {"lab.ipynb": notebook(head, *(low_pass if part is FILTER_INCREMENT else part for part in PARTS))}
 
 
+def writing(**heads: str) -> dict[str, str]:
+    """The tidy files, each written by a cell whose first line is given; a second line adds the rest of the file."""
+    cells = []
+    for name, head in heads.items():
+        first, _, rest = head.partition("\n")
+        start, cut, end = tidy()[f"{name}.py"].partition("\n\nclass " if rest else "\0")
+        cells += [f"{first}\n{start}", f"{rest}\n{cut}{end}"] if rest else [f"{first}\n{start}"]
+    return {"lab.ipynb": notebook(*cells, "import sys\nsys.path.append('src')\nimport filters\nfilters.compare()")}
+
+
+# One notebook a file, each begins by running the one before; the reader is a program that leaves its ids behind.
+READER_PROGRAM = tidy()["imu_reader.py"] + """\
+    ids = [mujoco.MjModel.from_xml_path(MODEL_PATH).sensor(f"torso_{kind}").id for kind in ("accelerometer", "gyroscope")]
+    raise SystemExit(0)
+"""
+RUNNING = {
+    "imu_reader.py": READER_PROGRAM,
+    "noisy_imu.ipynb": notebook("%run -t ./imu_reader.py", "accel_id, gyro_id = ids", NOISE_GENERATOR),
+    "filters.ipynb": notebook("%run 'noisy_imu.ipynb'\nassert gyro_id", FILTER_INCREMENT, *COMPARE_CELLS),
+}
+
 NOTEBOOKS = {
     "notebook_installs_over_two_lines": whole(head="!apt-get update && \\\n  apt-get install -y 'libgl1' \\\n  # it's slow\n" + HEAD),
     "notebook_asks_in_a_comment": whole(
@@ -26,4 +47,13 @@ NOTEBOOKS = {
     ),
     "notebook_formats_with_percent": whole(low_pass="!ls\nprint('alpha %s of %s'\n      % (0.1, 'filter'))\n" + FILTER_INCREMENT),
     "notebook_waits_at_top_level": whole(low_pass="import asyncio\n\nawait asyncio.sleep(0)\n" + FILTER_INCREMENT),
+    "notebook_writes_into_a_folder": writing(
+        imu_reader="%%writefile src/imu_reader.py", noisy_imu="%%writefile src/noisy_imu.py", filters="%%writefile src/filters.py"
+    ),
+    "notebook_writes_in_other_words": writing(
+        imu_reader='%%file "./imu_reader.py"',
+        noisy_imu="%%file noisy_imu.py\n%%file -a noisy_imu.py",
+        filters="%%writefile /content/filters.py\n%%writefile --append 'filters.py'",
+    ),
+    "notebooks_run_each_other": RUNNING,
 }
