@@ -95,29 +95,47 @@ class _Viewer:
 
 
 def _offer_notebook_names(run_magic: RunMagic) -> None:
-    """`display`, `get_ipython` and `IPython.display`, which notebook code uses without asking."""
+    """`display`, `get_ipython`, `IPython.display` and what Colab has, which notebook code uses without asking."""
 
     def display(*values: object, **_: object) -> None:
         for value in values:
             print(type(value).__name__)
 
-    def nothing(*_: object, **__: object) -> None:
-        """Accepts anything, shows nothing."""
-
-    class _Display(types.ModuleType):
-        def __getattr__(self, name: str) -> Any:
-            if name.startswith("__"):
-                raise AttributeError(name)
-            return nothing
-
-    package, module = types.ModuleType("IPython"), _Display("IPython.display")
+    package, module = types.ModuleType("IPython"), _Silent("IPython.display")
     module.display = display  # type: ignore[attr-defined]
     package.display, package.get_ipython = module, lambda: None  # type: ignore[attr-defined]  # matplotlib asks: no shell
     package.version_info = (9, 0, 0)  # type: ignore[attr-defined]  # and which version it need not repair, once a canvas class
-    for name, stub in (("IPython", package), ("IPython.display", module)):
-        sys.modules.setdefault(name, stub)
+    for stub in (package, module, *_colab()):
+        sys.modules.setdefault(stub.__name__, stub)
     shell = _Shell(run_magic)
     builtins.display, builtins.get_ipython = display, lambda: shell  # type: ignore[attr-defined]
+
+
+class _Silent(types.ModuleType):
+    """A module whose functions accept anything and show nothing."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return lambda *args, **kwargs: None
+
+
+def _colab() -> list[types.ModuleType]:
+    """Colab's own modules and the one that shows films there; its drive is the folder where the notebook is already.
+
+    There is no module `google`: who tries `import google.colab` wants to know whether Colab's folders and programs are there.
+    """
+    colab, drive, files = (_Silent(f"google.colab{rest}") for rest in ("", ".drive", ".files"))
+    vars(files)["upload"] = dict
+    vars(colab).update(drive=drive, files=files)
+    really_change = os.chdir
+
+    def chdir(path: Any) -> None:
+        if not str(path).startswith("/content") or os.path.isdir(path):
+            really_change(path)
+
+    vars(os)["chdir"] = chdir
+    return [colab, drive, files, _Silent("mediapy")]
 
 
 class _Shell:

@@ -35,6 +35,23 @@ RUNNING = {
     "noisy_imu.ipynb": notebook("%run -t ./imu_reader.py", "accel_id, gyro_id = ids", NOISE_GENERATOR),
     "filters.ipynb": notebook("%run 'noisy_imu.ipynb'\nassert gyro_id", FILTER_INCREMENT, *COMPARE_CELLS),
 }
+# The first cell of many a notebook in Colab; all that follows needs what it imports.
+COLAB = """\
+!pip install -q mediapy
+from google.colab import drive, files
+import mediapy as media
+import os
+drive.mount('/content/drive', force_remount=True)
+os.chdir('/content/drive/MyDrive/lab')
+uploaded = files.upload()
+for name in uploaded:
+    print(name, len(uploaded[name]))
+try:
+    import google.colab
+    os.mkdir('/content/pictures')
+except ImportError:
+    print('not in Colab')
+"""
 
 NOTEBOOKS = {
     "notebook_installs_over_two_lines": whole(head="!apt-get update && \\\n  apt-get install -y 'libgl1' \\\n  # it's slow\n" + HEAD),
@@ -56,4 +73,7 @@ NOTEBOOKS = {
         filters="%%writefile /content/filters.py\n%%writefile --append 'filters.py'",
     ),
     "notebooks_run_each_other": RUNNING,
+    "notebook_of_colab": whole(
+        head=COLAB + HEAD, low_pass=FILTER_INCREMENT + "\nmedia.show_video([np.zeros((4, 4, 3))], fps=30)\nfiles.download('imu_data.png')\n"
+    ),
 }
