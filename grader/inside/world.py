@@ -30,6 +30,16 @@ def import_libraries() -> None:
     import PIL.Image  # noqa: F401
 
     plt.switch_backend("Agg")
+    _share_wrappers()
+
+
+def _share_wrappers() -> None:
+    """Let callbacks of a simulation be called: MuJoCo keeps its wrapper classes among the built-in functions of who steps.
+
+    All steps are made by a function of the harness (see `_watch_first_step`), and the harness' built-in functions are its own.
+    """
+    own = globals()["__builtins__"]
+    own.update({name: value for name, value in vars(builtins).items() if name.startswith("__MUJOCO_")})
 
 
 def use_libraries() -> None:

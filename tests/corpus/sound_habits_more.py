@@ -50,6 +50,25 @@ def simulate_and_collect(model, data, duration_seconds=5.0):
     return {"time": np.array(times), "acceleration": np.array(accs), "angular_velocity": np.array(gyros)}
 '''
 
+# A callback of MuJoCo's notes the times.
+COLLECT_BY_CALLBACK = '''\
+def simulate_and_collect(model, data, duration_seconds=5.0):
+''' + IDS + '''\
+    mujoco.mj_resetData(model, data)
+    data.qvel[0] = 0.5
+    rows, calls = [], []
+    mujoco.set_mjcb_control(lambda m, d: calls.append((m.nsensor, d.time)))
+    try:
+        for _ in range(round(duration_seconds / model.opt.timestep)):
+            mujoco.mj_step(model, data)
+            rows.append((data.time, *get_imu_readings(model, data, accel_id, gyro_id)))
+    finally:
+        mujoco.set_mjcb_control(None)
+    assert len(calls) >= len(rows)
+    time, acceleration, angular_velocity = map(np.array, zip(*rows))
+    return {"time": time, "acceleration": acceleration, "angular_velocity": angular_velocity}
+'''
+
 
 def importing(reader: str, noise: str) -> dict[str, str]:
     """A tidy submission that imports the reader's names and the noise model's in other words."""
@@ -173,5 +192,6 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
     "accelerometer_bias_as_large_as_the_noise": edit(
         lab(), "noisy_imu.py", ("self.rng.normal(0.0, 0.1, size=3)", "self.rng.normal(0.0, self.accel_noise_std, size=3)"),
     ),
+    "callback_of_the_simulation": lab(collect=COLLECT_BY_CALLBACK),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
