@@ -5,6 +5,7 @@ An experiment answers with facts and arrays; an exception of the student's ends 
 
 from __future__ import annotations
 
+import dis
 import inspect
 import re
 from collections.abc import Callable, Iterator
@@ -196,11 +197,9 @@ def call_collector(function: Callable[..., Any], model: Any, data: Any, duration
         elif parameter.default is parameter.empty or isinstance(parameter.default, int | np.integer | None):
             by_name[name] = ids[sensor]  # anything else that it stands for by default is no id: a sensor's name, a list
     if not by_name:
-        return (
-            function(model, data, duration_seconds=duration_s)
-            if "duration_seconds" in parameters
-            else function(model, data, duration_s)
-        )
+        duration = parameters.get("duration_seconds")
+        by_position = duration is None or duration.kind is duration.POSITIONAL_ONLY
+        return function(model, data, duration_s) if by_position else function(model, data, duration_seconds=duration_s)
     values = dict(zip(plain, (model, data, duration_s), strict=False))
     if "duration_seconds" in plain:
         values["duration_seconds"] = duration_s
@@ -210,7 +209,7 @@ def call_collector(function: Callable[..., Any], model: Any, data: Any, duration
 
 
 def provide_ids(ids: dict[str, int]) -> None:
-    """Set the sensor ids that student code reads from module globals which nothing has set."""
+    """Set the sensor ids that student code reads from module globals which nothing has set, or to a placeholder only."""
     for module in list(loading.STATE.modules.values()):
         for name in _unset_globals(module):
             if _AN_ID.search(name) and _ACCELEROMETER.match(name):
@@ -225,7 +224,18 @@ def _unset_globals(module: ModuleType) -> set[str]:
     for owner in (m for m in members if isinstance(m, type)):
         functions += [f for f in vars(owner).values() if isinstance(f, FunctionType)]
     names = {name for function in functions for name in _names(function.__code__)}
-    return {name for name in names if name not in vars(module)}
+    set_later = {name for function in functions for name in _set_globals(function.__code__)}
+    values = vars(module)
+    return {name for name in names if values.get(name) is None or (name in set_later and _is_no_id(values[name]))}
+
+
+def _is_no_id(value: Any) -> bool:
+    """Whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
+    return isinstance(value, int | np.integer) and bool(value < 0)
+
+
+def _set_globals(code: CodeType) -> set[str]:
+    return {str(step.argval) for step in dis.get_instructions(code) if step.opname == "STORE_GLOBAL"}
 
 
 def _names(code: CodeType) -> set[str]:

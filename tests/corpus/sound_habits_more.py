@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from tests.corpus import sheet
 from tests.corpus.pieces import COLLECT_APPEND, HEAD, IDS, edit, lab, tidy
 
 # The window's camera and options are set before the simulation runs in it, as MuJoCo's documentation shows.
@@ -150,6 +151,23 @@ imu_data = simulate_and_collect(model, mujoco.MjData(model), 3.0)
 film(imu_data)
 plot_imu_data(imu_data)
 """
+# The sheet's collector with its global ids, which only `main()` finds out.
+IDS_IN_MAIN = """\
+def main():
+    global accel_id, gyro_id
+    model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+    accel_id, gyro_id = model.sensor("torso_accelerometer").id, model.sensor("torso_gyroscope").id
+    plot_imu_data(simulate_and_collect(model, mujoco.MjData(model), duration_seconds=3.0))
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def ids_in_main(head: str) -> dict[str, str]:
+    return lab(head=HEAD + head, collect=sheet.COLLECT, main=IDS_IN_MAIN)
+
 
 HABITS_MORE = {
     "viewer_set_up_at_module_level": lab(head=VIEWER_SET_UP, collect=COLLECT_WHILE_WATCHING, main="""\
@@ -192,6 +210,10 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
     "accelerometer_bias_as_large_as_the_noise": edit(
         lab(), "noisy_imu.py", ("self.rng.normal(0.0, 0.1, size=3)", "self.rng.normal(0.0, self.accel_noise_std, size=3)"),
     ),
+    "ids_that_are_none_until_main": ids_in_main("accel_id = None  # see main()\ngyro_id = None\n"),
+    "ids_that_are_minus_one_until_main": ids_in_main("accel_id = gyro_id = -1\n"),
+    "collector_by_position_only": edit(lab(), "imu_reader.py", ("duration_seconds=5.0):", "duration_seconds=5.0, /):"),
+                                       ("duration_seconds=3.0", "3.0")),
     "callback_of_the_simulation": lab(collect=COLLECT_BY_CALLBACK),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
