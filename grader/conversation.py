@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -34,6 +35,7 @@ HOMES: Mapping[str, str] = {
 }
 _SCRIPTS = ("imu_reader.py", "noisy_imu.py", "filters.py")
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
+_IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
 _FURTHER = 3  # programs that are run to see what they draw
 _LONGEST_NOTE = 500
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
@@ -300,13 +302,16 @@ class Conversation:
         return sorted(named, key=lambda p: (p.count("/"), p not in _SCRIPTS, p.endswith(".ipynb"), p))
 
     def further_scripts(self) -> list[str]:
-        """Programs that nothing is asked of, and that save a figure: a `main.py` may be what draws."""
+        """Programs that nothing is asked of: they save a figure, or may call what does, as nobody imports them."""
+        code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
+        saving = {path for path, content in code.items() if b"savefig" in content}
+        if not saving:
+            return []
+        imported = {name for content in code.values() for name in _imported(content)}
         known = {*HOMES.values(), *self.used}
-        return sorted(
-            path
-            for path in self.paths - known
-            if path.endswith(".py") and _is_run(path) and b"savefig" in self.files.get(path, b"")
-        )[:_FURTHER]
+        others = [path for path in self.paths - known if path.endswith(".py") and _is_run(path)]
+        programs = [path for path in others if path in saving or PurePosixPath(path).stem not in imported]
+        return sorted(programs, key=lambda p: (p not in saving, p))[:_FURTHER]
 
     def _missing(self, name: str, home: str) -> Missing:
         if home not in self.paths:
@@ -344,3 +349,8 @@ class Conversation:
 def _is_run(path: str) -> bool:
     """Whether a file may be run because of what is in it; some files are there for tools that look for their names."""
     return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")
+
+
+def _imported(content: bytes) -> set[str]:
+    """Names that a file or a notebook imports modules by, as far as a glance at its lines tells."""
+    return {word.decode() for modules in _IMPORTS.findall(content) for word in re.findall(rb"\w+", modules)}

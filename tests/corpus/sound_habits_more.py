@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from tests.corpus import sheet
-from tests.corpus.pieces import COLLECT_APPEND, HEAD, IDS, edit, lab, tidy
+from tests.corpus.pieces import COLLECT_APPEND, COMPARE, FILTER_HEAD, FILTER_INCREMENT, HEAD, IDS, edit, lab, tidy
 
 # The window's camera and options are set before the simulation runs in it, as MuJoCo's documentation shows.
 VIEWER_SET_UP = HEAD + '''\
@@ -168,6 +168,27 @@ if __name__ == "__main__":
 def ids_in_main(head: str) -> dict[str, str]:
     return lab(head=HEAD + head, collect=sheet.COLLECT, main=IDS_IN_MAIN)
 
+# What is compared is a function of a module; that it is called stands in a program that nobody imports.
+RUN_LAB = """\
+import mujoco
+from imu_reader import MODEL_PATH, plot_imu_data, simulate_and_collect
+from plotting import compare
+
+model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+plot_imu_data(simulate_and_collect(model, mujoco.MjData(model), 3.0))
+compare()
+"""
+COMPARE_ONLY = COMPARE.split("\n\n\nif __name__")[0]
+PLOTTING = {
+    "filters.py": f"import numpy as np\n\n\n{FILTER_INCREMENT}",
+    "plotting.py": f"{FILTER_HEAD}from filters import LowPassFilter\n\n\n{COMPARE_ONLY}\n",
+}
+WITH_DUNDER_MAIN = {
+    **below("imu", importing("from .imu_reader import", "from .noisy_imu import")),
+    "imu/__init__.py": "",
+    "imu/__main__.py": "from . import filters\n\nfilters.compare()\n",
+}
+WITH_DUNDER_MAIN["imu/filters.py"] = WITH_DUNDER_MAIN["imu/filters.py"].split("\n\n\nif __name__")[0]
 
 HABITS_MORE = {
     "viewer_set_up_at_module_level": lab(head=VIEWER_SET_UP, collect=COLLECT_WHILE_WATCHING, main="""\
@@ -214,6 +235,8 @@ plot_imu_data(simulate_and_collect(model, data, 3.0))
     "ids_that_are_minus_one_until_main": ids_in_main("accel_id = gyro_id = -1\n"),
     "collector_by_position_only": edit(lab(), "imu_reader.py", ("duration_seconds=5.0):", "duration_seconds=5.0, /):"),
                                        ("duration_seconds=3.0", "3.0")),
+    "program_that_calls_what_draws": {**tidy(), **PLOTTING, "run_lab.py": RUN_LAB},
+    "package_that_is_run": WITH_DUNDER_MAIN,
     "callback_of_the_simulation": lab(collect=COLLECT_BY_CALLBACK),
     "package_that_imports_its_modules": DOTTED_PACKAGE,
 }
