@@ -126,7 +126,7 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
     await_walls = Zygote._await_walls
 
     def killed(zygote: Zygote) -> None:
-        end = time.monotonic() + 10
+        end = time.monotonic() + 1
         while not hit and time.monotonic() < end:
             hit.extend(trial for first in children(zygote.pid) for trial in children(first))
             with contextlib.suppress(ProcessLookupError):
@@ -134,9 +134,13 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
         await_walls(zygote)
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
-    with Box(Contents(HARNESS)) as box:
-        assert hit
-        assert (box.rung, box.why) == ("full", rungs["full"].reason)
+    for _ in range(20):  # a trial is over in milliseconds, and on a busy machine it is not always seen
+        with Box(Contents(HARNESS)) as box:
+            found = box.rung, box.why
+        if hit:
+            break
+    assert hit
+    assert found == ("full", rungs["full"].reason)
 
 
 def test_a_plain_user_has_the_same_walls() -> None:
