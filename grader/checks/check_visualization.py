@@ -217,9 +217,9 @@ def _scale_is_labelled(plot: _Plot) -> None:
             or plots.unit_of(panel.facts["title"])
         )
         for shown in panel.shown:
-            expected_family = ("m/s²", "g") if shown.sensor == 0 else ("rad/s", "deg/s")
-            wrong = said is not None and said in expected_family and said != shown.unit
-            unsaid = said is None and shown.unit in ("g", "deg/s")
+            family = plots.UNITS[shown.sensor]
+            wrong = said in family and said != shown.unit
+            unsaid = said is None and shown.unit != family[0]
             if wrong or unsaid:
                 got = f"numbers in {shown.unit} under the label “{_shown(panel.facts['ylabel'])}”"
                 hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
@@ -237,7 +237,8 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
     for sensor in (0, 1):
         panels = plot.of_sensor(sensor)
         labels = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
-        beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"])
+        named = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
+        beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"]) + named
         elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
         if panels and elsewhere.isdisjoint(labels):  # a label of the other sensor is charged as the panel's name
             lost += _label_problem(labels, beside, sensor)

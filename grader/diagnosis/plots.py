@@ -131,9 +131,11 @@ def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
 
 
 _UNITS = (
-    (("m/s²", 1.0), ("g", 1 / 9.81), ("g", 1 / 9.80665)),
-    (("rad/s", 1.0), ("deg/s", 180 / np.pi)),
+    (("m/s²", 1.0), ("cm/s²", 100.0), ("g", 1 / 9.81), ("g", 1 / 9.80665), ("mg", 1000 / 9.81), ("mg", 1000 / 9.80665)),
+    (("rad/s", 1.0), ("mrad/s", 1000.0), ("deg/s", 180 / np.pi)),
 )
+UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
+"""The units of each sensor, that of the recorded numbers first."""
 
 
 # --- what else was recorded ----------------------------------------------------------------------------------------------
@@ -177,9 +179,14 @@ def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterato
 # --- words ---------------------------------------------------------------------------------------------------------------
 
 
+_LOOKALIKES = str.maketrans("º⁄", "°/")
+"""What is written for a degree and for a stroke, and would become a letter and stay what it is."""
+
+
 def plain(text: str) -> str:
     """A label as a reader takes it: no TeX, superscripts as digits, lower case, no spaces."""
-    text = unicodedata.normalize("NFKC", text).lower()
+    text = unicodedata.normalize("NFKC", text.translate(_LOOKALIKES)).lower()
+    text = re.sub(r"\b(?:in|en|em|per|pro|por|par)\s+|_(?=m?s(?:ec)?$)", "/", text)  # “in s”, “rad per s”, “time_s”
     text = re.sub(r"\\(?:mathrm|mathit|text|textrm|rm)\{([^{}]*)\}", r"\1", text)
     text = re.sub(r"\\[dt]?frac\{([^{}]*)\}\{([^{}]*(?:\{[^{}]*\})?)\}", r"\1/\2", text)
     text = re.sub(r"\\(mathrm|mathit|text|rm|left|right|,|;|!|frac|dfrac|dot|ddot|cdot|unit|si)", " ", text)
@@ -188,32 +195,33 @@ def plain(text: str) -> str:
 
 
 _ACCELERATION_UNIT = re.compile(
-    r"m/\(?s(ec|ek)?\)?2|m/s/s|ms-2|m/sec/sec|ms2\b|ms2[\])]|(met(er|re)s?|meter|metros?|m[eè]tres?|метр\w*)[a-z]*(per|/|pro|por|par|al)?"
-    r"s(ec|ek|eg)\w*(squared|2|²|quadrat|alcuadrado|carr[eé]e?|aoquadrado)|[\[(/,]g0?[\])]?$|[\[(]g|[\[(]mg|米/秒|м/с2"
+    r"m/\(?s(ec|ek)?\)?2|m/s/s|ms-2|mps2|m/sec/sec|ms2\b|ms2[\])]|(met(er|re)s?|meter|metros?|m[eè]tres?|метр\w*)[a-z]*(per|/|pro|por|par|al)?"
+    r"s(ec|ek|eg)\w*(squared|2|²|quadrat|alcuadrado|carr[eé]e?|aoquadrado)|[\[(/,]m?g0?[\])]?$|[\[(]m?g|米/秒|м/с2"
 )
 _RATE_UNIT = re.compile(
     r"(?![a-z°]+/\(?s(ec|ek)?(2(?!\w)|/s))"  # not per second squared
-    r"(rads?(ians?|iant\w*|i[aá]n\w*)?(/|s-1|per|pro|por|par|·)|deg\w*(/|per|par|s-1)|°/s|°s-1|dps|gra[du]\w*(/|per|pro|por)"
+    r"(rads?(ians?|iant\w*|i[aá]n\w*)?(/|s-1|ps|per|pro|por|par|·)|deg\w*(/|per|par|s-1)|°/s|°s-1|(?<!ra)dps|gra[du]\w*(/|per|pro|por)"
     r"|弧度|度/秒|(рад|°|град)/с(?!2)|1/s|s-1)"
 )
 _TIME_UNIT = re.compile(
-    r"[\[(/,|]\(?(s|sec|secs|ms|us|min|sek|seg|с|мс)\.?[\])]?$|[\[(](s|sec|ms|sek|seg|秒|с|мс)[\])]|second|sekund|segund|секунд|秒|ins$|:s$|in(sec|ms)$|ms\b|millis"
+    r"[\[(/,|]\(?(s|sec|secs|ms|us|min|sek|seg|sn|с|сек|мс|초)\.?[\])]?$|[\[(](s|sec|ms|sek|seg|秒|с|мс|초)[\])]|[\[(]s(since|from)"
+    r"|second|sekund|segund|секунд|秒|:s$|ms\b|millis"
 )
-_MILLISECONDS = re.compile(r"([\[(/,|]|in)ms[\])]?$|[\[(]ms[\])]|millis")
+_MILLISECONDS = re.compile(r"[\[(/,|]ms[\])]?$|[\[(]ms[\])]|millis")
 _COUNTED = re.compile(r"sample|index|step|abtast|muestra|échantillon|echantillon|frame|#|n$")
 
 
 def unit_of(text: str) -> str | None:
-    """The unit that a label names: ``m/s²``, ``g``, ``rad/s``, ``deg/s``; None where it names none of them."""
+    """The unit of `UNITS` that a label names; None where it names none of them."""
     words = plain(text)
     if _RATE_UNIT.search(words):
-        return (
-            "deg/s"
-            if re.search(r"deg|°|dps|gra[du]\w*(/|per|pro|por)|град|度/秒", words) and "弧度" not in words
-            else "rad/s"
-        )
+        if re.search(r"deg|°|(?<!ra)dps|gra[du]\w*(/|per|pro|por)|град|度/秒", words) and "弧度" not in words:
+            return "deg/s"
+        return "mrad/s" if "mrad" in words else "rad/s"
     if _ACCELERATION_UNIT.search(words):
-        return "g" if not re.search(r"s2|s-2|/s/s|squared|2|²|quadr|cuadr|carr|米", words) else "m/s²"
+        if re.search(r"s2|s-2|/s/s|squared|2|²|quadr|cuadr|carr|米", words):
+            return "cm/s²" if "cm/" in words else "m/s²"
+        return "mg" if re.search(r"[\[(/,]mg", words) else "g"
     return None
 
 
@@ -236,7 +244,7 @@ def counts_samples(text: str) -> bool:
 
 _NAMES = (
     r"accel|accél|acél|acel|beschl|加速|가속|specificforce|ускор|акселер|versnel|ivme|przysp",
-    r"gyr|giro|angularv|angularr|omega|ω|winkelg|dreh|(vitesse|velocidade?)ang|角速|陀螺|ジャイロ|각속|угл|гиро|hoeksn",
+    r"gyr|giro|angularv|angularr|omega|ω|winkelg|dreh|(vitesse|velocidade?)ang|角速|陀螺|ジャイロ|각속|자이로|угл|гиро|hoeksn",
 )
 """What acceleration and angular velocity, and their sensors, are called."""
 _ACCELERATION_WORDS = re.compile(_NAMES[0] + r"|acc|lineaire")
@@ -251,7 +259,7 @@ def claims(text: str) -> set[int]:
         found.add(1)
     unit = unit_of(text)
     if unit is not None and not found:
-        found.add(0 if unit in ("m/s²", "g") else 1)
+        found.add(0 if unit in UNITS[0] else 1)
     return found
 
 

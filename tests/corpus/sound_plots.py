@@ -1,0 +1,51 @@
+"""Sound plots in the words, units, strokes and ways of saving that are met less often."""
+
+from __future__ import annotations
+
+from tests.corpus.pieces import PLOT_LOOP, edit, lab
+
+
+def _plot(*changes: tuple[str, str]) -> str:
+    return edit({"p": PLOT_LOOP}, "p", *changes)["p"]
+
+
+def _labels(acceleration: str, rate: str, time: str) -> tuple[tuple[str, str], ...]:
+    return ("Acceleration [m/s^2]", acceleration), ("Angular velocity [rad/s]", rate), ("Time [s]", time)
+
+
+# Written out, and the way that names of columns are.
+PLOT_KOREAN_SECONDS = _plot(
+    *_labels("가속도 (m/s²)", "각속도 (rad/s)", "시간 (초)"),
+    ("Torso accelerometer", "가속도 센서"),
+    ("Torso gyroscope", "자이로 센서"),
+)
+PLOT_LABELLED_LIKE_COLUMNS = _plot(*_labels("acc_mps2", "gyro_radps", "time_s"))
+PLOT_UNITS_SPOKEN = _plot(*_labels("Acceleration in m per s²", "Angular rate ⁄ rad·s⁻¹", "Time [s since start]"))
+
+# Numbers in another unit than the recorded ones, and labels that say so.
+PLOT_IN_G = _plot(
+    *_labels("Acceleration in g", "Velocidad angular (º/s)", "Zaman (sn)"),
+    ('imu_data["acceleration"][:, k]', 'imu_data["acceleration"][:, k] / 9.81'),
+    ('imu_data["angular_velocity"][:, k]', 'np.degrees(imu_data["angular_velocity"][:, k])'),
+)
+PLOT_IN_THOUSANDTHS = _plot(
+    *_labels("Acceleration (mg)", "Angular velocity (mrad/s)", "Simulation time t (in s)"),
+    ('imu_data["acceleration"][:, k]', '1000 / 9.80665 * imu_data["acceleration"][:, k]'),
+    ('imu_data["angular_velocity"][:, k]', '1000 * imu_data["angular_velocity"][:, k]'),
+)
+
+# The units stand beside the names of the curves, as they do for pandas.
+PLOT_UNITS_IN_LEGEND = _plot(
+    *_labels("Acceleration", "Angular velocity", "Time / s"),
+    ("$a_{axis}$", "{axis} (m/s²)"),
+    (r"$\omega_{axis}$", "{axis} (rad/s)"),
+)
+
+PLOTS = {
+    "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS),
+    "axes_named_like_columns": lab(plot=PLOT_LABELLED_LIKE_COLUMNS),
+    "units_in_words": lab(plot=PLOT_UNITS_SPOKEN),
+    "acceleration_in_g": lab(plot=PLOT_IN_G),
+    "thousandths": lab(plot=PLOT_IN_THOUSANDTHS),
+    "units_in_the_legend": lab(plot=PLOT_UNITS_IN_LEGEND),
+}
