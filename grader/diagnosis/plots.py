@@ -308,9 +308,7 @@ def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -
 
     Where curves run close together nobody can tell which of them such a text stands nearest to, so none is called wrong by it.
     """
-    x, y = arrays[shown.curve["x"]], arrays[shown.curve["y"]]
-    known = np.isfinite(x) & np.isfinite(y)
-    x, y = x[known], y[known]
+    x, y = _known(shown.curve, arrays)
     for text in texts:
         at, height = text["place"]
         within = x.min() - _NEAR * np.ptp(x) <= at <= x.max() + _NEAR * np.ptp(x)
@@ -357,7 +355,7 @@ def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
         for below, smooth in drawn
         if raw is not smooth
         and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
-        and _is_smoothed(arrays[raw["y"]], arrays[smooth["y"]])
+        and _is_smoothed(*_at_the_same_points(_known(raw, arrays), _known(smooth, arrays)))
     ]
 
 
@@ -371,7 +369,7 @@ def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
 
 def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
     """The values of every curve of data in a figure."""
-    return [arrays[c["y"]] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
+    return [_known(c, arrays)[1] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
 
 
 def _name_on(axes: Facts, curve: Facts) -> str:
@@ -381,9 +379,9 @@ def _name_on(axes: Facts, curve: Facts) -> str:
 _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
 
 _RAW_WORDS = re.compile(
-    r"raw|nois[ey]|unfilter|measured|roh|ungefiltert|verrauscht|brut|crud|sinfiltrar|ruido|原始|噪|сыр"
+    r"raw|(?<!de)(?<!de-)nois[ey]|unfilter|before|input|avant|antes|vordem|滤波前|measured|roh|ungefiltert|verrauscht|brut|crud|sinfiltrar|ruido|原始|噪|сыр"
 )
-_SMOOTH_WORDS = re.compile(r"filt|smooth|lowpass|low-pass|lpf|geglätt|liss|suaviz|滤|平滑|сглаж")
+_SMOOTH_WORDS = re.compile(r"filt|smooth|de-?nois|lowpass|low-pass|lpf|geglätt|liss|suaviz|滤|平滑|сглаж")
 
 
 def _says_raw(name: str) -> bool:
@@ -397,16 +395,33 @@ def _says_smooth(name: str) -> bool:
 def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
     drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
     long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
-    return [c for c in long if len(arrays[c["y"]]) >= FEWEST_POINTS and np.isfinite(arrays[c["y"]]).all()]
+    return [c for c in long if len(_known(c, arrays)[1]) >= FEWEST_POINTS]
 
 
-def _is_smoothed(raw: Array, smooth: Array) -> bool:
+def _known(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
+    """The points of a curve without those that are not drawn: while a filter warms up there is nothing to show."""
+    x, y = arrays[curve["x"]], arrays[curve["y"]]
+    known = np.isfinite(x) & np.isfinite(y)
+    return x[known], y[known]
+
+
+def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -> tuple[Array, Array, int]:
+    """The values of both curves row by row, where both are drawn, and how many rows there are to a point of the shorter one."""
+    if len(raw[0]) == len(smooth[0]):
+        return raw[1], smooth[1], 1
+    shorter, longer = sorted((raw[0], smooth[0]), key=len)
+    x = longer[(longer >= shorter.min()) & (longer <= shorter.max())]
+    return np.interp(x, *raw), np.interp(x, *smooth), len(longer) // len(shorter)
+
+
+def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
     """Whether one series is smoother than the other and goes where its running mean goes, at some lag.
 
     An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
-    standing robot stay below 0.5. The second half is looked at: a filter may start from zero.
+    standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
+    value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
     """
-    if len(raw) != len(smooth) or np.std(np.diff(smooth)) > 0.8 * np.std(np.diff(raw)):
+    if len(raw) < FEWEST_POINTS or np.std(np.diff(smooth[::step])) > 0.8 * np.std(np.diff(raw[::step])):
         return False
     return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from tests.corpus.pieces import PLOT_LOOP, edit, lab
+from tests.corpus.pieces import COMPARE, PLOT_LOOP, edit, lab
 
 
 def _plot(*changes: tuple[str, str]) -> str:
     return edit({"p": PLOT_LOOP}, "p", *changes)["p"]
+
+
+def _compare(*changes: tuple[str, str]) -> str:
+    return edit({"c": COMPARE}, "c", *changes)["c"]
 
 
 def _labels(acceleration: str, rate: str, time: str) -> tuple[tuple[str, str], ...]:
@@ -41,10 +45,21 @@ PLOT_UNITS_IN_LEGEND = _plot(
     (r"$\omega_{axis}$", "{axis} (rad/s)"),
 )
 
+# The filter's words stand on both curves.
+COMPARE_BEFORE_AND_AFTER = _compare(
+    ("raw z", "Before filtering"),
+    ("filtered z", "After filtering (noise removed)"),
+)
+COMPARE_INPUT_AND_OUTPUT = _compare(('"raw z"', '"Filter input"'), ('"filtered z"', '"De-noised output"'))
+# Every fifth value of the filter, as soon as it has settled.
+COMPARE_THINNED = _compare(
+    ("t, np.array(smooth)[:, 2]", "t[::5], np.where(np.arange(len(t)) < 10, np.nan, np.array(smooth)[:, 2])[::5]"),
+)
+
 PLOTS = {
-    "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS),
-    "axes_named_like_columns": lab(plot=PLOT_LABELLED_LIKE_COLUMNS),
-    "units_in_words": lab(plot=PLOT_UNITS_SPOKEN),
+    "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS, compare=COMPARE_BEFORE_AND_AFTER),
+    "axes_named_like_columns": lab(plot=PLOT_LABELLED_LIKE_COLUMNS, compare=COMPARE_INPUT_AND_OUTPUT),
+    "units_in_words": lab(plot=PLOT_UNITS_SPOKEN, compare=COMPARE_THINNED),
     "acceleration_in_g": lab(plot=PLOT_IN_G),
     "thousandths": lab(plot=PLOT_IN_THOUSANDTHS),
     "units_in_the_legend": lab(plot=PLOT_UNITS_IN_LEGEND),
