@@ -209,10 +209,21 @@ def _differs(colour: Any, axes: Any) -> bool:
     from matplotlib.colors import to_rgba
 
     try:
-        drawn, behind = np.array(to_rgba(colour)), np.array(to_rgba(axes.get_facecolor()))
+        drawn, behind = np.array(to_rgba(colour)), _ground(axes)
     except (ValueError, TypeError):
         return True
-    return bool(drawn[3] > _FAINT and drawn[3] * np.abs(drawn[:3] - behind[:3]).max() > min(_NEAR, drawn[3] / 10))
+    return bool(drawn[3] > _FAINT and drawn[3] * np.abs(drawn[:3] - behind).max() > min(_NEAR, drawn[3] / 10))
+
+
+def _ground(axes: Any) -> np.ndarray:
+    """The colour behind a panel's curves: its own, as far as that is opaque, over the figure's, over white paper."""
+    from matplotlib.colors import to_rgba
+
+    part, colour = axes.get_figure(), np.ones(3)
+    for layer in (part.canvas.figure, part, axes):
+        *own, opacity = to_rgba(layer.get_facecolor())
+        colour = opacity * np.array(own) + (1 - opacity) * colour
+    return colour
 
 
 def _in_window(axes: Any, x: np.ndarray, y: np.ndarray) -> bool:
@@ -241,7 +252,7 @@ def any_colour_shows(axes: Any, colours: list[Any], picture: np.ndarray) -> bool
     box, (height, width) = place(axes), picture.shape[:2]
     rows = slice(max(int((1 - box.y1) * height) + 2, 0), max(int((1 - box.y0) * height) - 1, 0))  # within the frame
     columns = slice(max(int(box.x0 * width) + 2, 0), max(int(box.x1 * width) - 1, 0))
-    behind = np.array(to_rgb(axes.get_facecolor()))
+    behind = _ground(axes)
     counts = (
         np.abs(picture - np.round(255 * behind).astype(np.int16)).max(axis=2) > 255 * _NEAR
     )  # background says nothing
