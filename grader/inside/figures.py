@@ -6,6 +6,7 @@ data and colour, and what the call to `savefig` asked for. Pixels are not looked
 
 from __future__ import annotations
 
+import functools
 import os
 from pathlib import Path
 from typing import Any
@@ -92,9 +93,10 @@ def watch(*, read_back: bool) -> None:
     import matplotlib.pyplot as plt
     from matplotlib import rcParams
     from matplotlib.backend_bases import FigureCanvasBase
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    really_print = FigureCanvasBase.print_figure
+    really_print, really_print_png = FigureCanvasBase.print_figure, FigureCanvasAgg.print_png
 
     def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
         asked = rcParams["savefig.dpi"] if dpi is None else dpi
@@ -104,6 +106,13 @@ def watch(*, read_back: bool) -> None:
         save = drawing.save_as_asked if read_back else blank
         bare = save(really_print, self, filename, asked, options)
         RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=kind, bare=bare)
+
+    @functools.wraps(really_print_png)  # matplotlib asks for its parameters
+    def print_png(self: Any, filename: Any, **kwargs: Any) -> None:
+        if self._is_saving:  # by `print_figure`
+            really_print_png(self, filename, **kwargs)
+        else:
+            self.print_figure(filename, dpi="figure", format="png", **kwargs)
 
     really_close, really_clear = plt.close, Figure.clear
 
@@ -129,8 +138,9 @@ def watch(*, read_back: bool) -> None:
     if not read_back:
         setattr(Figure, "tight_layout", drawing.laying_out_late(Figure.tight_layout))  # noqa: B010
     setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
+    setattr(FigureCanvasAgg, "print_png", print_png)  # noqa: B010
     setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
-    seeing.remember(Figure, FigureCanvasBase)
+    seeing.remember(Figure, FigureCanvasBase, FigureCanvasAgg)
 
 
 def _name(target: Any) -> str | None:

@@ -56,11 +56,21 @@ COMPARE_THINNED = _compare(
     ("t, np.array(smooth)[:, 2]", "t[::5], np.where(np.arange(len(t)) < 10, np.nan, np.array(smooth)[:, 2])[::5]"),
 )
 
+# The paper shows through the panels, and no call goes through `savefig`.
+PLOT_ON_PAPER = _plot(
+    ("sharex=True)\n", 'sharex=True, subplot_kw={"facecolor": "none"})\n'),
+    ('imu_data["acceleration"][:, k], ', 'imu_data["acceleration"][:, k], color=("black", "red", "blue")[k], '),
+)
+PLOT_PAST_SAVEFIG = _plot(('fig.savefig("imu_data.png", dpi=100)', 'fig.canvas.print_png("imu_data.png")'))
+COMPARE_PAST_SAVEFIG = _compare(('fig.savefig("filtered_imu.png", dpi=100)', 'fig.canvas.print_png("filtered_imu.png")'))
+
 PLOTS = {
     "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS, compare=COMPARE_BEFORE_AND_AFTER),
     "axes_named_like_columns": lab(plot=PLOT_LABELLED_LIKE_COLUMNS, compare=COMPARE_INPUT_AND_OUTPUT),
     "units_in_words": lab(plot=PLOT_UNITS_SPOKEN, compare=COMPARE_THINNED),
     "acceleration_in_g": lab(plot=PLOT_IN_G),
     "thousandths": lab(plot=PLOT_IN_THOUSANDTHS),
+    "black_on_paper": lab(plot=PLOT_ON_PAPER, compare=COMPARE_PAST_SAVEFIG),
+    "saved_past_savefig": lab(plot=PLOT_PAST_SAVEFIG),
     "units_in_the_legend": lab(plot=PLOT_UNITS_IN_LEGEND),
 }
