@@ -7,7 +7,9 @@ data and colour, and what the call to `savefig` asked for. Pixels are not looked
 from __future__ import annotations
 
 import functools
+import itertools
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -237,12 +239,31 @@ def _part_of_a_figure(axes: Any, behind: Any) -> dict[str, str]:
 def _curves(axes: Any, packer: Packer) -> list[dict[str, Any]]:
     room = min(_MAX_CURVES, _MAX_CURVES_IN_ALL - len(packer.arrays) // 2)
     curves = [_line(line, axes, packer) for line in axes.get_lines()[: max(room, 0)]]
-    for collection in axes.collections[: max(room - len(curves), 0)]:
-        seeing.must_be_honest(collection)
-        offsets = _plain_floats(collection.get_offsets())
-        if offsets.ndim == 2 and len(offsets) > 2:
-            curves.append(_points(collection, axes, offsets[:, 0], offsets[:, 1], packer))
+    others = ((artist, drawn) for artist in (*axes.collections, *axes.patches) for drawn in _drawn_by(artist))
+    for artist, (x, y, colour) in itertools.islice(others, max(room - len(curves), 0)):
+        curves.append(_points(artist, axes, x, y, colour, packer))
     return curves
+
+
+def _drawn_by(artist: Any) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
+    """Points and colour of every curve of an artist that is no single line: a collection of lines, stairs, scattered points."""
+    from matplotlib.collections import Collection, LineCollection
+    from matplotlib.patches import StepPatch
+
+    if isinstance(artist, Collection | StepPatch):
+        seeing.must_be_honest(artist)
+    if isinstance(artist, LineCollection):
+        colours = itertools.cycle(artist.get_edgecolor())
+        for segment, colour in zip(artist.get_segments(), colours, strict=False):
+            if len(segment) > 3:  # not a mark, as `vlines` makes them
+                yield segment[:, 0], segment[:, 1], colour
+    elif isinstance(artist, StepPatch):
+        values, edges, _ = artist.get_data()
+        yield _plain_floats(edges)[:-1], _plain_floats(values), artist.get_edgecolor()
+    elif isinstance(artist, Collection):
+        offsets = _plain_floats(artist.get_offsets())
+        if offsets.ndim == 2 and len(offsets) > 2:
+            yield offsets[:, 0], offsets[:, 1], _face(artist)
 
 
 def _plain_floats(values: Any) -> np.ndarray:
@@ -263,11 +284,8 @@ def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
     return facts | {"style": str(line.get_linestyle())[:8], "marker": str(line.get_marker())[:8]}
 
 
-def _points(collection: Any, axes: Any, x: Any, y: Any, packer: Packer) -> dict[str, Any]:
-    colour = _face(collection)
-    return _curve(collection, x, y, colour, packer) | {
-        "visible": seeing.artist_is_visible(collection, axes, colour, x, y)
-    }
+def _points(artist: Any, axes: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:
+    return _curve(artist, x, y, colour, packer) | {"visible": seeing.artist_is_visible(artist, axes, colour, x, y)}
 
 
 def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:

@@ -44,6 +44,7 @@ _ASKED = frozenset(
         "get_markersize",
         "get_offsets",
         "get_position",
+        "get_segments",
         "get_shared_x_axes",
         "get_size_inches",
         "get_subplotspec",

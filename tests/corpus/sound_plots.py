@@ -62,7 +62,29 @@ PLOT_ON_PAPER = _plot(
     ('imu_data["acceleration"][:, k], ', 'imu_data["acceleration"][:, k], color=("black", "red", "blue")[k], '),
 )
 PLOT_PAST_SAVEFIG = _plot(('fig.savefig("imu_data.png", dpi=100)', 'fig.canvas.print_png("imu_data.png")'))
-COMPARE_PAST_SAVEFIG = _compare(('fig.savefig("filtered_imu.png", dpi=100)', 'fig.canvas.print_png("filtered_imu.png")'))
+COMPARE_PAST_SAVEFIG = _compare(
+    ('fig.savefig("filtered_imu.png", dpi=100)', 'fig.canvas.print_png("filtered_imu.png")')
+)
+
+# Curves that are no lines of their own: a collection of them above, stairs below.
+PLOT_COLLECTED = _plot(
+    (
+        '    for k, axis in enumerate("xyz"):\n',
+        """\
+    from matplotlib.collections import LineCollection
+
+    colours = ["C0", "C1", "C2"]
+    top.add_collection(LineCollection([np.column_stack([t, a]) for a in imu_data["acceleration"].T], colors=colours))
+    top.autoscale()
+    for k, axis in enumerate("xyz"):
+""",
+    ),
+    ('top.plot(t, imu_data["acceleration"][:, k], label', "top.plot([], [], colours[k], label"),
+    (
+        'bottom.plot(t, imu_data["angular_velocity"][:, k]',
+        'bottom.stairs(imu_data["angular_velocity"][:, k], np.append(t, 2 * t[-1] - t[-2]), baseline=None',
+    ),
+)
 
 PLOTS = {
     "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS, compare=COMPARE_BEFORE_AND_AFTER),
@@ -72,5 +94,6 @@ PLOTS = {
     "thousandths": lab(plot=PLOT_IN_THOUSANDTHS),
     "black_on_paper": lab(plot=PLOT_ON_PAPER, compare=COMPARE_PAST_SAVEFIG),
     "saved_past_savefig": lab(plot=PLOT_PAST_SAVEFIG),
+    "a_collection_and_stairs": lab(plot=PLOT_COLLECTED),
     "units_in_the_legend": lab(plot=PLOT_UNITS_IN_LEGEND),
 }
