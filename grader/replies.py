@@ -329,14 +329,15 @@ def _live(answer: _Answer) -> None:
 
 # --- figures -------------------------------------------------------------------------------------------------------------
 
-_entry = _record(text=_short, colour=_short, style=_short, marker=_short)
+_entry = _record(text=_short, colour=_short, style=_short, marker=_short, stroke=_short)
 _placed = _record(text=_short, place=_listed(_number, 2, 2), colour=_short)
 _AXES = {
     "visible": _flag, "position": _listed(_number, 4, 4), "xlabel": _short, "ylabel": _short, "title": _short,
     "legend": _maybe(_listed(_entry, 64)), "texts": _listed(_placed, 64), "y_limits": _listed(_number, 2, 2),
 }  # fmt: skip
 _CURVE = {
-    "label": _short, "colour": _short, "kind": _short, "visible": _flag, "n": _whole, "style": _short, "marker": _short
+    "label": _short, "colour": _short, "kind": _short, "visible": _flag, "n": _whole, "style": _short, "marker": _short,
+    "stroke": _short,
 }  # fmt: skip
 _FIGURE = {
     "title": _short, "xlabel": _short, "ylabel": _short, "texts": _listed(_short, 64),

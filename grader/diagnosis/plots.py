@@ -319,12 +319,18 @@ def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -
 
 def _name(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
     alike = [e for e in entries if e["colour"] == curve["colour"]]
-    exact = [e for e in alike if (e["style"], e["marker"]) == (curve["style"], curve["marker"])]
-    for entry in exact or alike:
+    most = max((_likeness(e, curve) for e in alike), default=None)
+    for entry in (e for e in alike if _likeness(e, curve) == most):
         if entry["text"].strip() and not entry["text"].startswith("_"):
             return str(entry["text"])
     beside = [t["text"] for t in texts if t["text"].strip() and t["colour"] == curve["colour"]]
     return str(beside[0]) if beside else None
+
+
+def _likeness(entry: Facts, curve: Facts) -> tuple[bool, bool]:
+    """How far a legend's sample looks like a curve of its colour: by style and marker, then by dashes, width and opacity."""
+    style = (entry["style"], entry["marker"]) == (curve["style"], curve["marker"])
+    return style, entry["stroke"] == curve["stroke"]
 
 
 # --- raw and filtered ----------------------------------------------------------------------------------------------------

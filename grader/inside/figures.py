@@ -281,7 +281,17 @@ def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
     stroke = line.get_linestyle() not in _NOTHING or line.get_marker() not in _NOTHING
     facts = _curve(line, x, y, line.get_color(), packer) | {"kind": "line" if stroke else "nothing"}
     facts["visible"] = seeing.line_is_visible(line, axes, x, y)
-    return facts | {"style": str(line.get_linestyle())[:8], "marker": str(line.get_marker())[:8]}
+    return facts | {
+        "style": str(line.get_linestyle())[:8],
+        "marker": str(line.get_marker())[:8],
+        "stroke": _stroke(line),
+    }
+
+
+def _stroke(line: Any) -> str:
+    """What tells lines of one colour and style apart: dashes, width and opacity."""
+    dashes = getattr(line, "_unscaled_dash_pattern", None)  # matplotlib has no getter for it
+    return _short((dashes, line.get_linewidth(), line.get_alpha()))
 
 
 def _points(artist: Any, axes: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:
@@ -300,6 +310,7 @@ def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str
         "y": packer.keep(y[:n:step]),
         "style": "",
         "marker": "",
+        "stroke": "",
     }
 
 
@@ -335,11 +346,15 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
         "colour": _colour(colour),
         "style": str(handle.get_linestyle())[:8] if line else "",
         "marker": str(handle.get_marker())[:8] if line and hasattr(handle, "get_marker") else "",
+        "stroke": _stroke(handle) if line else "",
     }
 
 
 def _placed(text: Any) -> dict[str, Any]:
-    x, y = (float(v) if isinstance(v, int | float | np.number) else float("nan") for v in text.get_position())
+    from matplotlib.text import Annotation
+
+    where = text.xy if isinstance(text, Annotation) else text.get_position()  # an annotation may stand beside its point
+    x, y = (float(v) if isinstance(v, int | float | np.number) else float("nan") for v in where)
     place = [v if np.isfinite(v) else 0.0 for v in (x, y)]
     return {"text": _short(text.get_text()), "place": place, "colour": _colour(text.get_color())}
 

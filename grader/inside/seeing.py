@@ -63,6 +63,7 @@ _ASKED = frozenset(
         "collections",
         "axes",
         "texts",
+        "xy",
         "legends",
         "legend_handles",
         "draw",

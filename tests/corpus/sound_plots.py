@@ -86,6 +86,24 @@ PLOT_COLLECTED = _plot(
     ),
 )
 
+# Names at offsets from their points, and curves of one colour that differ in dashes, width or opacity.
+PLOT_ANNOTATED = _plot(
+    (
+        "        top.plot(",
+        """\
+        for ax, key in ((top, "acceleration"), (bottom, "angular_velocity")):
+            row = (k + 1) * len(t) // 4
+            ax.annotate(f"{axis} axis", (t[row], imu_data[key][row, k]), xytext=(20, 25), textcoords="offset points",
+                        arrowprops={"arrowstyle": "->"})
+        top.plot(""",
+    ),
+    ('        ax.legend(loc="best")\n', ""),
+)
+PLOT_IN_ONE_COLOUR = _plot(
+    ('label=f"$a', 'color="k", linestyle=[(0, (1, 1)), (0, (5, 1)), (0, (3, 1, 1, 1))][k], label=f"$a'),
+    ('label=rf"', 'color="C0", lw=(1, 1, 3)[k], alpha=(1, 0.5, 0.5)[k], label=rf"'),
+)
+
 PLOTS = {
     "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS, compare=COMPARE_BEFORE_AND_AFTER),
     "axes_named_like_columns": lab(plot=PLOT_LABELLED_LIKE_COLUMNS, compare=COMPARE_INPUT_AND_OUTPUT),
@@ -95,5 +113,7 @@ PLOTS = {
     "black_on_paper": lab(plot=PLOT_ON_PAPER, compare=COMPARE_PAST_SAVEFIG),
     "saved_past_savefig": lab(plot=PLOT_PAST_SAVEFIG),
     "a_collection_and_stairs": lab(plot=PLOT_COLLECTED),
+    "names_at_an_offset": lab(plot=PLOT_ANNOTATED),
+    "one_colour_in_three_strokes": lab(plot=PLOT_IN_ONE_COLOUR),
     "units_in_the_legend": lab(plot=PLOT_UNITS_IN_LEGEND),
 }
