@@ -40,6 +40,11 @@ class _Plot:
     panels: list[Panel]
     drawing: Drawing
 
+    @property
+    def main_panels(self) -> list[Panel]:
+        """The panels that need words of their own: all but the insets."""
+        return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
+
     def of_sensor(self, sensor: int) -> list[Panel]:
         """The sensor's own panels; where it has none, those that it shares."""
         own = [panel for panel in self.panels if panel.mainly == {sensor}]
@@ -287,7 +292,7 @@ def _x_labels(plot: _Plot) -> list[str]:
 def check_legend_names_curves(student: Student, truth: Traces) -> None:
     """A legend, or text beside the curves, tells the curves of a panel apart"""
     plot = _plot(student, truth)
-    crowded = [panel for panel in plot.panels if len(panel.shown) > 1]
+    crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
         names = plots.names_of(panel, plot.figure, plot.drawing.arrays)
@@ -316,15 +321,16 @@ def check_titles(student: Student, truth: Traces) -> None:
     places = {
         tuple(axes["position"]) for axes in plot.figure["axes"] if axes["title"].strip()
     }  # twin axes share a title
-    titled = [tuple(panel.facts["position"]) in places for panel in plot.panels]
+    panels = plot.main_panels
+    titled = [tuple(panel.facts["position"]) in places for panel in panels]
     if (
         plot.figure["title"].strip()
         or any(len(t.strip()) > 2 for t in plot.figure["texts"])
         or (titled and all(titled))
     ):
         return
-    columns = {panel.facts["position"][0] for panel, has in zip(plot.panels, titled, strict=True) if has}
-    if len(plot.panels) > 2 and columns >= {panel.facts["position"][0] for panel in plot.panels}:
+    columns = {panel.facts["position"][0] for panel, has in zip(panels, titled, strict=True) if has}
+    if len(panels) > 2 and columns >= {panel.facts["position"][0] for panel in panels}:
         return  # one title over each column of panels
     raise Lost(
         "a title",

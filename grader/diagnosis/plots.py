@@ -55,6 +55,16 @@ class Panel:
         return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
 
     @property
+    def area(self) -> float:
+        left, low, right, high = self.facts["position"]
+        return float((right - left) * (high - low))
+
+    def is_inset_of(self, other: Panel) -> bool:
+        """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
+        own, its = ({(s.sensor, s.axis) for s in panel.shown} for panel in (self, other))
+        return bool(own) and own <= its and self.area < other.area / 2
+
+    @property
     def words(self) -> str:
         """Everything that is written on the panel to say what it shows."""
         return " | ".join([self.facts["title"], self.facts["ylabel"]])

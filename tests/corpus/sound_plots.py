@@ -104,6 +104,18 @@ PLOT_IN_ONE_COLOUR = _plot(
     ('label=rf"', 'color="C0", lw=(1, 1, 3)[k], alpha=(1, 0.5, 0.5)[k], label=rf"'),
 )
 
+# The first moments once more, larger, in a corner of the panel.
+PLOT_WITH_ZOOM = _plot(
+    (
+        "    fig.tight_layout()\n",
+        """\
+    zoom = fig.add_axes([0.6, 0.72, 0.25, 0.12])
+    zoom.plot(t, imu_data["acceleration"])
+    zoom.set_xlim(t[0], t[0] + 0.15)
+""",
+    ),
+)
+
 PLOTS = {
     "korean_to_the_second": lab(plot=PLOT_KOREAN_SECONDS, compare=COMPARE_BEFORE_AND_AFTER),
     "axes_named_like_columns": lab(plot=PLOT_LABELLED_LIKE_COLUMNS, compare=COMPARE_INPUT_AND_OUTPUT),
@@ -115,5 +127,6 @@ PLOTS = {
     "a_collection_and_stairs": lab(plot=PLOT_COLLECTED),
     "names_at_an_offset": lab(plot=PLOT_ANNOTATED),
     "one_colour_in_three_strokes": lab(plot=PLOT_IN_ONE_COLOUR),
+    "a_zoom_in_the_corner": lab(plot=PLOT_WITH_ZOOM),
     "units_in_the_legend": lab(plot=PLOT_UNITS_IN_LEGEND),
 }
