@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +98,8 @@ def watch(*, read_back: bool) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    really_print, really_print_png = FigureCanvasBase.print_figure, FigureCanvasAgg.print_png
+    really_print = FigureCanvasBase.print_figure
+    really_print_png: Callable[..., None] = FigureCanvasAgg.print_png
 
     def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
         asked = rcParams["savefig.dpi"] if dpi is None else dpi
