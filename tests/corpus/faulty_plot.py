@@ -130,6 +130,7 @@ def plot_imu_data(imu_data):
     fault("filtered-alone", "comparison-missing", compare(('    ax.plot(t, np.array(raw)[:, 2], alpha=0.5, label="raw z")\n', "")), **only("comparison_plot")),
     fault("raw-alone", "comparison-missing", compare(('    ax.plot(t, np.array(smooth)[:, 2], label="filtered z")\n', "")), **only("comparison_plot")),
     fault("raw-drawn-twice", "comparison-missing", edit(verbatim(), "filters.py", ("plt.plot(filtered_data[:, 2]", "plt.plot(raw_data[:, 2]")), **only("comparison_plot")),
+    fault("raw-thinned-for-filtered", "comparison-missing", compare(("t, np.array(smooth)[:, 2]", "t[::5], np.array(raw)[::5, 2]")), **only("comparison_plot")),
     fault("filtered-drawn-twice", "comparison-missing", compare(("np.array(raw)[:, 2]", "np.array(smooth)[:, 2]")), **only("comparison_plot")),
     fault("gyroscope-filtered-beside-acceleration", "comparison-missing", compare(("accel, _ = imu.read()", "accel, gyro = imu.read()"), ("low_pass.update(accel)", "low_pass.update(gyro)")), **only("comparison_plot")),
     fault("a-new-filter-for-each-sample", "comparison-missing", compare(("low_pass.update(accel)", "LowPassFilter(alpha=0.1).update(accel)")), **only("comparison_plot")),
