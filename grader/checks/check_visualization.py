@@ -12,7 +12,7 @@ import numpy as np
 
 from ..answers import KEYS, Array, Drawing
 from ..conversation import Missing
-from ..diagnosis import plots
+from ..diagnosis import comparing, labels, plots
 from ..diagnosis.plots import Facts, Panel
 from ..errors import NoAnswer
 from ..plugin import check
@@ -132,9 +132,9 @@ def _misnaming(plot: _Plot, panel: Panel, sensor: int) -> list[str]:
     texts = [panel.facts["title"], panel.facts["ylabel"]]
     if not _shown_elsewhere(plot, 1 - sensor, panel):
         return []
-    if plots.claims(texts[0]) | plots.claims(texts[1]) == {1 - sensor}:
+    if labels.claims(texts[0]) | labels.claims(texts[1]) == {1 - sensor}:
         return [text for text in texts if text.strip()]
-    return [text for text in texts if plots.names_only(1 - sensor, text)]
+    return [text for text in texts if labels.names_only(1 - sensor, text)]
 
 
 def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
@@ -156,7 +156,7 @@ def _shown_elsewhere(plot: _Plot, sensor: int, panel: Panel) -> bool:
 def _is_named(plot: _Plot, sensor: int) -> bool:
     """Whether a reader can tell which sensor it is; missing labels and titles are charged by their own checks."""
     panels = plot.of_sensor(sensor)
-    if not panels or any(sensor in plots.claims(p.words) for p in panels):
+    if not panels or any(sensor in labels.claims(p.words) for p in panels):
         return True
     title_only = all(not p.facts["ylabel"].strip() for p in panels) or all(not p.facts["title"].strip() for p in panels)
     names = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
@@ -167,7 +167,7 @@ def _is_named(plot: _Plot, sensor: int) -> bool:
         *(t["text"] for p in panels for t in p.facts["texts"]),
     ]
     written = any(p.words.replace("|", "").strip() for p in panels)
-    return any(sensor in plots.claims(text) for text in whole) or (title_only and written)
+    return any(sensor in labels.claims(text) for text in whole) or (title_only and written)
 
 
 @check("visualization.curves_match_data", lab_step=4)
@@ -198,7 +198,7 @@ def _axis_is_time(plot: _Plot) -> None:
     kinds = {s.x for panel in plot.panels for s in panel.shown}
     if "index" in kinds:
         raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
-    labelled = [plots.plain(text) for text in _x_labels(plot)]
+    labelled = [labels.plain(text) for text in _x_labels(plot)]
     said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
     if "ms" in kinds and not said and not _own_ticks(plot):
         raise Lost(
@@ -217,9 +217,9 @@ def _own_ticks(plot: _Plot) -> bool:
 def _scale_is_labelled(plot: _Plot) -> None:
     for panel in plot.panels:
         said = (
-            plots.unit_of(panel.facts["ylabel"])
-            or plots.unit_of(plot.figure["ylabel"])
-            or plots.unit_of(panel.facts["title"])
+            labels.unit_of(panel.facts["ylabel"])
+            or labels.unit_of(plot.figure["ylabel"])
+            or labels.unit_of(panel.facts["title"])
         )
         for shown in panel.shown:
             family = plots.UNITS[shown.sensor]
@@ -241,12 +241,12 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
     lost: list[tuple[str, str]] = []
     for sensor in (0, 1):
         panels = plot.of_sensor(sensor)
-        labels = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
+        written = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
         named = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
         beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"]) + named
         elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
-        if panels and elsewhere.isdisjoint(labels):  # a label of the other sensor is charged as the panel's name
-            lost += _label_problem(labels, beside, sensor)
+        if panels and elsewhere.isdisjoint(written):  # a label of the other sensor is charged as the panel's name
+            lost += _label_problem(written, beside, sensor)
     if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
         lost += _time_problem(plot)
     if lost:
@@ -260,12 +260,12 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
         )
 
 
-def _label_problem(labels: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
-    written, what = [label for label in labels if label.strip()], _SENSOR_WORDS[sensor]
+def _label_problem(texts: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
+    written, what = [text for text in texts if text.strip()], _SENSOR_WORDS[sensor]
     if not written:
-        told = any(plots.has_unit_of(sensor, text) and sensor in plots.claims(text) for text in beside)
+        told = any(labels.has_unit_of(sensor, text) and sensor in labels.claims(text) for text in beside)
         return [] if told else [("no-axis-labels", f"no label on the y axis of the {what}")]
-    if any(plots.has_unit_of(sensor, text) for text in written + beside):
+    if any(labels.has_unit_of(sensor, text) for text in written + beside):
         return []
     return [("no-units", f"“{_shown(written[0])}” without a unit of {what} on its y axis")]
 
@@ -274,11 +274,11 @@ def _time_problem(plot: _Plot) -> list[tuple[str, str]]:
     written = [label for label in _x_labels(plot) if label.strip()]
     if not written:
         return [("no-axis-labels", "no label on the time axis")]
-    with_unit = [label for label in written if plots.has_time_unit(label)]
-    if not with_unit and not any(map(plots.counts_samples, written)):
+    with_unit = [label for label in written if labels.has_time_unit(label)]
+    if not with_unit and not any(map(labels.counts_samples, written)):
         return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
     seconds = {s.x for panel in plot.panels for s in panel.shown} <= {"s", "s from start"}
-    if with_unit and all(map(plots.in_milliseconds, with_unit)) and seconds and not _own_ticks(plot):
+    if with_unit and all(map(labels.in_milliseconds, with_unit)) and seconds and not _own_ticks(plot):
         return [("no-units", f"“{_shown(with_unit[0])}” under a time axis in seconds")]
     return []
 
@@ -303,7 +303,7 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
         if len({(s.sensor, s.axis) for s in panel.shown}) < len(panel.shown):
             continue  # one channel drawn twice: the curve is wrong, not its name
         for shown, name in zip(panel.shown, told, strict=True):
-            said = plots.axis_of(name)
+            said = labels.axis_of(name)
             if said is not None and said != shown.axis:
                 got = f"“{_shown(name)}” beside the curve of {'xyz'[shown.axis]}"
                 raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
@@ -377,20 +377,22 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     raise Lost("a picture with the raw and the filtered series in it", got, mistakes=mistakes)
 
 
-def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[plots.Compared]:
+def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[comparing.Compared]:
     """The raw and filtered curves; those of a filter that has been charged already go by their names."""
-    found = plots.comparisons(figure, drawing.arrays)
+    found = comparing.comparisons(figure, drawing.arrays)
     charged = "LowPassFilter" in student.broken
-    return found or (plots.named_comparisons(figure, drawing.arrays) if charged else [])
+    return found or (comparing.named_comparisons(figure, drawing.arrays) if charged else [])
 
 
 def _is_meant(figure: Facts, drawing: Drawing) -> bool:
     """Whether a figure is meant to compare raw and filtered data: its file's name says so, or its curves' names."""
-    return PurePath(figure["path"] or "").name == _COMPARISON or bool(plots.named_comparisons(figure, drawing.arrays))
+    return PurePath(figure["path"] or "").name == _COMPARISON or bool(
+        comparing.named_comparisons(figure, drawing.arrays)
+    )
 
 
 def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
-    series = plots.series_drawn(figure, drawing.arrays)
+    series = comparing.series_drawn(figure, drawing.arrays)
     if len(series) < 2:
         return "a plot with one curve alone" if series else "a plot without a curve"
     if all(np.array_equal(one, series[0]) for one in series):
@@ -398,7 +400,7 @@ def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
     return f"a plot with {len(series)} curves, none of which is a smoother version of another"
 
 
-def _names_are_right(saved: list[list[plots.Compared]]) -> None:
+def _names_are_right(saved: list[list[comparing.Compared]]) -> None:
     """No names are asked for here; but names that are exchanged tell the reader the opposite."""
     if all(any(pair.exchanged for pair in of_it) and not any(pair.in_order for pair in of_it) for of_it in saved):
         got = "the raw curve under the name of the filtered one"

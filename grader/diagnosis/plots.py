@@ -1,12 +1,10 @@
-"""Reading a figure from its facts: which curve shows which channel, and what labels, legends and titles claim.
+"""Reading a figure from its facts: which curve shows which channel, and under which name.
 
 Curves are tied to the data that the plot function was given, not to their labels; the labels are then held against the curves.
 """
 
 from __future__ import annotations
 
-import re
-import unicodedata
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,10 +13,12 @@ from typing import Any
 import numpy as np
 
 from ..answers import Array, Arrays, Collection, column_named
+from .labels import axis_of
 
 SENSORS = ("acceleration", "angular_velocity")
 FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
+_NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
 _MATCH = 1e-3
 """Of the channel's range. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more."""
 
@@ -186,117 +186,6 @@ def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterato
             yield np.linalg.norm(recorded, axis=1), np.linalg.norm(true, axis=1)
 
 
-# --- words ---------------------------------------------------------------------------------------------------------------
-
-
-_LOOKALIKES = str.maketrans("º⁄", "°/")
-"""What is written for a degree and for a stroke, and would become a letter and stay what it is."""
-
-
-def plain(text: str) -> str:
-    """A label as a reader takes it: no TeX, superscripts as digits, lower case, no spaces."""
-    text = unicodedata.normalize("NFKC", text.translate(_LOOKALIKES)).lower()
-    text = re.sub(r"\b(?:in|en|em|per|pro|por|par)\s+|_(?=m?s(?:ec)?$)", "/", text)  # “in s”, “rad per s”, “time_s”
-    text = re.sub(r"\\(?:mathrm|mathit|text|textrm|rm)\{([^{}]*)\}", r"\1", text)
-    text = re.sub(r"\\[dt]?frac\{([^{}]*)\}\{([^{}]*(?:\{[^{}]*\})?)\}", r"\1/\2", text)
-    text = re.sub(r"\\(mathrm|mathit|text|rm|left|right|,|;|!|frac|dfrac|dot|ddot|cdot|unit|si)", " ", text)
-    text = text.replace("\\omega", "ω").replace("\\circ", "°").replace("\\degree", "°").replace("−", "-")
-    return re.sub(r"[\s${}^\\·*_⋅×~]", "", text)
-
-
-_ACCELERATION_UNIT = re.compile(
-    r"m/\(?s(ec|ek)?\)?2|m/s/s|ms-2|mps2|m/sec/sec|ms2\b|ms2[\])]|(met(er|re)s?|meter|metros?|m[eè]tres?|метр\w*)[a-z]*(per|/|pro|por|par|al)?"
-    r"s(ec|ek|eg)\w*(squared|2|²|quadrat|alcuadrado|carr[eé]e?|aoquadrado)|[\[(/,]m?g0?[\])]?$|[\[(]m?g|米/秒|м/с2"
-)
-_RATE_UNIT = re.compile(
-    r"(?![a-z°]+/\(?s(ec|ek)?(2(?!\w)|/s))"  # not per second squared
-    r"(rads?(ians?|iant\w*|i[aá]n\w*)?(/|s-1|ps|per|pro|por|par|·)|deg\w*(/|per|par|s-1)|°/s|°s-1|(?<!ra)dps|gra[du]\w*(/|per|pro|por)"
-    r"|弧度|度/秒|(рад|°|град)/с(?!2)|1/s|s-1)"
-)
-_TIME_UNIT = re.compile(
-    r"[\[(/,|]\(?(s|sec|secs|ms|us|min|sek|seg|sn|с|сек|мс|초)\.?[\])]?$|[\[(](s|sec|ms|sek|seg|秒|с|мс|초)[\])]|[\[(]s(since|from)"
-    r"|second|sekund|segund|секунд|秒|:s$|ms\b|millis"
-)
-_MILLISECONDS = re.compile(r"[\[(/,|]ms[\])]?$|[\[(]ms[\])]|millis")
-_COUNTED = re.compile(r"sample|index|step|abtast|muestra|échantillon|echantillon|frame|#|n$")
-
-
-def unit_of(text: str) -> str | None:
-    """The unit of `UNITS` that a label names; None where it names none of them."""
-    words = plain(text)
-    if _RATE_UNIT.search(words):
-        if re.search(r"deg|°|(?<!ra)dps|gra[du]\w*(/|per|pro|por)|град|度/秒", words) and "弧度" not in words:
-            return "deg/s"
-        return "mrad/s" if "mrad" in words else "rad/s"
-    if _ACCELERATION_UNIT.search(words):
-        if re.search(r"s2|s-2|/s/s|squared|2|²|quadr|cuadr|carr|米", words):
-            return "cm/s²" if "cm/" in words else "m/s²"
-        return "mg" if re.search(r"[\[(/,]mg", words) else "g"
-    return None
-
-
-def has_unit_of(sensor: int, text: str) -> bool:
-    """Whether a label names a unit of the sensor, whatever else it names."""
-    return bool((_ACCELERATION_UNIT, _RATE_UNIT)[sensor].search(plain(text)))
-
-
-def has_time_unit(text: str) -> bool:
-    return bool(_TIME_UNIT.search(plain(text)))
-
-
-def in_milliseconds(text: str) -> bool:
-    return bool(_MILLISECONDS.search(plain(text)))
-
-
-def counts_samples(text: str) -> bool:
-    return bool(_COUNTED.search(plain(text)))
-
-
-_NAMES = (
-    r"accel|accél|acél|acel|beschl|加速|가속|specificforce|ускор|акселер|versnel|ivme|przysp",
-    r"gyr|giro|angularv|angularr|omega|ω|winkelg|dreh|(vitesse|velocidade?)ang|角速|陀螺|ジャイロ|각속|자이로|угл|гиро|hoeksn",
-)
-"""What acceleration and angular velocity, and their sensors, are called."""
-_ACCELERATION_WORDS = re.compile(_NAMES[0] + r"|acc|lineaire")
-_RATE_WORDS = re.compile(_NAMES[1] + r"|angul|winkel|rate|spin|rotat")
-
-
-def claims(text: str) -> set[int]:
-    """Which sensor a text speaks of: 0 acceleration, 1 angular velocity; by its words, else by its unit."""
-    words = plain(text)
-    found = {0} if _ACCELERATION_WORDS.search(words) else set()
-    if _RATE_WORDS.search(words):
-        found.add(1)
-    unit = unit_of(text)
-    if unit is not None and not found:
-        found.add(0 if unit in UNITS[0] else 1)
-    return found
-
-
-def names_only(sensor: int, text: str) -> bool:
-    """Whether a text calls one sensor, or what it measures, by its name and says nothing of the other one."""
-    return bool(re.search(_NAMES[sensor], plain(text))) and claims(text) == {sensor}
-
-
-_AXIS_WORDS = (
-    r"roll|rollen|wank|ロール|横滚",
-    r"pitch|nick|tangage|cabeceo|ピッチ|俯仰",
-    r"yaw|gier|lacet|guiñada|ヨー|偏航",
-)
-_AXIS_LETTERS = ("x", "y", "z")
-
-
-def axis_of(text: str) -> int | None:
-    """The axis (0, 1, 2) that a curve's name speaks of; None where it is not certain."""
-    words = plain(text)
-    named = {axis for axis, pattern in enumerate(_AXIS_WORDS) if re.search(pattern, words)}
-    spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower().replace("_", " "))
-    for axis, letter in enumerate(_AXIS_LETTERS):
-        if re.search(rf"(^|\s)(a|g|w|f|acc|accel|gyro|gyr|omega|lin|ang|rate|achse)?\s?{letter}(\s|$)", spaced):
-            named.add(axis)
-    return named.pop() if len(named) == 1 else None
-
-
 # --- legends -------------------------------------------------------------------------------------------------------------
 
 
@@ -310,7 +199,7 @@ def names_of(panel: Panel, figure: Facts, arrays: Arrays) -> list[str | None]:
     own = {s.curve["colour"] for s in panel.shown}
     neutral = [text for text in texts if text["colour"] not in own]
     room = _NEAR * float(np.ptp(panel.facts["y_limits"]))
-    return [_name(s.curve, entries, texts) or _beside(s, neutral, arrays, room) for s in panel.shown]
+    return [name_of(s.curve, entries, texts) or _beside(s, neutral, arrays, room) for s in panel.shown]
 
 
 def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -> str | None:
@@ -318,7 +207,7 @@ def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -
 
     Where curves run close together nobody can tell which of them such a text stands nearest to, so none is called wrong by it.
     """
-    x, y = _known(shown.curve, arrays)
+    x, y = points_of(shown.curve, arrays)
     for text in texts:
         at, height = text["place"]
         within = x.min() - _NEAR * np.ptp(x) <= at <= x.max() + _NEAR * np.ptp(x)
@@ -327,7 +216,7 @@ def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -
     return None
 
 
-def _name(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
+def name_of(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
     alike = [e for e in entries if e["colour"] == curve["colour"]]
     most = max((_likeness(e, curve) for e in alike), default=None)
     for entry in (e for e in alike if _likeness(e, curve) == most):
@@ -343,115 +232,8 @@ def _likeness(entry: Facts, curve: Facts) -> tuple[bool, bool]:
     return style, entry["stroke"] == curve["stroke"]
 
 
-# --- raw and filtered ----------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Compared:
-    """A curve and a smoother version of it, with the names that they carry."""
-
-    raw: str
-    smooth: str
-
-    @property
-    def exchanged(self) -> bool:
-        return _says_smooth(self.raw) and _says_raw(self.smooth)
-
-    @property
-    def in_order(self) -> bool:
-        return _says_raw(self.raw) or _says_smooth(self.smooth)
-
-
-def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
-    """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
-    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)]
-    return [
-        Compared(_name_on(above, raw), _name_on(below, smooth))
-        for above, raw in drawn
-        for below, smooth in drawn
-        if raw is not smooth
-        and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
-        and _is_smoothed(*_at_the_same_points(_known(raw, arrays), _known(smooth, arrays)))
-    ]
-
-
-def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
-    """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
-    names = [
-        _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)
-    ]
-    return [Compared(raw, smooth) for raw in names for smooth in names if _says_raw(raw) and _says_smooth(smooth)]
-
-
-def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
-    """The values of every curve of data in a figure."""
-    return [_known(c, arrays)[1] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
-
-
-def _name_on(axes: Facts, curve: Facts) -> str:
-    return _name(curve, axes["legend"] or (), axes["texts"]) or ""
-
-
-_NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
-
-_RAW_WORDS = re.compile(
-    r"raw|(?<!de)(?<!de-)nois[ey]|unfilter|before|input|avant|antes|vordem|滤波前|measured|roh|ungefiltert|verrauscht|brut|crud|sinfiltrar|ruido|原始|噪|сыр"
-)
-_SMOOTH_WORDS = re.compile(r"filt|smooth|de-?nois|lowpass|low-pass|lpf|geglätt|liss|suaviz|滤|平滑|сглаж")
-
-
-def _says_raw(name: str) -> bool:
-    return bool(_RAW_WORDS.search(plain(name)))
-
-
-def _says_smooth(name: str) -> bool:
-    return bool(_SMOOTH_WORDS.search(plain(name))) and not _says_raw(name)
-
-
-def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
-    drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
-    long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
-    return [c for c in long if len(_known(c, arrays)[1]) >= FEWEST_POINTS]
-
-
-def _known(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
+def points_of(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
     """The points of a curve without those that are not drawn: while a filter warms up there is nothing to show."""
     x, y = arrays[curve["x"]], arrays[curve["y"]]
     known = np.isfinite(x) & np.isfinite(y)
     return x[known], y[known]
-
-
-def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -> tuple[Array, Array, int]:
-    """The values of both curves row by row, where both are drawn, and how many rows there are to a point of the shorter one."""
-    if len(raw[0]) == len(smooth[0]):
-        return raw[1], smooth[1], 1
-    shorter, longer = sorted((raw[0], smooth[0]), key=len)
-    x = longer[(longer >= shorter.min()) & (longer <= shorter.max())]
-    return np.interp(x, *raw), np.interp(x, *smooth), len(longer) // len(shorter)
-
-
-def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
-    """Whether one series is smoother than the other and goes where its running mean goes, at some lag.
-
-    An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
-    standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
-    value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
-    """
-    if len(raw) < FEWEST_POINTS or np.std(np.diff(smooth[::step])) > 0.8 * np.std(np.diff(raw[::step])):
-        return False
-    return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
-
-
-def _follows(raw: Array, smooth: Array, window: int) -> bool:
-    mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
-    lags = range(0, min(2 * window, len(mean) // 4) + 1)
-    return any(_alike(mean, smooth[window // 2 + lag :]) for lag in lags)
-
-
-def _alike(wanted: Array, got: Array) -> bool:
-    n = min(len(wanted), len(got))
-    a, b = wanted[n // 2 : n] - wanted[n // 2 : n].mean(), got[n // 2 : n] - got[n // 2 : n].mean()
-    power = float(np.sqrt((a @ a) * (b @ b)))
-    near = abs(float(wanted[n // 2 : n].mean() - got[n // 2 : n].mean())) <= 3 * float(np.std(a)) + 1e-12
-    as_large = 0.25 < float(np.std(b)) / max(float(np.std(a)), 1e-300) < 4
-    return power > 0 and float(a @ b) / power > 0.75 and near and as_large

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import extensions, loading, pictures, questions, seeing, world
+from . import extensions, loading, noise, pictures, questions, seeing, world
 from .guard import Guard
 
 _HANDLERS = {
@@ -20,8 +20,8 @@ _HANDLERS = {
     "read": questions.read,
     "simulate": questions.simulate,
     "replay": questions.replay,
-    "noise": questions.noise,
-    "default_bias": questions.default_bias,
+    "noise": noise.noise,
+    "default_bias": noise.default_bias,
     "filter": questions.filter_cases,
     "plot": questions.plot,
     "image": pictures.decode,
