@@ -6,6 +6,7 @@ An experiment answers with facts and arrays; an exception of the student's ends 
 from __future__ import annotations
 
 import dis
+import functools
 import inspect
 import re
 from collections.abc import Callable, Iterator
@@ -233,10 +234,12 @@ def _is_no_id(value: Any) -> bool:
     return isinstance(value, int | np.integer) and bool(value < 0)
 
 
+@functools.cache  # asked for every instance of a class
 def _set_globals(code: CodeType) -> set[str]:
     return {str(step.argval) for step in dis.get_instructions(code) if step.opname == "STORE_GLOBAL"}
 
 
+@functools.cache
 def _names(code: CodeType) -> set[str]:
     inner = {name for const in code.co_consts if isinstance(const, CodeType) for name in _names(const)}
     return set(code.co_names) | inner
