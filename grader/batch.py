@@ -191,7 +191,8 @@ class _Desk:
     def dismiss(self, *, wait: bool = False) -> None:
         self.dismissed = True
         if sys.version_info < (3, 11, 5):  # or they wait for ever for a process that is gone to read what it was sent
-            self._executor._call_queue._reader.close()  # type: ignore[attr-defined] # as later versions do: cpython#94777
+            with suppress(OSError):  # the executor's own thread may be closing it just now
+                self._executor._call_queue._reader.close()  # type: ignore[attr-defined] # as later versions do: cpython#94777
         self._executor.shutdown(wait, cancel_futures=True)
 
     def close(self) -> None:
