@@ -166,7 +166,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
 
 def _one_sensor_differs(altered: str, series: Collection, worlds: Worlds) -> None:
     """One sensor's rows are right, the other's are not: what made others of them is named if it predicts every row."""
-    sensor = KEYS.index(altered) - 1
+    sensor = diagnosis.SENSORS.index(altered)
     got, true = (series.acceleration, series.angular_velocity)[sensor], worlds.series[TRUE_WORLD][sensor]
     assert got is not None
     if not np.isfinite(got).all():

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ..answers import Array, Arrays, Collection, column_named
+from ..answers import KEYS, Array, Arrays, Collection, column_named
 from .labels import axis_of
 
-SENSORS = ("acceleration", "angular_velocity")
+SENSORS = KEYS[1:]
 FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
 _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
