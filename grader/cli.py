@@ -20,16 +20,17 @@ import typer
 from grader import __version__
 from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, traces
 from grader.commands.common import say
-from grader.errors import GraderError, RequestError
+from grader.ground.errors import GraderError, RequestError
+from grader.labs.imu.lab import LAB
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells count
 UNREAD = 141  # 128 + SIGPIPE
 
 app = typer.Typer(
-    help="Autograder for Lab 04-01, Reading IMU data in MuJoCo.\n\n"
+    help=f"Autograder for {LAB.label}, {LAB.title}.\n\n"
     "\b\nStudents:     imugrade check\nInstructors:  imugrade grade SUBMISSIONS -o OUT\n\n"
     "With IMUGRADE_DEBUG=1 in the environment a failure shows its traceback.",
-    add_completion=False,
+    add_completion=True,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -59,8 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = app(args=arguments, prog_name="imugrade", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # newer versions of typer return it themselves
-    except SystemExit:
-        return UNREAD  # what typer and rich do when nobody reads on, with a 1, which here means a low score
+    except SystemExit as left:
+        return (
+            UNREAD if left.code else 0
+        )  # typer and rich do it with a 1 when nobody reads on, which here means a low score
     except RequestError as problem:
         return _fail(str(problem), 2)
     except GraderError as problem:
@@ -113,7 +116,7 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _common(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
+        bool, typer.Option("--version", "-V", callback=_version, is_eager=True, help="Show the version and exit.")
     ] = False,
 ) -> None:
     pass

@@ -1,8 +1,8 @@
 """Solve for the pose and the springs in which the lab model rests, and write them into its file.
 
 Run it after a change of a mass, a length or a stiffness: `python -m reference.balance`. It moves the pelvis until the
-sole pads carry the weight, the pads and the battery until the centre of mass is above the middle of the pads, and
-sets every `springref` such that the springs hold the links against gravity.
+sole pads carry the weight, the pads until the centre of mass is above their middle, and sets every `springref` such
+that the springs hold the links against gravity.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 MODEL = Path(__file__).with_name("models") / "humanoid-sensors.xml"
-BATTERY = 1.5  # kg, as in the model
 ROUNDS = 20
 
 
@@ -31,15 +30,31 @@ def missing_forces(model: mujoco.MjModel) -> NDArray[np.float64]:
     return np.array(data.qfrc_inverse)
 
 
+def pads(model: mujoco.MjModel) -> list[int]:
+    """The geoms that the robot stands on."""
+    return [geom for geom in range(model.ngeom) if re.search("_(toe|heel)_", model.geom(geom).name or "")]
+
+
+def settle(model: mujoco.MjModel) -> None:
+    """Change a compiled model until its initial pose rests: its height, its pads and its springs' references."""
+    soles, weight = pads(model), float(model.body_subtreemass[1] * -model.opt.gravity[2])
+    for _ in range(ROUNDS):
+        model.qpos0[2] += _sinking(model)
+        force = missing_forces(model)
+        model.geom_pos[soles, :2] += np.array([-force[4], force[3]]) / weight
+        for joint in range(1, model.njnt):  # a spring pulls with stiffness × (springref − q)
+            dof, place = model.jnt_dofadr[joint], model.jnt_qposadr[joint]
+            model.qpos_spring[place] += force[dof] / model.jnt_stiffness[joint]
+
+
 def balanced(text: str) -> str:
-    """One round: the model's text with height, pads, battery and springs moved against the missing forces."""
-    text = _shift(text, r'<body name="pelvis" pos="', 2, _sinking(mujoco.MjModel.from_xml_string(text)))
+    """The model's text with height, pads and springs in balance, and otherwise as it was, comments included."""
     model = mujoco.MjModel.from_xml_string(text)
-    force = missing_forces(model)
-    weight = float(model.body_subtreemass[1] * -model.opt.gravity[2])
-    text = _shift(text, r'name="(?:left|right)_(?:toe|heel)_\w+" class="pad" pos="', 0, -force[4] / weight)
-    text = _shift(text, r'name="battery" type="box" pos="', 1, -force[3] / (BATTERY * -model.opt.gravity[2]))
-    return _set_springs(text, model, force)
+    settle(model)
+    text = _set_pos(text, r'<body name="pelvis" pos="', model.qpos0[:3])
+    for pad in pads(model):
+        text = _set_pos(text, rf'name="{model.geom(pad).name}" class="pad" pos="', model.geom_pos[pad])
+    return _set_springs(text, model)
 
 
 def _sinking(model: mujoco.MjModel) -> float:
@@ -56,32 +71,21 @@ def _sinking(model: mujoco.MjModel) -> float:
     return (low + high) / 2
 
 
-def _shift(text: str, before: str, axis: int, by: float) -> str:
-    """Add `by` to one coordinate of every `pos` that follows the pattern `before`."""
-
-    def moved(match: re.Match[str]) -> str:
-        numbers = match.group(2).split()
-        numbers[axis] = f"{float(numbers[axis]) + by:.9g}"
-        return match.group(1) + " ".join(numbers)
-
-    return re.sub(f'({before})([^"]*)', moved, text)
+def _set_pos(text: str, before: str, pos: NDArray[np.float64]) -> str:
+    """Replace the `pos` that follows the pattern `before`."""
+    return re.sub(f'({before})[^"]*', rf"\g<1>{' '.join(f'{number:.9g}' for number in pos)}", text)
 
 
-def _set_springs(text: str, model: mujoco.MjModel, force: NDArray[np.float64]) -> str:
-    """A spring pulls with stiffness × (springref − q): the reference moves by missing force / stiffness."""
+def _set_springs(text: str, model: mujoco.MjModel) -> str:
     for joint in range(1, model.njnt):
-        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
-        dof, place = model.jnt_dofadr[joint], model.jnt_qposadr[joint]
-        reference = model.qpos_spring[place] + force[dof] / model.jnt_stiffness[joint]
-        head = re.escape(f'<joint name="{name}"')
+        reference = model.qpos_spring[model.jnt_qposadr[joint]]
+        head = re.escape(f'<joint name="{model.joint(joint).name}"')
         text = re.sub(f'({head}[^/]*?)(?: springref="[^"]*")?/>', rf'\g<1> springref="{reference:.9f}"/>', text)
     return text
 
 
 def main() -> int:
-    text = MODEL.read_text(encoding="utf-8")
-    for _ in range(ROUNDS):
-        text = balanced(text)
+    text = balanced(MODEL.read_text(encoding="utf-8"))
     MODEL.write_text(text, encoding="utf-8")
     left = np.abs(missing_forces(mujoco.MjModel.from_xml_string(text))).max()
     print(f"{MODEL}: largest missing force {left:.2g} N or N m")

@@ -14,6 +14,7 @@ from .allan_variance import allan_deviation
 from .complementary_filter import ComplementaryFilter
 from .imu_reader import PUSH, sensor_id
 from .scene import Recording, Scene, first_line, readings, state_in_the_air
+from .worlds import LAB_IMUS
 
 FloatArray = NDArray[np.float64]
 
@@ -197,22 +198,29 @@ def reading_many(scene: Scene) -> Recording:
     return Recording("reading_many", first_line(reading_many), "many_imus", arrays, {**scalars, **names})
 
 
+def reading_sheet(scene: Scene) -> Recording:
+    """All sensors of the lab's own robot, in random states: it has many IMUs, where the instructor's may have one."""
+    states = [state_in_the_air(scene.rng, scene.sheet) for _ in range(4)]
+    arrays, scalars = readings(scene.sheet, states, LAB_IMUS)
+    return Recording("reading_sheet", first_line(reading_sheet), "sheet", arrays, scalars)
+
+
 # --- a robot to watch -----------------------------------------------------------------------------------------------
 
 WATCHED_S, WATCHED_TIMESTEP = 1.0, 0.004
-WATCHED = ("torso", "head", "left_foot", "right_foot")
 
 
 def watched(scene: Scene) -> Recording:
     """The lab model with a longer time step, pushed and at rest: what every channel of its IMUs shows, step by step."""
-    names = [f"{place}_{kind}" for place in WATCHED for kind in ("accelerometer", "gyroscope")] + ["torso_magnetometer"]
+    names = [name for imu in scene.imus for name in imu] + ([] if scene.own else ["torso_magnetometer"])
     saved = float(scene.lab.opt.timestep)
-    scene.lab.opt.timestep = WATCHED_TIMESTEP
+    timestep = min(saved, WATCHED_TIMESTEP) if scene.own else WATCHED_TIMESTEP
+    scene.lab.opt.timestep = timestep
     try:
         pushed, still = _channels(scene.lab, names, PUSH), _channels(scene.lab, names, 0.0)
     finally:
         scene.lab.opt.timestep = saved
-    scalars = {"duration_s": WATCHED_S, "timestep": WATCHED_TIMESTEP, "push_mps": PUSH, "sensors": names}
+    scalars = {"duration_s": WATCHED_S, "timestep": timestep, "push_mps": PUSH, "sensors": names}
     return Recording("watched", first_line(watched), "lab", {"pushed": pushed, "still": still}, scalars)
 
 
@@ -222,7 +230,7 @@ def _channels(model: mujoco.MjModel, names: list[str], push: float) -> FloatArra
     columns = [start + axis for start in starts for axis in range(3)]
     data = mujoco.MjData(model)
     data.qvel[0] = push
-    rows = np.zeros((round(WATCHED_S / WATCHED_TIMESTEP) + 2, len(columns)))
+    rows = np.zeros((round(WATCHED_S / model.opt.timestep) + 2, len(columns)))
     for row in rows:
         mujoco.mj_step(model, data)
         row[:] = data.sensordata[columns]

@@ -7,7 +7,7 @@ after that step. (MuJoCo computes sensors before it integrates, so the row is th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import worlds
-from .extension_scenarios import EXTENSION_SCENARIOS
+from .extension_scenarios import EXTENSION_SCENARIOS, reading_sheet
 from .filters import LowPassFilter
 from .imu_reader import PUSH, get_imu_readings, sensor_id
+from .lab_variants import lab_variant
+from .robot import Robot, all_imus, is_steady
 from .scene import (
     LAB_PAIR,
     Recording,
@@ -27,10 +29,12 @@ from .scene import (
     drawn_settings,
     first_line,
     generator,
+    paced,
     readings,
     roll,
     state_in_the_air,
 )
+from .variants import vary
 
 FloatArray = NDArray[np.float64]
 
@@ -46,34 +50,49 @@ class Bundle:
     recordings: tuple[Recording, ...]
 
 
-def simulate(name: str, seed: str) -> Bundle:
+def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
     """Run every scenario.
 
     Parameters
     ----------
     name : str
-        "public" for the settings that students may know, anything else for drawn ones.
+        "public" for the robot and the settings that students may know, anything else for drawn ones.
     seed : str
         Any text.
+    robot : Robot, optional
+        The instructor's own, in the place of the lab's.
     """
-    settings = Settings() if name == "public" else drawn_settings(generator(name, seed, "settings"))
-    world = worlds.shuffled(generator(name, seed, "shuffled"))
-    many = worlds.many_imus(generator(name, seed, "many_imus"))
+    public = name == "public"
+    text = worlds.lab() if public else lab_variant(worlds.lab(), generator(name, seed, "lab"))
+    sheet = mujoco.MjModel.from_xml_string(text)
+    timestep = float(sheet.opt.timestep)
+    settings = Settings() if public else drawn_settings(generator(name, seed, "settings"), timestep)
+    learnt = worlds.LAB_ADDRESSES | worlds.imu_addresses(sheet)
+    world = worlds.shuffled(generator(name, seed, "shuffled"), learnt)
+    many = worlds.many_imus(generator(name, seed, "many_imus"), learnt)
     texts = {
-        "lab": worlds.lab(),
+        "lab": text,
         "shuffled": world.xml,
         "many_imus": many.xml,
         "gimbal": worlds.GIMBAL,
         "free_fall": worlds.FREE_FALL,
         "constant_spin": worlds.constant_spin(settings.radius),
     }
+    if robot is not None:
+        # The readings of many places stay in the lab's world; all else is asked about the robot.
+        texts |= {"sheet": text, "lab": _own(robot, name, seed), "students": robot.xml}
     compiled = {key: mujoco.MjModel.from_xml_string(text) for key, text in texts.items()}
+    lab, imus = compiled["lab"], worlds.LAB_IMUS
+    if robot is not None:
+        settings, imus = paced(settings, float(lab.opt.timestep)), all_imus(lab, robot.imu)
 
     def scene(purpose: str) -> Scene:
         return Scene(
             rng=generator(name, seed, purpose),
             settings=settings,
-            lab=compiled["lab"],
+            lab=lab,
+            imus=imus,
+            sheet=compiled.get("sheet", lab),
             shuffled=compiled["shuffled"],
             shuffled_imus=world.imus,
             spin=compiled["constant_spin"],
@@ -84,7 +103,35 @@ def simulate(name: str, seed: str) -> Bundle:
             many_compasses=many.compasses,
         )
 
-    return Bundle(texts, tuple(record(scene(record.__name__)) for record in SCENARIOS))
+    if robot is None:
+        return Bundle(texts, tuple(record(scene(record.__name__)) for record in SCENARIOS))
+    own = (*(record for record in SCENARIOS if record is not standing), reading_sheet)
+    return Bundle(texts, tuple(_retold(record(scene(record.__name__))) for record in own))
+
+
+def _own(robot: Robot, name: str, seed: str) -> str:
+    """The instructor's model; under a secret another robot of its kind, drawn until its simulation is steady."""
+    if name == "public":
+        return robot.xml
+    rng = generator(name, seed, "robot")
+    for _ in range(_DRAWS):
+        xml = vary(robot.xml, rng)
+        if is_steady(mujoco.MjModel.from_xml_string(xml)):
+            return xml
+    raise RuntimeError(f"none of {_DRAWS} variants of {robot.file} is steady")
+
+
+_DRAWS = 50
+
+
+def _retold(recording: Recording) -> Recording:
+    """Where it is not the lab's robot, its description does not say so."""
+    if recording.model != "lab":
+        return recording
+    said = recording.description
+    for article in ("the", "The"):
+        said = said.replace(f"{article} lab model", f"{article} instructor's model")
+    return replace(recording, description=said)
 
 
 # --- motions --------------------------------------------------------------------------------------------------------
@@ -92,20 +139,51 @@ def simulate(name: str, seed: str) -> Bundle:
 
 def standing(scene: Scene) -> Recording:
     """The lab model from reset, untouched: it rests."""
-    return Recording("standing", first_line(standing), "lab", roll(scene.lab, mujoco.MjData(scene.lab), 1500))
+    return Recording(
+        "standing", first_line(standing), "lab", roll(scene.lab, mujoco.MjData(scene.lab), 1500, scene.imu)
+    )
 
 
 def tumbling(scene: Scene) -> Recording:
     """The lab model thrown into the air with a random spin: all six channels move, each in its own way."""
-    qpos, qvel = state_in_the_air(scene.rng, scene.lab)
-    qvel[2] = scene.rng.uniform(4.5, 5.5)  # up, so that it is still in the air at the end
-    data = at_state(scene.lab, qpos, qvel)
-    return Recording(
-        "tumbling",
-        first_line(tumbling),
-        "lab",
-        {"start_qpos": qpos, "start_qvel": qvel, **roll(scene.lab, data, 600)},
-    )
+    if not scene.own:
+        return Recording("tumbling", first_line(tumbling), "lab", _thrown(scene.rng, scene.lab, scene.imu))
+    for _ in range(_THROWS):
+        arrays = _thrown(scene.rng, scene.lab, scene.imu)
+        if _can_be_plotted(arrays):
+            return Recording("tumbling", first_line(tumbling), "lab", arrays)
+    # A robot that stands on rails, or one that breaks in the air: what is plotted has six curves that can be told apart.
+    return Recording("tumbling", first_line(tumbling), "sheet", _thrown(scene.rng, scene.sheet, LAB_PAIR))
+
+
+_THROWS = 10
+_THROWN_STEPS, _THROWN_TIMESTEP = 600, 0.002
+
+
+def _thrown(rng: np.random.Generator, model: mujoco.MjModel, imu: tuple[str, str]) -> dict[str, FloatArray]:
+    qpos, qvel = state_in_the_air(rng, model)
+    rise = rng.uniform(4.5, 5.5)
+    if model.nv > 2:
+        qvel[2] = rise  # up, so that it is still in the air at the end
+    saved = float(model.opt.timestep)
+    model.opt.timestep = min(saved, _THROWN_TIMESTEP)
+    try:
+        arrays = roll(model, at_state(model, qpos, qvel), _THROWN_STEPS, imu)
+    finally:
+        model.opt.timestep = saved
+    return {"start_qpos": qpos, "start_qvel": qvel, **arrays}
+
+
+def _can_be_plotted(arrays: Mapping[str, FloatArray]) -> bool:
+    """Whether every axis moves by a share of its panel's height, and no two axes of a sensor lie on each other."""
+    for rows in (arrays["acceleration"], arrays["angular_velocity"]):
+        if not np.isfinite(rows).all():
+            return False
+        height = np.ptp(rows)
+        apart = [np.abs(rows[:, i] - rows[:, j]).mean() for i, j in ((0, 1), (0, 2), (1, 2))]
+        if height == 0 or np.min(rows.std(axis=0)) < 0.02 * height or min(apart) < 0.05 * height:
+            return False
+    return True
 
 
 def free_fall(scene: Scene) -> Recording:
@@ -132,8 +210,7 @@ def reading_lab(scene: Scene) -> Recording:
     """All sensors of the lab model in random states in the air, and last standing at rest."""
     states = [state_in_the_air(scene.rng, scene.lab) for _ in range(12)]
     states.append((np.array(scene.lab.qpos0), np.zeros(scene.lab.nv)))
-    pairs = [(f"{place}_accelerometer", f"{place}_gyroscope") for place in worlds.LAB_PLACES]
-    arrays, scalars = readings(scene.lab, states, pairs)
+    arrays, scalars = readings(scene.lab, states, scene.imus)
     return Recording("reading_lab", first_line(reading_lab), "lab", arrays, scalars)
 
 
@@ -158,10 +235,10 @@ OTHER_PUSHES: Mapping[str, tuple[int, float]] = {
 }
 
 
-def _pushed(model: mujoco.MjModel, n_steps: int, dof: int = 0, velocity: float = PUSH) -> dict[str, FloatArray]:
-    data = mujoco.MjData(model)
+def _pushed(scene: Scene, n_steps: int, dof: int = 0, velocity: float = PUSH) -> dict[str, FloatArray]:
+    data = mujoco.MjData(scene.lab)
     data.qvel[dof] = velocity
-    return roll(model, data, n_steps)
+    return roll(scene.lab, data, n_steps, scene.imu)
 
 
 def _alternative(name: str, trace: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
@@ -181,9 +258,10 @@ def _push_scalars(duration: float, timestep: float) -> dict[str, Any]:
 def push(scene: Scene) -> Recording:
     """The sheet's Step 3: from reset, pushed forward with 0.5 m/s; and how other pushes would look."""
     scalars = _push_scalars(scene.settings.push_s, float(scene.lab.opt.timestep))
-    arrays = _pushed(scene.lab, scalars["n_steps"] + EXTRA_ROWS)
+    arrays = _pushed(scene, scalars["n_steps"] + EXTRA_ROWS)
     for name, (dof, velocity) in OTHER_PUSHES.items():
-        arrays |= _alternative(name, _pushed(scene.lab, scalars["n_steps"], dof, velocity))
+        if dof < scene.lab.nv:
+            arrays |= _alternative(name, _pushed(scene, scalars["n_steps"], dof, velocity))
     return Recording("push", first_line(push), "lab", arrays, scalars)
 
 
@@ -203,20 +281,26 @@ def _dirty_arrays(scene: Scene, n_steps: int) -> dict[str, Any]:
     left_behind = _left_behind(scene)
     qpos, qvel, time = np.array(left_behind.qpos), np.array(left_behind.qvel), float(left_behind.time)
     arrays: dict[str, Any] = {"dirty_qpos": qpos, "dirty_qvel": qvel, "dirty_time": np.array(time)}
-    arrays |= _pushed(scene.lab, n_steps + EXTRA_ROWS)
+    arrays |= _pushed(scene, n_steps + EXTRA_ROWS)
     started = at_state(scene.lab, qpos, qvel, time)
     started.qvel[0] = PUSH
-    arrays |= _alternative("no_reset", roll(scene.lab, started, n_steps))
-    arrays |= _alternative("no_push", _pushed(scene.lab, n_steps, 0, 0.0))
+    arrays |= _alternative("no_reset", roll(scene.lab, started, n_steps, scene.imu))
+    arrays |= _alternative("no_push", _pushed(scene, n_steps, 0, 0.0))
     return {**arrays, "alt_time_not_reset_time": arrays["time"][:n_steps] + time}
 
 
 def _left_behind(scene: Scene) -> mujoco.MjData:
-    """The robot some way into another motion: lifted, turned a little and dropped with a sideways velocity."""
+    """The robot some way into another motion: lifted, turned a little and dropped with a sideways velocity.
+
+    One that is not free is moved in its joints alone.
+    """
     data = mujoco.MjData(scene.lab)
-    data.qpos[2] += scene.rng.uniform(0.05, 0.1)
-    data.qvel[:6] = scene.rng.uniform(0.3, 0.6, 6) * scene.rng.choice([-1.0, 1.0], 6)
-    data.qvel[6:] = scene.rng.normal(0.0, 0.5, scene.lab.nv - 6)
+    held = scene.lab.jnt_type[0] != mujoco.mjtJoint.mjJNT_FREE
+    first = 0 if held else 6
+    if not held:
+        data.qpos[2] += scene.rng.uniform(0.05, 0.1)
+        data.qvel[:6] = scene.rng.uniform(0.3, 0.6, 6) * scene.rng.choice([-1.0, 1.0], 6)
+    data.qvel[first:] = scene.rng.normal(0.0, 0.5, scene.lab.nv - first)
     for _ in range(60):
         mujoco.mj_step(scene.lab, data)
     return data
@@ -266,7 +350,7 @@ def _filtered(samples: FloatArray, alpha: float, initial: FloatArray | None) -> 
 def noise(scene: Scene) -> Recording:
     """Two states in which no channel is small and none is like another, and the noise and bias to add to them."""
     states = [_lively_state(scene) for _ in range(2)]
-    readings = [_torso(scene.lab, *state) for state in states]
+    readings = [_read(scene, *state) for state in states]
     accel_std, gyro_std = scene.settings.accel_noise_std, scene.settings.gyro_noise_std
     arrays = {
         "qpos": np.array([qpos for qpos, _ in states]),
@@ -281,19 +365,29 @@ def noise(scene: Scene) -> Recording:
     )
 
 
-def _torso(model: mujoco.MjModel, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    data = at_state(model, qpos, qvel)
-    return get_imu_readings(model, data, *(sensor_id(model, name) for name in LAB_PAIR))
+def _read(scene: Scene, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
+    data = at_state(scene.lab, qpos, qvel)
+    return get_imu_readings(scene.lab, data, *(sensor_id(scene.lab, name) for name in scene.imu))
+
+
+_LIVELY = 0.3
+_TRIES = 500
+"""Of the lab's robot every fourth state is lively. One whose IMU has idle channels has none: the liveliest is taken."""
 
 
 def _lively_state(scene: Scene) -> tuple[FloatArray, FloatArray]:
-    """A state whose six torso channels are well away from zero and from each other."""
-    while True:
-        state = state_in_the_air(scene.rng, scene.lab)
-        channels = np.concatenate(_torso(scene.lab, *state))
+    """A state whose six channels are well away from zero and from each other."""
+    best, most = state_in_the_air(scene.rng, scene.lab), -1.0
+    for _ in range(_TRIES):
+        state = best if most < 0 else state_in_the_air(scene.rng, scene.lab)
+        channels = np.concatenate(_read(scene, *state))
         gaps = np.abs(channels[:, None] - channels)[np.triu_indices(6, 1)]
-        if np.abs(channels).min() > 0.3 and gaps.min() > 0.3:
-            return state
+        least = float(min(np.abs(channels).min(), gaps.min()))
+        if least > most:
+            best, most = state, least
+        if most > _LIVELY:
+            break
+    return best
 
 
 def _distinct(rng: np.random.Generator) -> FloatArray:

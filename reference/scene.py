@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import mujoco
@@ -46,11 +46,17 @@ class Settings:
 
 @dataclass(frozen=True)
 class Scene:
-    """What a scenario may draw on: its own generator, the settings and the compiled models."""
+    """What a scenario may draw on: its own generator, the settings and the compiled models.
+
+    `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` are its pairs of accelerometer and
+    gyroscope, the IMU that is graded first. `sheet` is the lab's robot, whichever is graded on.
+    """
 
     rng: np.random.Generator
     settings: Settings
     lab: mujoco.MjModel
+    imus: tuple[tuple[str, str], ...]
+    sheet: mujoco.MjModel
     shuffled: mujoco.MjModel
     shuffled_imus: tuple[tuple[str, str], ...]
     spin: mujoco.MjModel
@@ -59,6 +65,16 @@ class Scene:
     many: mujoco.MjModel
     many_places: tuple[str, ...]
     many_compasses: tuple[str, ...]
+
+    @property
+    def imu(self) -> tuple[str, str]:
+        """The IMU that is graded."""
+        return self.imus[0]
+
+    @property
+    def own(self) -> bool:
+        """Whether the robot is the instructor's: the sheet's facts are not asked of it."""
+        return self.lab is not self.sheet
 
 
 def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
@@ -72,9 +88,9 @@ def first_line(record: Callable[[Scene], Recording]) -> str:
     return (record.__doc__ or "").strip().splitlines()[0]
 
 
-def drawn_settings(rng: np.random.Generator) -> Settings:
-    """Settings of a hidden bundle. Durations are multiples of the time step."""
-    timestep = float(rng.choice([0.001, 0.0025, 0.004]))
+def drawn_settings(rng: np.random.Generator, usual_timestep: float) -> Settings:
+    """Settings of a hidden bundle. Durations are multiples of the time step, which is another one than the model's own."""
+    timestep = float(rng.choice([each for each in (0.001, 0.0025, 0.004) if each != usual_timestep]))
     return Settings(
         push_s=round(0.01 * int(rng.integers(100, 151)), 2),
         dirty_s=round(0.02 * int(rng.integers(20, 41)), 2),
@@ -87,9 +103,26 @@ def drawn_settings(rng: np.random.Generator) -> Settings:
     )
 
 
-def roll(
-    model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[str, str] = LAB_PAIR
-) -> dict[str, FloatArray]:
+def paced(settings: Settings, timestep: float) -> Settings:
+    """The same settings for a robot with this time step: whole steps, a few hundred, and another time step that is no longer.
+
+    A step that is longer than the instructor's might not be stable.
+    """
+    n_steps = min(max(round(settings.push_s / timestep), _FEWEST_STEPS), _MOST_STEPS)
+    other = round(timestep * min(settings.dirty_timestep / 0.005, 0.8), 9)
+    dirty_steps = min(max(round(settings.dirty_s / other), _FEWEST_STEPS), _MOST_STEPS)
+    return replace(
+        settings,
+        push_s=round(n_steps * timestep, 9),
+        dirty_s=round(dirty_steps * other, 9),
+        dirty_timestep=other,
+    )
+
+
+_FEWEST_STEPS, _MOST_STEPS = 150, 2000
+
+
+def roll(model: mujoco.MjModel, data: mujoco.MjData, n_steps: int, pair: tuple[str, str]) -> dict[str, FloatArray]:
     """Step on from the state in `data`, recording one IMU: `time` (n,), `acceleration`, `angular_velocity` (n, 3)."""
     accel, gyro = (sensor_id(model, name) for name in pair)
     time, acceleration, angular_velocity = np.zeros(n_steps), np.zeros((n_steps, 3)), np.zeros((n_steps, 3))
@@ -118,8 +151,13 @@ def state_in_the_air(rng: np.random.Generator, model: mujoco.MjModel) -> tuple[F
             qpos[place : place + 3] += (*rng.uniform(-0.5, 0.5, 2), rng.uniform(2.5, 3.5))
             qpos[place + 3 : place + 7] = attitude / np.linalg.norm(attitude)
             qvel[dof + 3 : dof + 6] = rng.uniform(1.0, 3.0, 3) * rng.choice([-1.0, 1.0], 3)
+        elif model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_BALL:
+            turn = rng.uniform(-0.15, 0.15, 3)  # half the angle that a hinge is turned by at most
+            qpos[place : place + 4] = np.array([1.0, *turn]) / np.linalg.norm([1.0, *turn])
         else:
-            qpos[place] = rng.uniform(-1.0, 1.0) * min(0.3, SPRING_TORQUE / model.jnt_stiffness[joint])
+            qpos[place] = rng.uniform(-1.0, 1.0) * min(0.3, SPRING_TORQUE / max(model.jnt_stiffness[joint], 1e-9))
+            if model.jnt_limited[joint]:
+                qpos[place] = np.clip(qpos[place], *model.jnt_range[joint])
     return qpos, qvel
 
 

@@ -20,8 +20,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from . import robot
+from .robot import Robot
 from .scenarios import PUBLIC_SEED, Bundle, simulate
-from .scene import Recording
+from .scene import LAB_PAIR, Recording
 
 SCHEMA = "imugrade/traces/v1"
 
@@ -60,7 +62,7 @@ def fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any])
     return digest.hexdigest()
 
 
-def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public") -> Path:
+def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public", own: Robot | None = None) -> Path:
     """Simulate and write a bundle.
 
     Parameters
@@ -71,15 +73,19 @@ def record(out: Path, seed: str = PUBLIC_SEED, name: str = "public") -> Path:
         Any text. It is written into the manifest of the public bundle only.
     name : str
         "public" or "hidden".
+    own : Robot, optional
+        The instructor's own, in the place of the lab's.
 
     Returns
     -------
     Path
         The `.npz` file; the manifest lies beside it.
     """
-    bundle = simulate(name, seed)
+    bundle = simulate(name, seed, own)
     arrays = flat_arrays(bundle)
     manifest = _manifest(bundle, name, seed)
+    if own is not None:
+        manifest["robot"] = own.about()
     manifest["sha256"] = fingerprint(arrays, manifest)
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"{name}.npz"
@@ -136,6 +142,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m reference.traces", description="Record ground-truth traces.")
     parser.add_argument("--out", type=Path, required=True, help="folder to write the bundle into")
     parser.add_argument("--seed", default=PUBLIC_SEED, help="any text; '-' reads it from standard input")
+    parser.add_argument("--model", type=Path, help="the instructor's own robot, an MJCF file")
+    parser.add_argument("--accelerometer", metavar="NAME", default=LAB_PAIR[0], help="sensor of that robot")
+    parser.add_argument("--gyroscope", metavar="NAME", default=LAB_PAIR[1], help="sensor of that robot")
     parser.add_argument("--name", choices=["public", "hidden"], help="default: public for the public seed, else hidden")
     return parser.parse_args(argv)
 
@@ -145,7 +154,8 @@ def main(argv: list[str] | None = None) -> int:
     # A secret on the command line could be read by every user of the machine, so it may come by a pipe.
     seed = sys.stdin.read().rstrip("\r\n") if arguments.seed == "-" else arguments.seed
     name = arguments.name or ("public" if seed == PUBLIC_SEED else "hidden")
-    print(record(arguments.out, seed, name))
+    own = arguments.model and robot.read(arguments.model, arguments.accelerometer, arguments.gyroscope)
+    print(record(arguments.out, seed, name, own))
     return 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,8 +13,9 @@ LAB_MODEL = Path(__file__).resolve().parent / "models" / "humanoid-sensors.xml"
 
 #: Sensor pairs of the lab model, accelerometer and gyroscope, in the order in which `pairs` arrays list them.
 LAB_PLACES = ("torso", "head", "left_foot", "right_foot")
+LAB_IMUS = tuple((f"{place}_accelerometer", f"{place}_gyroscope") for place in LAB_PLACES)
 
-#: Where the lab model keeps its IMUs. A reader that has learnt these by heart must not be right elsewhere.
+#: Where the lab model that students have keeps its IMUs. A reader that has learnt these by heart must not be right elsewhere.
 LAB_ADDRESSES = frozenset({5, 11, 16, 20, 23, 29, 35, 39})
 
 FREE_FALL = """\
@@ -83,6 +85,12 @@ def lab() -> str:
     return LAB_MODEL.read_text(encoding="utf-8")
 
 
+def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
+    """Where the IMUs of the lab model or of a variant of it lie in `sensordata`."""
+    names = (f"{place}_{kind}" for place in LAB_PLACES for kind in ("accelerometer", "gyroscope"))
+    return frozenset(int(model.sensor(name).adr[0]) for name in names)
+
+
 def constant_spin(radius: float) -> str:
     """A turntable about the vertical, with an IMU `radius` metres from its axis: x outward, y along, z up."""
     return _SPIN.format(radius=radius)
@@ -114,18 +122,18 @@ class Many:
     compasses: tuple[str, ...]
 
 
-def shuffled(rng: np.random.Generator) -> Shuffled:
+def shuffled(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Shuffled:
     """Free bodies in space with IMUs mounted at random, their sensors renamed and in random order.
 
     No mistake about addresses is right by luck: for no IMU is the id the address, the gyroscope the next three numbers
-    after its accelerometer, or either where the lab model has one; and no mistaken address is out of range.
+    after its accelerometer, or either at an address `learnt` from a lab model; and no mistaken address is out of range.
     """
     bodies = int(rng.integers(3, 5))
     imus = _imu_names(rng, bodies)
     sensors = _sensors(imus)
     while True:
         order = [sensors[i] for i in rng.permutation(len(sensors))]
-        if _no_mistake_is_right(order, imus):
+        if _no_mistake_is_right(order, imus, learnt):
             break
     body_text = "\n".join(_body(rng, i) for i in range(bodies))
     sensor_text = "\n".join(f"    {sensor.xml}" for sensor in order)
@@ -220,7 +228,7 @@ def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
     return [*sensors, Sensor("compass", 3, '<magnetometer name="compass" site="imu0"/>')]
 
 
-def many_imus(rng: np.random.Generator) -> Many:
+def many_imus(rng: np.random.Generator, learnt: frozenset[int] = LAB_ADDRESSES) -> Many:
     """Free bodies with an IMU each, their sensors called `<place>_accelerometer` and so on as in the lab model, elsewhere.
 
     Some places have a magnetometer too, and one has an accelerometer alone: that is no IMU.
@@ -237,7 +245,7 @@ def many_imus(rng: np.random.Generator) -> Many:
     ]
     while True:
         order = [sensors[i] for i in rng.permutation(len(sensors))]
-        if _no_mistake_is_right(order, imus):
+        if _no_mistake_is_right(order, imus, learnt):
             break
     text = _SHUFFLED.format(
         bodies="\n".join(_body(rng, i) for i in range(bodies)), sensors="\n".join(f"    {s.xml}" for s in order)
@@ -249,13 +257,13 @@ def _compass(place: str, body: int) -> Sensor:
     return Sensor(f"{place}_magnetometer", 3, f'<magnetometer name="{place}_magnetometer" site="imu{body}"/>')
 
 
-def _no_mistake_is_right(order: list[Sensor], imus: tuple[tuple[str, str], ...]) -> bool:
+def _no_mistake_is_right(order: list[Sensor], imus: tuple[tuple[str, str], ...], learnt: frozenset[int]) -> bool:
     ends = np.cumsum([sensor.dim for sensor in order])
     place = {sensor.name: (i, int(ends[i]) - sensor.dim) for i, sensor in enumerate(order)}
-    return all(_is_hard(place[accel], place[gyro], int(ends[-1])) for accel, gyro in imus)
+    return all(_is_hard(place[accel], place[gyro], int(ends[-1]), learnt) for accel, gyro in imus)
 
 
-def _is_hard(accel: tuple[int, int], gyro: tuple[int, int], size: int) -> bool:
+def _is_hard(accel: tuple[int, int], gyro: tuple[int, int], size: int, learnt: frozenset[int]) -> bool:
     apart = all(address != sensor and 1 <= address <= size - 4 for sensor, address in (accel, gyro))
-    elsewhere = LAB_ADDRESSES.isdisjoint({accel[1], gyro[1]})
-    return apart and elsewhere and abs(gyro[1] - accel[1]) != 3 and size >= max(LAB_ADDRESSES) + 3
+    elsewhere = learnt.isdisjoint({accel[1], gyro[1]})
+    return apart and elsewhere and abs(gyro[1] - accel[1]) != 3 and size >= max(learnt) + 3

@@ -54,7 +54,7 @@ def documents() -> dict[str, str]:
     groups = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
     return {
         "README.md": (ROOT / "README.md").read_text(encoding="utf-8"),
-        "the students' README.md": (Path(give.__file__).parent / "starter" / "README.md.txt")
+        "the students' README.md": (Path(give.__file__).parent.parent / "labs" / "imu" / "starter" / "README.md.txt")
         .read_text(encoding="utf-8")
         .replace("{wheel}", wheel.name()),
         **{f"handbook/{name}": handbook[name] for name in names},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 from collections.abc import Iterator
@@ -11,9 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from grader.errors import GraderError, RequestError
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
+from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
-from grader.results import CheckResult, CriterionResult, ExtensionResult, Outcome, Result, Status
+from grader.labs.imu.lab import LAB
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
 SHA = "0123456789abcdef" * 4
@@ -54,6 +56,7 @@ def result(
     return Result(
         submission=name,
         status=status,
+        lab=LabName(LAB.label, LAB.title),
         criteria=(CriterionResult("sensor_access", "Sensor access", full, checks),),
         extensions=(extension,),
         notes=notes,
@@ -80,6 +83,13 @@ class FakeMarker:
         if submission.id.startswith("kill") or (submission.id.startswith("once") and self._first(submission.id)):
             os.kill(self.pid, signal.SIGKILL)
         if submission.id.startswith("wait"):
+            threading.Event().wait(60)
+        if submission.id.startswith("first wait"):
+            threading.Event().wait(60) if self._first(submission.id) else os.kill(self.pid, signal.SIGKILL)
+        if submission.id.startswith("burn"):
+            re.match(r"(a|a)*$", "a" * 64 + "b")  # never gives way to another thread
+        if submission.id.startswith("fat"):
+            self.hoard = bytearray(400 << 20)
             threading.Event().wait(60)
         if submission.id.startswith("bug"):
             raise GraderError("the zygote is gone")

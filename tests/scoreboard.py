@@ -16,16 +16,20 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from grader import rubric, traces
-from grader.intake import read_submission
-from grader.marking import Marker
-from grader.results import CheckResult, Result
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import CheckResult, Result
+from grader.intake import Submission, read_submission
+from grader.labs.imu.lab import LAB
 from tests.corpus.broken import ALL, BROKEN, Broken
+from tests.corpus.extensions import FAULTY_EXTENSIONS, FILES, SOUND_EXTENSIONS, FaultyExtension
 from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS, Faulty, Pair
+from tests.corpus.module_level import EDITS, LAYOUTS, Edit
+from tests.corpus.pieces import verbatim
 from tests.corpus.sound import SOUND, WRAPPED
 from tests.corpus.writing import Files, write
 
-PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken")
+PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level")
 FULL = 20.0
 
 
@@ -37,6 +41,11 @@ class Case:
     name: str
     files: Files
     as_: str = "folder"
+    only: str | None = None
+
+    @property
+    def id(self) -> str:
+        return f"{self.part}/{self.name}"
 
 
 @dataclass
@@ -60,6 +69,16 @@ def cases() -> Iterator[Case]:
     yield from (Case("lookalikes", fault.name, fault.files) for fault in LOOKALIKES)
     yield from (Case("pairs", pair.name, pair.files) for pair in PAIRS)
     yield from (Case("broken", broken.name, broken.files, broken.as_) for broken in BROKEN)
+    for layout, put in LAYOUTS.items():
+        yield from (Case("module level", f"{edit.name} in {layout}", put(edit.steps)) for edit in EDITS)
+    for part, styles in SOUND_EXTENSIONS.items():
+        yield from (_extension(part, f"{part}-{style}", source) for style, source in styles.items())
+    quick = [fault for fault in FAULTY_EXTENSIONS if fault.mistake != "never-returns"]
+    yield from (_extension(fault.extension, fault.name, fault.source) for fault in quick)
+
+
+def _extension(part: str, name: str, source: str) -> Case:
+    return Case("extensions", name, {**verbatim(), FILES[part]: source}, only=part)
 
 
 # ---------------------------------------------------------------- judging a result
@@ -157,34 +176,80 @@ def look_at_broken(verdict: Verdict, result: Result, broken: Broken) -> None:
         _look_at_names(verdict, result, names, {broken.names[0]}, set(broken.names), ())
 
 
+def look_at_extension(verdict: Verdict, result: Result, fault: FaultyExtension | None) -> None:
+    """A sound one passes every check; a faulty one loses what it gets wrong and no more, but for filters of tilt."""
+    (extension,) = result.extensions
+    gone = {check.id for check in extension.checks if check.outcome != "passed"}
+    wanted = set(fault.loses) if fault else set()
+    if not extension.attempted or gone < wanted:
+        verdict.trouble("missed", f"{', '.join(sorted(wanted - gone)) or 'not attempted'} kept")
+    if gone - wanted and not (fault and fault.extension == "complementary_filter"):
+        verdict.trouble(
+            "cascade" if fault else "false deduction", words(c for c in extension.checks if c.id in gone - wanted)
+        )
+    named = (fault.mistake,) if fault and fault.mistake else ()
+    if result.misconceptions != named:
+        verdict.trouble(
+            "named wrong", f"{', '.join(result.misconceptions) or 'none'} in place of {', '.join(named) or 'none'}"
+        )
+
+
+def look_at_edit(verdict: Verdict, result: Result, edit: Edit) -> None:
+    for criterion in result.criteria:
+        taken = sum(check.max_points - (check.points or 0.0) for check in criterion.checks)
+        if taken > edit.takes.get(criterion.id, 0.0) + 1e-6:
+            verdict.trouble("too much", words(c for c in lost(result) if criterion_of(c) == criterion.id))
+        if criterion.id in edit.must and not taken:
+            verdict.trouble("missed", f"costs nothing in {criterion.id}")
+
+
 # ---------------------------------------------------------------- grading
 
 
 @cache
 def _marker() -> Marker:
-    return Marker(rubric.load(), traces.shipped()).__enter__()
+    return Marker(rubric.load(LAB), traces.shipped()).__enter__()
+
+
+def handed_in(case: Case) -> Submission:
+    """A case as the marker gets it."""
+    with tempfile.TemporaryDirectory() as scratch:
+        return read_submission(write(case.files, Path(scratch) / "submission", case.as_), LAB.files)
 
 
 def grade(case: Case) -> Verdict:
     """Grade one case in this process; the marker stays warm for the next."""
+    return graded_by(_marker(), case)
+
+
+def graded_by(marker: Marker, case: Case) -> Verdict:
+    """What the scoreboard says of a case that this marker grades."""
     verdict, started = Verdict(case), time.perf_counter()
-    with tempfile.TemporaryDirectory() as scratch:
-        path = write(case.files, Path(scratch) / "submission", case.as_)
-        try:
-            result = _marker().mark(read_submission(path))
-        except Exception as problem:
-            verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
-            return verdict
+    try:
+        result = marker.mark(handed_in(case), only=case.only)
+    except Exception as problem:
+        verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
+        return verdict
     verdict.seconds = time.perf_counter() - started
+    look_at(verdict, result)
+    return verdict
+
+
+def look_at(verdict: Verdict, result: Result) -> None:
+    """Hold the result of a case against what the corpus says of it."""
+    case = verdict.case
     if case.part == "sound":
         look_at_sound(verdict, result)
     elif case.part == "pairs":
         look_at_pair(verdict, result, next(p for p in PAIRS if p.name == case.name))
+    elif case.part == "module level":
+        look_at_edit(verdict, result, next(e for e in EDITS if e.name == case.name.split(" in ")[0]))
     elif case.part == "broken":
         look_at_broken(verdict, result, next(b for b in BROKEN if b.name == case.name))
+    elif case.part == "extensions":
+        look_at_extension(verdict, result, next((f for f in FAULTY_EXTENSIONS if f.name == case.name), None))
     else:
         look_at_fault(verdict, result, next(f for f in (*FAULTY, *LOOKALIKES) if f.name == case.name))
-    return verdict
 
 
 def grade_all(chosen: Sequence[Case], jobs: int) -> Iterator[Verdict]:
@@ -218,6 +283,7 @@ def table(verdicts: Sequence[Verdict]) -> str:
         f"more checks lost than the contract allows {count(faulty, 'too much')}",
         f"mistakes named                            right {right} ({share:.1f} %), wrong {wrong}, not {none}",
         f"bad input with trouble                    {count(('broken',), 'status', 'cascade', 'missed', 'not judged', 'grader failed')}",
+        f"edits at module level marked unfairly     {count(('module level',), 'too much', 'missed', 'grader failed')}",
         f"failures of the grader                    {count(PARTS, 'grader failed', 'not judged')}",
     ]
     if longest:

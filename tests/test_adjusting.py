@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from grader import cli
-from grader.batch import OpenMarker
 from grader.course import classroom
+from grader.course.pool import Bounds, OpenMarker
+from grader.course.record import FILE_NAME, Store
+from grader.engine.results import Result
 from grader.intake import Submission
-from grader.results import Result
-from grader.store import FILE_NAME, Store
 from tests.made_up import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 
@@ -51,7 +51,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.delenv("IMUGRADE_SEED", raising=False)
     (tmp_path / "marked").touch()
 
-    def mark_all(submissions, opener: OpenMarker, jobs: int):  # type: ignore[no-untyped-def]
+    def mark_all(submissions, opener: OpenMarker, jobs: int, bounds: Bounds):  # type: ignore[no-untyped-def]
         with by_words(tmp_path) as marker:
             yield from ((each, marker.mark(each)) for each in submissions)
 
@@ -183,9 +183,10 @@ def test_an_open_criterion_can_be_closed_by_hand(run: Run, tmp_path: Path) -> No
 
 
 def with_rubric(tmp_path: Path, old: str, new: str) -> Path:
-    from grader.rubric import shipped
+    from grader.engine.rubric import shipped
+    from grader.labs.imu.lab import LAB
 
-    text = shipped().read_text(encoding="utf-8")
+    text = shipped(LAB).read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "rubric.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
     return tmp_path / "rubric.yaml"
@@ -284,7 +285,7 @@ def test_a_second_run_with_the_best_attempts_grades_nothing_and_ends_the_same(ru
         (["--attempts", "first"], "--attempts first: there is no such; choose latest, best"),
         (
             ["--from", "blackboard"],
-            "--from blackboard: there is no such; choose folders, gradescope, moodle, canvas, classroom50, git",
+            "--from blackboard: there is no such; choose folders, classroom50, gradescope, moodle, canvas, git",
         ),
     ],
 )

@@ -6,15 +6,21 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from grader.batch import Unmarked, mark_all
-from grader.errors import RequestError
-from grader.results import Result
-from tests.made_up import FakeMarker, fake_marker, no_marker, submission
+from grader.course import classroom
+from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
+from grader.course.remarks import remarks
+from grader.engine import rubric, traces
+from grader.engine.results import Result
+from grader.ground.errors import RequestError
+from grader.labs.imu.lab import LAB
+from grader.people.standing import Standing
+from tests.made_up import FakeMarker, check, fake_marker, no_marker, result, submission
 
 ROOT = Path(__file__).parent.parent
 
@@ -61,6 +67,33 @@ def test_a_fault_of_the_grader_is_handed_back_with_its_words(tmp_path: Path) -> 
     assert grade(tmp_path, "bug")["bug"] == Unmarked("GraderError: the zygote is gone")
 
 
+def bounded(folder: Path, bounds: Bounds, *ids: str) -> dict[str, Outcome]:
+    marked = mark_all(iter(map(submission, ids)), partial(fake_marker, folder), 2, bounds)
+    return {each.id: outcome for each, outcome in marked}
+
+
+@pytest.mark.parametrize("id_", ["wait", "burn"])
+def test_a_marker_that_does_not_answer_is_ended_and_the_others_go_on(tmp_path: Path, id_: str) -> None:
+    outcomes = bounded(tmp_path, Bounds(wall_s=3.0), "a", id_, "b", "c")
+    assert outcomes.pop(id_) == Stopped("no end within 3 s")
+    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
+    assert sorted(FakeMarker(tmp_path).marked()) == sorted(["a", "b", "c", id_, id_])
+    assert all(gone(int(line.split()[-1])) for line in (tmp_path / "marked").read_text().splitlines())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what another process holds")
+def test_a_marker_that_grows_without_end_is_ended(tmp_path: Path) -> None:
+    outcomes = bounded(tmp_path, Bounds(memory_bytes=300 << 20), "a", "fat", "b")
+    assert outcomes.pop("fat") == Stopped("more than 0.292969 GB of memory")
+    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
+
+
+def test_a_submission_that_stops_one_marker_and_kills_another_is_stopped(tmp_path: Path) -> None:
+    assert bounded(tmp_path, Bounds(wall_s=3.0), "first wait, then kill") == {
+        "first wait, then kill": Stopped("no end within 3 s")
+    }
+
+
 def test_a_marker_that_cannot_be_opened_ends_the_run(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match=f"no marker for {tmp_path.name}"):
         list(mark_all(iter([submission("a")]), partial(no_marker, tmp_path), 1))
@@ -74,12 +107,39 @@ def test_a_run_that_is_given_up_leaves_no_process_behind(tmp_path: Path) -> None
     assert multiprocessing.active_children() == []
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere only a thread can see to it")
+def test_a_worker_that_never_gives_way_ends_with_the_run(tmp_path: Path) -> None:
+    """It went on for half an hour: the thread that looks for the end of the run never had its turn."""
+    program = (
+        "import os, sys, pathlib, threading, time\n"
+        "from functools import partial\n"
+        "from grader.course.pool import mark_all\n"
+        "from tests.made_up import fake_marker, submission\n"
+        "def leave():\n"
+        "    while not (folder / 'marked').exists(): time.sleep(0.05)\n"
+        "    time.sleep(0.5)\n"
+        "    os.kill(os.getpid(), 9)\n"
+        "if __name__ == '__main__':\n"
+        "    folder = pathlib.Path(sys.argv[1])\n"
+        "    threading.Thread(target=leave).start()\n"
+        "    list(mark_all(iter([submission('burn')]), partial(fake_marker, folder), 1))\n"
+    )
+    script = tmp_path / "run.py"
+    script.write_text(program)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run(
+        [sys.executable, str(script), str(tmp_path)], env=environment, check=False, stderr=subprocess.DEVNULL
+    )
+    worker = int((tmp_path / "marked").read_text().split()[1])
+    assert gone(worker)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
 def test_workers_leave_when_the_run_is_killed(tmp_path: Path) -> None:
     program = (
         "import os, sys, pathlib\n"
         "from functools import partial\n"
-        "from grader.batch import mark_all\n"
+        "from grader.course.pool import mark_all\n"
         "from tests.made_up import fake_marker, submission\n"
         "if __name__ == '__main__':\n"
         "    opener = partial(fake_marker, pathlib.Path(sys.argv[1]))\n"
@@ -105,6 +165,21 @@ def gone(pid: int, within_s: float = 10.0) -> bool:
             os.kill(pid, 0)
         except ProcessLookupError:
             return True
-        if Path(f"/proc/{pid}/stat").exists() and ") Z " in Path(f"/proc/{pid}/stat").read_text():
-            return True  # ended; whoever adopted it has not looked yet
+        with suppress(OSError):
+            if ") Z " in Path(f"/proc/{pid}/stat").read_text():
+                return True  # ended; whoever adopted it has not looked yet
     return False
+
+
+def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_list(tmp_path: Path) -> None:
+    order = classroom.Order((tmp_path,), tmp_path / "out", rubric.load(LAB), traces.shipped())
+    stopped = classroom.stopped(submission("alice"), order, "no end within 600 s")
+    assert (stopped.status, stopped.score, stopped.max_score) == ("graded", 0.0, 100.0)
+    rows = [check for criterion in stopped.criteria for check in criterion.checks]
+    assert {(row.outcome, row.points) for row in rows} == {("timeout", 0.0)}
+    assert [sum(row.max_points for row in criterion.checks) for criterion in stopped.criteria] == [20.0] * 5
+    assert "ended twice (no end within 600 s)" in stopped.notes[0]
+    standings = {"alice": Standing("alice", stopped), "bob": Standing("bob", result(check("timeout", 0.0), check()))}
+    assert [line for line in remarks(standings, [], []) if "timed out" in line] == [
+        "every check timed out (look at what they do; a mark by hand stays): alice"
+    ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grader import statistics
+from grader.labs.imu import statistics
 from tests.benchmarks.chance import LAWS, losses
 
 

@@ -10,11 +10,13 @@ from typing import Any
 
 import pytest
 
-from grader import cli, traces
-from grader.formats import job
-from grader.results import Result
-from grader.rubric import Rubric
-from grader.traces import Traces
+from grader import cli
+from grader.engine import traces
+from grader.engine.results import Result
+from grader.engine.rubric import Rubric
+from grader.engine.traces import Traces
+from grader.platforms import job
+from tests import made_up_platform
 from tests.made_up import check, lost, result
 from tests.test_ci_formats import ID
 
@@ -54,7 +56,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "imu_reader.py").write_text("\ndef get_imu_readings():\n    pass\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
-    monkeypatch.setattr(job, "open_box_for", lambda files, rung: None)
+    monkeypatch.setattr(job, "open_box_for", lambda lab, files, rung: None)
     monkeypatch.setattr(Given, "isolation", "full")
     monkeypatch.setattr(
         Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False
@@ -109,6 +111,12 @@ def test_junit_goes_to_the_file_that_is_named(tmp_path: Path, capsys: pytest.Cap
 def test_json_is_the_result_on_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["ci"]) == 0
     assert json.loads(capsys.readouterr().out)["schema"] == "imugrade/result/v1"
+
+
+def test_a_platform_that_is_newly_listed_gets_the_answer_of_its_own_record(capsys: pytest.CaptureFixture[str]) -> None:
+    with made_up_platform.listed("respond", "read", "write"):
+        assert cli.main(["ci", "--format", "made-up"]) == 0
+    assert capsys.readouterr().out == "made up: 14 in imu\n"
 
 
 def test_classroom50_writes_result_json_with_the_instant_of_the_commit(
@@ -169,6 +177,6 @@ def test_a_seed_in_the_environment_does_not_bring_hidden_scenarios_into_ci(
 ) -> None:
     seen: list[Any] = []
     monkeypatch.setenv("IMUGRADE_SEED", "secret")
-    monkeypatch.setattr(traces, "obtain", lambda seed, cache: seen.append(seed) or traces.shipped())
+    monkeypatch.setattr(traces, "obtain", lambda seed, cache, model: seen.append(seed) or traces.shipped())
     assert cli.main(["ci"]) == 0
     assert seen == [None]

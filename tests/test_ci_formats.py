@@ -18,16 +18,17 @@ from hypothesis import strategies as st
 from junitparser import xunit2
 from markdown_it import MarkdownIt
 
-from grader.errors import GraderError, RequestError
-from grader.formats import github
-from grader.formats.classroom50 import Identity, classroom50, shares
-from grader.formats.gradescope import gradescope
-from grader.formats.junit import junit
-from grader.formats.places import Place, Places, find_places
-from grader.formats.platforms import NAMES, PLATFORMS, answer_of, named, recognise, submission_of
-from grader.formats.prairielearn import prairielearn
+from grader.engine.results import Result
+from grader.ground.errors import GraderError, RequestError
 from grader.intake import read_submission
-from grader.results import Result
+from grader.labs.imu.lab import LAB
+from grader.platforms import github, registry
+from grader.platforms.classroom50 import Identity, classroom50, shares
+from grader.platforms.gradescope import gradescope
+from grader.platforms.job import answer_of, named, recognise, submission_of
+from grader.platforms.junit import junit
+from grader.platforms.places import Place, Places, find_places
+from grader.platforms.prairielearn import prairielearn
 from tests.made_up import HOSTILE, check, lost, result
 
 EVIL = (
@@ -91,7 +92,7 @@ def decoded(text: str) -> str:
 
 
 def test_github_gets_one_annotation_for_each_check_that_lost_points_and_the_score() -> None:
-    commands = as_the_runner_reads(github.commands(mixed(), Places()))
+    commands = as_the_runner_reads(github.commands(mixed(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "warning", "notice"]
     assert commands[0][1] == {"title": "Reads the right sensor (0 / 6)"}
     assert commands[0][2].splitlines() == [
@@ -107,24 +108,24 @@ def test_github_gets_one_annotation_for_each_check_that_lost_points_and_the_scor
 @pytest.mark.parametrize("status", ["empty", "unreadable"])
 def test_where_there_was_nothing_to_grade_github_says_so_in_red(status: Any) -> None:
     row = check("skipped", 0.0)
-    ((kind, _, message),) = as_the_runner_reads(github.commands(result(row, status=status), Places()))[-1:]
+    ((kind, _, message),) = as_the_runner_reads(github.commands(result(row, status=status), Places(LAB)))[-1:]
     assert kind == "error"
     assert message.startswith("0 / 6: ")
 
 
 def test_no_text_of_a_submission_becomes_a_command_of_the_runner() -> None:
-    commands = as_the_runner_reads(github.commands(evil(), Places()))
+    commands = as_the_runner_reads(github.commands(evil(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "notice"]
     assert "::error file=/etc/passwd::owned" in commands[0][2]  # told, as text
 
 
 def test_an_annotation_stays_below_the_size_that_github_takes() -> None:
     huge = result(lost(message="Got       " + "x" * 500_000, hint="y" * 500_000))
-    assert len(github.commands(huge, Places())) < 8000
+    assert len(github.commands(huge, Places(LAB))) < 8000
 
 
 def test_an_annotation_points_to_the_line_that_raised() -> None:
-    places = Places({"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
+    places = Places(LAB, {"filters.py": "lab/filters.py"}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
     row = check(
         "error",
         0.0,
@@ -135,17 +136,17 @@ def test_an_annotation_points_to_the_line_that_raised() -> None:
 
 
 def test_an_annotation_points_to_the_definition_where_nothing_raised() -> None:
-    places = Places({}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
+    places = Places(LAB, {}, {"get_imu_readings": Place("lab/imu_reader.py", 7)})
     assert places.of(lost()) == Place("lab/imu_reader.py", 7)
 
 
 def test_a_file_that_is_not_in_the_submission_is_not_pointed_to() -> None:
-    places = Places({"imu_reader.py": "imu_reader.py"})
+    places = Places(LAB, {"imu_reader.py": "imu_reader.py"})
     assert places.of(check("error", 0.0, message="Got       x at /etc/passwd, line 1")) is None
 
 
 def test_a_notebook_is_pointed_to_without_a_line_of_its_json() -> None:
-    places = Places({"lab.ipynb": "hw/lab.ipynb"})
+    places = Places(LAB, {"lab.ipynb": "hw/lab.ipynb"})
     assert places.of(check("error", 0.0, message="Got  x at lab.ipynb, cell 3, line 2")) == Place("hw/lab.ipynb")
 
 
@@ -156,7 +157,7 @@ def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -
     for name, content in files.items():
         (folder / name).write_bytes(content)
     (tmp_path / "week4" / "draw.py").write_bytes(b"class NoisyIMU:\n    pass\n")
-    places = find_places(read_submission(tmp_path), tmp_path, tmp_path)
+    places = find_places(LAB, read_submission(tmp_path, LAB.files), tmp_path, tmp_path)
     assert places.definitions["LowPassFilter"] == Place("week4/lab/lab.py", 4)
     assert places.definitions["get_imu_readings"] == Place("week4/lab/imu_reader.py")
     assert places.definitions["NoisyIMU"] == Place("week4/draw.py", 1)
@@ -167,7 +168,7 @@ def test_an_archive_has_no_lines_to_point_to(tmp_path: Any) -> None:
     with zipfile.ZipFile(tmp_path / "lab.zip", "w") as archive:
         archive.writestr("filters.py", b"")
     for path in (tmp_path / "lab.zip", tmp_path):
-        assert find_places(read_submission(path), path, tmp_path) == Places()
+        assert find_places(LAB, read_submission(path, LAB.files), path, tmp_path) == Places(LAB)
 
 
 class Page(HTMLParser):
@@ -199,7 +200,7 @@ def rendered(markdown: str) -> Page:
 
 
 def test_the_summary_has_the_table_and_what_was_lost() -> None:
-    page = rendered(github.summary(mixed()))
+    page = rendered(github.summary(mixed(), LAB))
     text = "".join(data for _, data in page.texts)
     assert "Lab 04-01: 9.33 / 30" in text
     assert "Extension: allan variance" in text
@@ -210,11 +211,11 @@ def test_the_summary_has_the_table_and_what_was_lost() -> None:
 def test_the_summary_tells_of_every_check_of_the_plots() -> None:
     base = result(check(id="visualization.titles", title="The panels have a title"))
     plots = replace(base, criteria=(replace(base.criteria[0], id="visualization", title="Visualization"),))
-    assert "### Plots\n\n- ✓ The panels have a title — earned" in github.summary(plots)
+    assert "### Plots\n\n- ✓ The panels have a title — earned" in github.summary(plots, LAB)
 
 
 def test_no_text_of_a_submission_becomes_markdown_or_html() -> None:
-    page = rendered(github.summary(evil()))
+    page = rendered(github.summary(evil(), LAB))
     assert set(page.tags) <= SUMMARY_TAGS
     where = {tag for tag, data in page.texts if "@someone" in data}
     assert where <= {"pre", "code", "h4"}
@@ -600,13 +601,19 @@ def test_the_platform_is_recognised(tmp_path: Any, environ: dict[str, str], fold
 def test_a_platform_that_there_is_not_is_refused_with_a_guess() -> None:
     with pytest.raises(RequestError, match="--format gradscope: there is no such format; did you mean gradescope"):
         named("gradscope")
-    assert NAMES == ("auto", "github", "gradescope", "classroom50", "junit", "prairielearn", "json")
+
+
+def test_a_platform_that_takes_no_answer_of_a_job_is_no_format_of_one() -> None:
+    with pytest.raises(
+        RequestError, match="--format moodle: there is no such format; there are auto, classroom50, github, junit"
+    ):
+        named("moodle")
 
 
 def test_gradescope_hands_in_and_looks_for_the_answer_in_its_own_folders(tmp_path: Any) -> None:
     for name in ("submission", "results"):
         (tmp_path / "autograder" / name).mkdir(parents=True)
-    assert submission_of(PLATFORMS["gradescope"], tmp_path) == tmp_path / "autograder/submission"
-    assert answer_of(PLATFORMS["gradescope"], tmp_path) == tmp_path / "autograder/results/results.json"
-    assert answer_of(PLATFORMS["prairielearn"], tmp_path) is None  # not on that platform: standard output
-    assert str(answer_of(PLATFORMS["classroom50"], tmp_path)) == "result.json"
+    assert submission_of(registry.platform("gradescope"), tmp_path) == tmp_path / "autograder/submission"
+    assert answer_of(registry.platform("gradescope"), tmp_path) == tmp_path / "autograder/results/results.json"
+    assert answer_of(registry.platform("prairielearn"), tmp_path) is None  # not on that platform: standard output
+    assert str(answer_of(registry.platform("classroom50"), tmp_path)) == "result.json"

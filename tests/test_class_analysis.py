@@ -10,20 +10,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.fingerprint import fingerprint, of_the_sheet
+from grader.engine.fingerprint import fingerprint, of_the_sheet
+from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.report.items import Item, items
 from grader.report.pages import index_page
 from grader.report.similarity import FEWEST, pairs
-from grader.results import CriterionResult, Result
 from tests.examples import FOLDER
 from tests.made_up import check
 from tests.made_up import result as made_up
 
 
 def files(name: str) -> dict[str, bytes]:
-    return dict(read_submission(FOLDER / name).files)
+    return dict(read_submission(FOLDER / name, LAB.files).files)
 
 
 def renamed(source: str) -> str:
@@ -46,8 +47,8 @@ def renamed(source: str) -> str:
 
 
 def test_the_sheets_own_code_leaves_nothing_to_compare() -> None:
-    assert of_the_sheet()
-    assert set(fingerprint(files("s01-sheet-verbatim"))) <= of_the_sheet()
+    assert of_the_sheet(LAB)
+    assert set(fingerprint(files("s01-sheet-verbatim"))) <= of_the_sheet(LAB)
 
 
 def test_names_strings_comments_and_layout_do_not_count() -> None:
@@ -87,7 +88,7 @@ def test_a_disguised_copy_is_found_and_people_who_handed_in_the_sheet_are_not() 
     copy = {path: renamed(content.decode()).encode() for path, content in original.items() if path.endswith(".py")}
     sheet = fingerprint(files("s01-sheet-verbatim"))
     prints = {f"sheet{i}": sheet for i in range(5)} | {"one": fingerprint(original), "other": fingerprint(copy)}
-    (found,) = pairs(prints)
+    (found,) = pairs(prints, of_the_sheet(LAB))
     assert (found.first, found.second) == ("one", "other")
     assert found.share > 0.95
     assert found.lines == pytest.approx(found.common * 6.5 / 9, abs=0.5)

@@ -6,18 +6,21 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 import grader
-from grader import cli, selfcheck, traces
+from grader import cli
+from grader.commands import checking, completion, history
 from grader.course import classroom
-from grader.errors import GraderError, RequestError
-from grader.results import Result
+from grader.engine import traces
+from grader.engine.results import Result
+from grader.ground.errors import GraderError, RequestError
 from grader.sandbox.ladder import Rung
+from grader.sandbox.one_copy import Search
 from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, result
 
 ROOT = Path(__file__).parent.parent
@@ -70,7 +73,7 @@ def checked(monkeypatch: pytest.MonkeyPatch, answer: Result | Exception) -> None
             raise answer
         return answer
 
-    monkeypatch.setattr(selfcheck, "check", check_one)
+    monkeypatch.setattr(checking, "check", check_one)
 
 
 # --- requests that are wrong: one line, exit code 2 -------------------------------------------------------------------
@@ -178,7 +181,7 @@ def test_an_interrupt_is_one_line_and_exit_code_130(run: Run, tmp_path: Path, mo
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(selfcheck, "check", interrupted)
+    monkeypatch.setattr(checking, "check", interrupted)
     code, _, err = run("check", tmp_path)
     assert (code, err.strip()) == (130, "imugrade: stopped; run the same command again to go on")
 
@@ -193,7 +196,7 @@ def test_check_prints_the_table_and_writes_what_was_asked_for(
     checked(monkeypatch, made)
     code, out, err = run("check", tmp_path, "--html", tmp_path / "r.html", "--json", tmp_path / "r.json")
     assert (code, err) == (0, "")
-    assert "✗ lost       Reads the right sensor" in out
+    assert " ✗ lost  Reads the right sensor  0 / 6\n" in out
     assert "<h1>alice</h1>" in (tmp_path / "r.html").read_text(encoding="utf-8")
     assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
 
@@ -216,12 +219,12 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
         if len(pauses) == 7:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("grader.selfcheck.time.sleep", pause)
+    monkeypatch.setattr("grader.commands.checking.time.sleep", pause)
     hand_in(tmp_path)
     seen: list[int] = []
 
     def watch() -> None:
-        for _ in selfcheck.saves(tmp_path, [tmp_path / "sub" / ".." / "report.html"]):
+        for _ in checking.saves(tmp_path, [tmp_path / "sub" / ".." / "report.html"]):
             seen.append(len(pauses))
 
     with pytest.raises(KeyboardInterrupt):
@@ -229,9 +232,62 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
     assert seen == [0, 2]
 
 
+def test_what_a_check_remembers_is_no_change_of_a_watched_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hand_in(tmp_path)
+    pauses = iter([lambda: history.remember(tmp_path, result(), {}), lambda: None])
+
+    def pause(_: float) -> None:
+        next(pauses, interrupt)()
+
+    monkeypatch.setattr("grader.commands.checking.time.sleep", pause)
+    seen: list[None] = []
+    with pytest.raises(KeyboardInterrupt):
+        seen.extend(checking.saves(tmp_path))
+    assert len(seen) == 1
+    assert (tmp_path / ".imugrade" / "last_check.json").exists()
+
+
+def interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def test_a_watching_check_says_at_once_that_it_checks_and_is_ended_by_an_interrupt(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def marked(*_: object, begins: Callable[[], None], **__: object) -> Iterator[Result]:
+        for made in (result(lost()), result()):
+            begins()
+            yield made
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(checking, "check_on_save", marked)
+    code, out, err = run("check", hand_in(tmp_path / "me"), "--watch")
+    lines = [re.sub(r"\d\d:\d\d:\d\d", "TIME", line) for line in out.splitlines()]
+    assert (code, err) == (0, "")
+    assert lines[:3] == ["me  checking …", "me  checking …", "me  checked at TIME; again on every save, Ctrl-C ends"]
+    assert [line for line in lines if "Score" in line] == ["   Score  0 / 6", "   Score  20 / 20"]
+
+
+def test_tab_completes_criteria_and_what_can_be_explained() -> None:
+    assert completion.criteria("data_") == ["data_collection"]
+    assert completion.explained("sensor-") == ["sensor-id-as-address", "sensor-not-found"]
+    assert completion.explained("filtering.f") == ["filtering.follows_recursion"]
+
+
+def test_a_shell_gets_its_completions_with_exit_code_0() -> None:
+    asked = {"COMP_WORDS": "imugrade check --only nois", "COMP_CWORD": "3", "_IMUGRADE_COMPLETE": "complete_bash"}
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys; from grader import cli; sys.exit(cli.main([]))"],
+        capture_output=True, text=True, check=False, cwd=ROOT, env={**os.environ, **asked},
+    )  # fmt: skip
+    assert (done.returncode, done.stdout.strip()) == (0, "noise_model")
+
+
 def test_what_a_watching_check_writes_is_not_watched(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told: dict[str, object] = {}
-    monkeypatch.setattr(selfcheck, "check_on_save", lambda *_, **named: iter(told.update(named) or ()))
+    monkeypatch.setattr(checking, "check_on_save", lambda *_, **named: iter(told.update(named) or ()))
     page, answer = tmp_path / "r.html", tmp_path / "r.json"
     assert run("check", hand_in(tmp_path / "alice"), "--watch", "--html", page, "--json", answer)[0] == 0
     assert told["written"] == [page, answer]
@@ -429,7 +485,7 @@ def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students:
 
 
 def test_the_version_is_one_line(run: Run) -> None:
-    assert run("--version") == (0, f"imugrade {grader.__version__}\n", "")
+    assert run("--version") == run("-V") == (0, f"imugrade {grader.__version__}\n", "")
 
 
 @pytest.mark.parametrize(
@@ -479,9 +535,10 @@ def test_python_m_grader_is_the_same_command() -> None:
 def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> None:
     program = (
         "import sys\n"
-        "from grader import cli, selfcheck\n"
+        "from grader import cli\n"
+        "from grader.commands import checking\n"
         "from tests.made_up import result\n"
-        "selfcheck.check = lambda *_, **__: result()\n"
+        "checking.check = lambda *_, **__: result()\n"
         "sys.exit(cli.main(['check', sys.argv[1]]))\n"
     )
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -489,7 +546,7 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
         [sys.executable, "-c", program, str(tmp_path)], capture_output=True, check=False, cwd=ROOT, env=environment
     )
     assert (done.returncode, done.stderr) == (0, b"")
-    assert b" ? earned" in done.stdout
+    assert b" ? Sensor access" in done.stdout
 
 
 # --- doctor and traces ------------------------------------------------------------------------------------------------
@@ -497,18 +554,59 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
 
 def test_doctor_tells_each_rung_with_its_reason_and_the_one_in_use(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     rungs = [Rung("full", False, "no user namespaces"), Rung("landlock", True, ""), Rung("none", True, "")]
-    monkeypatch.setattr("grader.doctor.probe", lambda: rungs)
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: rungs)
+    monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _rung: Search(21_894, ()))
     code, out, err = run("doctor")
     told = [" ".join(line.split()) for line in out.splitlines()]
     assert (code, err) == (0, "")
     assert told[:4] == ["Isolation", "✗ full no user namespaces", "✓ landlock works here", "✓ in use landlock"]
+    assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the box can open hold nothing of ours"
     assert f"imugrade {grader.__version__}" in told
 
 
+def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Rung("full", True, ""), Rung("none", True, "")])
+    found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
+    monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _rung: Search(9, found))
+    told = " ".join(run("doctor")[1].split())
+    assert "✗ hidden code in the box can open 2 files of ours, /lib/a/filters.py first" in told
+
+
 def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.doctor.probe", lambda: [Rung("full", False, "not Linux"), Rung("none", True, "")])
+    monkeypatch.setattr(
+        "grader.commands.machine.probe", lambda: [Rung("full", False, "not Linux"), Rung("none", True, "")]
+    )
     told = " ".join(run("doctor")[1].split())
     assert "✗ in use no isolation: fine for your own code, `grade` asks for --trust-submissions" in told
+
+
+def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Rung("none", True, "")])
+    monkeypatch.setenv(traces.CACHE_VARIABLE, str(tmp_path))
+    told = " ".join(run("doctor")[1].split())
+    assert told.endswith(f"✓ reference recorded {len(traces.shipped().scenarios)} scenarios from a throw-away secret")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_doctor_says_what_fails_where_no_secret_can_be_used(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "reference").mkdir()
+    (tmp_path / "reference" / "__init__.py").touch()
+    (tmp_path / "reference" / "traces.py").write_text("raise OSError('no model')\n", encoding="utf-8")
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Rung("none", True, "")])
+    monkeypatch.setattr(traces, "_SOURCES", tmp_path)
+    told = " ".join(run("doctor")[1].split())
+    assert told.endswith("✗ reference recording the hidden traces failed: OSError: no model")
+
+
+def test_doctor_says_where_there_is_no_reference(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Rung("none", True, "")])
+    monkeypatch.setattr(traces, "_SOURCES", tmp_path)
+    told = " ".join(run("doctor")[1].split())
+    assert told.endswith("reference not installed: the public traces only, no --seed")
 
 
 def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:

@@ -18,14 +18,16 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from grader import cli, cluster, cluster_worker, rubric, traces
-from grader.batch import KILLED, Unmarked
-from grader.course import classroom
-from grader.errors import GraderError, RequestError
-from grader.evidence import Evidence
+from grader import cli
+from grader.course import classroom, cluster, cluster_worker
+from grader.course.pool import KILLED, Unmarked
+from grader.course.record import Store
+from grader.engine import rubric, traces
+from grader.engine.evidence import Evidence
+from grader.engine.results import Result
+from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
-from grader.results import Result
-from grader.store import Store
+from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
 from tests.made_up import FakeMarker, fake_marker, no_marker, submission
 
@@ -128,7 +130,7 @@ class Killer(threading.Thread):
 def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(site: Site, tmp_path: Path) -> None:
     site.staff(2)
     students = hand_in(tmp_path / "class", full=False)
-    order = classroom.Order((students,), tmp_path / "there", rubric.load(), traces.shipped(), jobs=1, trusted=True)
+    order = classroom.Order((students,), tmp_path / "there", rubric.load(LAB), traces.shipped(), jobs=1, trusted=True)
     found = classroom.find(order)
     with site.client() as client:
         killer = Killer(client)

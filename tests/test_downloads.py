@@ -11,9 +11,10 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grader.errors import RequestError
-from grader.intake.classes import Intake, read_class
+from grader.ground.errors import RequestError
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Lateness, Person
+from grader.platforms.classes import Intake, read_class
 from tests import classes
 from tests.corpus.writing import as_bytes
 
@@ -37,7 +38,7 @@ def files_of(found: Intake) -> dict[str, dict[str, bytes]]:
 
 @pytest.mark.parametrize("shape", classes.SHAPES)
 def test_every_student_of_every_shape_is_found_with_their_own_files(shape: str, tmp_path: Path) -> None:
-    found = read_class([classes.SHAPES[shape](STUDENTS, tmp_path / "in")])
+    found = read_class([classes.SHAPES[shape](STUDENTS, tmp_path / "in")], LAB.files)
     assert found.leftovers == ()
     assert len(found.entries) == len({entry.id for entry in found.entries}) == len(STUDENTS)
     assert pickle.loads(pickle.dumps(found.entries)) == found.entries
@@ -60,16 +61,16 @@ def test_every_student_of_every_shape_is_found_with_their_own_files(shape: str, 
 )
 def test_the_shape_is_told_in_one_line(shape: str, title: str, tmp_path: Path) -> None:
     path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
-    assert read_class([path]).told == (f"{path}: {title}, 7 submissions",)
+    assert read_class([path], LAB.files).told == (f"{path}: {title}, 7 submissions",)
 
 
 def test_a_plain_folder_of_folders_is_told_by_nothing(tmp_path: Path) -> None:
-    assert read_class([classes.folders(STUDENTS, tmp_path / "in")]).told == ()
+    assert read_class([classes.folders(STUDENTS, tmp_path / "in")], LAB.files).told == ()
 
 
 def test_zipped_clones_are_clones_and_one_without_a_file_is_an_empty_submission(tmp_path: Path) -> None:
     members = {"lab-a/filters.py": "a", "lab-a/.git/HEAD": "x", "lab-b/.git/": "", "__MACOSX/lab-a": "x"}
-    found = read_class([zip_of(tmp_path / "c.zip", dict(members))])
+    found = read_class([zip_of(tmp_path / "c.zip", dict(members))], LAB.files)
     assert found.told == (f"{tmp_path}/c.zip: git clones, 2 submissions",)
     assert [(entry.id, entry.read().status) for entry in found.entries] == [("lab-a", "ready"), ("lab-b", "empty")]
     assert found.leftovers == ()
@@ -80,16 +81,16 @@ def test_a_download_that_was_unpacked_is_read_as_the_zip_is(shape: str, tmp_path
     path = classes.SHAPES[shape](STUDENTS, tmp_path / "in")
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path / "unpacked")
-    packed, unpacked = read_class([path]), read_class([tmp_path / "unpacked"])
+    packed, unpacked = read_class([path], LAB.files), read_class([tmp_path / "unpacked"], LAB.files)
     assert [(e.id, e.name, e.hand_in) for e in packed.entries] == [(e.id, e.name, e.hand_in) for e in unpacked.entries]
     assert [e.read().sha256 for e in packed.entries] == [e.read().sha256 for e in unpacked.entries]
 
 
 def test_a_shape_can_be_forced_and_one_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     path = classes.moodle(STUDENTS, tmp_path / "in")
-    assert len(read_class([path], "moodle").entries) == 7
+    assert len(read_class([path], LAB.files, "moodle").entries) == 7
     with pytest.raises(RequestError) as refusal:
-        read_class([path], "canvas")
+        read_class([path], LAB.files, "canvas")
     assert str(refusal.value) == f"--from canvas: {path} does not have that shape; leave --from out"
 
 
@@ -97,8 +98,8 @@ def test_a_zip_of_folders_is_one_submission_unless_it_is_forced_to_be_a_class(tm
     inner = zip_of(tmp_path / "carol.zip", FILTERS)  # type: ignore[arg-type]
     members = {"alice/filters.py": "a", "bob/filters.py": "b", "carol.zip": inner.read_bytes(), "notes.txt": "?"}
     path = zip_of(tmp_path / "class.zip", members)
-    assert [entry.id for entry in read_class([path]).entries] == ["class"]
-    found = read_class([path], "folders")
+    assert [entry.id for entry in read_class([path], LAB.files).entries] == ["class"]
+    found = read_class([path], LAB.files, "folders")
     assert files_of(found) == {"alice": {"filters.py": b"a"}, "bob": {"filters.py": b"b"}, "carol": FILTERS}
     assert found.leftovers == (f"{path}/notes.txt: not a folder, a .zip or a .tar.gz, so whose it is cannot be told",)
 
@@ -109,7 +110,7 @@ def test_a_students_own_archive_is_never_taken_for_a_download(tmp_path: Path) ->
     room.mkdir()
     zip_of(room / "mallory.zip", {"Alice_12_assignsubmission_file_filters.py": "a", "imu_reader.py": "b"})
     zip_of(room / "bob.zip", FILTERS)  # type: ignore[arg-type]
-    assert [entry.id for entry in read_class([room]).entries] == ["bob", "mallory"]
+    assert [entry.id for entry in read_class([room], LAB.files).entries] == ["bob", "mallory"]
 
 
 def test_names_that_lead_out_of_a_download_are_listed_and_not_followed(tmp_path: Path) -> None:
@@ -117,7 +118,7 @@ def test_names_that_lead_out_of_a_download_are_listed_and_not_followed(tmp_path:
         tmp_path / "m.zip",
         {"A_1_assignsubmission_file_/filters.py": "a", "../B_2_assignsubmission_file_/filters.py": "b"},
     )
-    found = read_class([path])
+    found = read_class([path], LAB.files)
     assert [entry.id for entry in found.entries] == ["A_1"]
     assert found.leftovers == (
         f"{path}/../B_2_assignsubmission_file_/filters.py: the path leads out of the archive or names a drive",
@@ -153,7 +154,7 @@ def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
     tmp_path: Path, names: set[str], below: str, attempts: str
 ) -> None:
     members: dict[str, bytes | str] = {name + below * (i % 2): "x" for i, name in enumerate(sorted(names))}
-    found = read_class([zip_of(tmp_path / "d.zip", members)], attempts=attempts)
+    found = read_class([zip_of(tmp_path / "d.zip", members)], LAB.files, attempts=attempts)
     places = [place for entry in found.entries for place, _ in entry.sources]
     listed = {line.removeprefix(f"{tmp_path}/d.zip/").rpartition(": ")[0] for line in found.leftovers}
     known = {"submission_metadata.yml", "scores.csv"}  # the platform's own
@@ -168,7 +169,7 @@ def test_whatever_lies_in_a_download_is_somebodys_or_is_listed(
 
 
 def canvas(tmp_path: Path, *names: str) -> Intake:
-    return read_class([zip_of(tmp_path / "c.zip", {name: f"# {name}\n" for name in names})])
+    return read_class([zip_of(tmp_path / "c.zip", {name: f"# {name}\n" for name in names})], LAB.files)
 
 
 def test_canvas_names_give_who_late_and_where_feedback_goes(tmp_path: Path) -> None:
@@ -233,7 +234,7 @@ def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_pa
 def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_listed(tmp_path: Path) -> None:
     first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old", "b_2_11_filters.py": "b"})
     second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
-    found = read_class([first, second])
+    found = read_class([first, second], LAB.files)
     assert files_of(found) == {"a_1": {"filters.py": b"new"}, "b_2": {"filters.py": b"b"}}
     assert found.leftovers == (f"{first}/a_1_10_filters.py: an earlier attempt; the latest one is graded",)
 
@@ -241,14 +242,14 @@ def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_liste
 def test_all_attempts_are_found_where_the_best_is_to_count(tmp_path: Path) -> None:
     first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old"})
     second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
-    found = read_class([second, first], attempts="best")
+    found = read_class([second, first], LAB.files, attempts="best")
     assert [(e.id, e.read().files["filters.py"]) for e in found.entries] == [("a_1", b"old"), ("a_1", b"new")]
     assert found.leftovers == ()
 
 
 def test_the_same_download_twice_is_one(tmp_path: Path) -> None:
     path = zip_of(tmp_path / "m.zip", {"a_1_10_filters.py": "x"})
-    found = read_class([path, tmp_path / "." / "m.zip"])
+    found = read_class([path, tmp_path / "." / "m.zip"], LAB.files)
     assert (len(found.entries), found.leftovers) == (1, ())
 
 
@@ -262,7 +263,7 @@ def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) 
         "Jane Doe_12_assignfeedback_file/old.html": "x",
         "Only Text_13_assignsubmission_onlinetext/onlinetext.html": "<p>see attachment</p>",
     }  # fmt: skip
-    found = read_class([zip_of(tmp_path / "m.zip", dict(members))])
+    found = read_class([zip_of(tmp_path / "m.zip", dict(members))], LAB.files)
     jane, text = found.entries
     assert (jane.id, jane.name, jane.hand_in.people) == (
         "Jane_Doe_12",
@@ -285,7 +286,9 @@ def test_moodle_online_text_and_feedback_stand_beside_the_files(tmp_path: Path) 
     ],
 )
 def test_feedback_goes_back_under_the_very_name_that_came(member: str, reply: str, tmp_path: Path) -> None:
-    found = read_class([zip_of(tmp_path / "m.zip", {member: "f", "B_9_assignsubmission_file_/filters.py": "g"})])
+    found = read_class(
+        [zip_of(tmp_path / "m.zip", {member: "f", "B_9_assignsubmission_file_/filters.py": "g"})], LAB.files
+    )
     replies = {entry.id: entry.hand_in.reply for entry in found.entries}
     assert replies.get("Jane_Doe_12") == reply
 
@@ -296,7 +299,7 @@ def test_feedback_goes_back_under_the_very_name_that_came(member: str, reply: st
 def export(tmp_path: Path, records: object, *folders: str) -> Intake:
     members = {f"{folder}/filters.py": f"# {folder}\n" for folder in folders}
     text = records if isinstance(records, str) else yaml.safe_dump(records)
-    return read_class([zip_of(tmp_path / "g.zip", {**members, "submission_metadata.yml": text})])
+    return read_class([zip_of(tmp_path / "g.zip", {**members, "submission_metadata.yml": text})], LAB.files)
 
 
 def submitter(name: str, sid: str) -> dict[str, str]:
@@ -348,7 +351,7 @@ def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Pat
     (tmp_path / "scores.csv").write_text("\n".join(rows) + "\n")
     for name in ("rob-lab4-a", "rob-lab4-anna-a", "rob-lab4-new"):
         classes._clone(tmp_path / name, {"filters.py": "x"})
-    found = {entry.id: entry.hand_in for entry in read_class([tmp_path]).entries}
+    found = {entry.id: entry.hand_in for entry in read_class([tmp_path], LAB.files).entries}
     assert found["rob-lab4-a"].people == (Person("Al Short", "a", "git", email="al@example.edu", section="1"),)
     assert found["rob-lab4-anna-a"].people[0].name == "Anna Long"
     assert found["rob-lab4-anna-a"].submitted == "2026-11-21T21:00:00+00:00"
@@ -359,4 +362,4 @@ def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Pat
 def test_one_clone_is_one_submission_also_where_it_holds_another(tmp_path: Path) -> None:
     classes._clone(tmp_path / "me", {"solution.py": "x"})
     classes._clone(tmp_path / "me" / "vendored", {"tool.py": "x"})
-    assert [entry.id for entry in read_class([tmp_path / "me"]).entries] == ["me"]
+    assert [entry.id for entry in read_class([tmp_path / "me"], LAB.files).entries] == ["me"]

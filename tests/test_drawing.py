@@ -13,7 +13,7 @@ from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.ticker import FuncFormatter, MultipleLocator, ScalarFormatter
 from PIL import Image
 
-from grader.inside import drawing
+from grader.harness import drawing
 
 really_print = FigureCanvasBase.print_figure
 

@@ -13,9 +13,10 @@ from typing import Any
 
 import pytest
 
-from grader import rubric, traces
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
 from grader.intake import read_submission
-from grader.marking import Marker
+from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
@@ -44,9 +45,9 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
             os.kill(marker._box._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
         return ask(self, *question, **limits)
 
-    submission = read_submission(write(tidy(), tmp_path / "whole"))
+    submission = read_submission(write(tidy(), tmp_path / "whole"), LAB.files)
     monkeypatch.setattr(Worker, "ask", disturbed)
-    with Marker(rubric.load(), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
         if marker.isolation == "none":
             pytest.skip("there is no zygote without walls")
         result = marker.mark(submission)
@@ -59,7 +60,7 @@ import os, pathlib, sys, threading
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from grader.batch import mark_all
+from grader.course.pool import mark_all
 from tests.made_up import FakeMarker, submission
 
 @contextmanager
@@ -89,7 +90,7 @@ def test_a_marker_that_is_killed_with_a_large_submission_on_its_way_to_it_does_n
 BEFORE_ITS_FIRST_TASK = """
 import multiprocessing, os, time
 from concurrent.futures import process
-from grader.batch import mark_all
+from grader.course.pool import mark_all
 from tests.made_up import FakeMarker, submission
 
 def killed(self):

@@ -12,12 +12,12 @@ from typing import Any
 import jsonschema
 import pytest
 
-from grader.results import from_dict
+from grader.engine.results import from_dict
 from tests.examples import FOLDER, folders, summary
 from tests.made_up import without_durations
 
 SCHEMA = json.loads(
-    (Path(__file__).parent.parent / "grader" / "data" / "result.schema.json").read_text(encoding="utf-8")
+    (Path(__file__).parent.parent / "grader" / "engine" / "result.schema.json").read_text(encoding="utf-8")
 )
 
 

@@ -12,19 +12,21 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from grader import exhibits, rubric, traces
-from grader.answers import Collection, FilterRun, NoiseRun
-from grader.conversation import Conversation
-from grader.evidence import Chart, Evidence, Panel, packed, unpacked
-from grader.exhibits import filtering, motion, noise
-from grader.exhibits.points import curve, worst_of_each
+from grader.course.record import Key, Store
+from grader.engine import rubric, traces
+from grader.engine.conversation import Conversation
+from grader.engine.evidence import Chart, Evidence, Panel, packed, unpacked
+from grader.engine.marking import Marker
+from grader.engine.results import to_json
 from grader.intake import read_submission
-from grader.marking import Marker
+from grader.labs.imu import exhibits
+from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
+from grader.labs.imu.exhibits import filtering, motion, noise
+from grader.labs.imu.exhibits.points import curve, worst_of_each
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.report import charts as drawing
 from grader.report.pages import report_page
-from grader.results import to_json
-from grader.store import Key, Store
 from tests.examples import FOLDER
 from tests.made_up import SHA
 from tests.made_up import result as made_up
@@ -34,7 +36,7 @@ TRUTH = traces.shipped()
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(), TRUTH) as opened:
+    with Marker(rubric.load(LAB), TRUTH) as opened:
         yield opened
 
 
@@ -83,7 +85,7 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
 
     monkeypatch.setattr(Conversation, "ask", counted)
     monkeypatch.setattr(exhibits, "charts", gathered)
-    result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim"))
+    result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files))
     assert len(asked) > 5
     shown = unpacked(result.evidence.charts)
     assert [(chart.part, chart.title) for chart in shown] == [
@@ -105,22 +107,22 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
 
 def test_of_hidden_scenarios_nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     hidden = replace(TRUTH, name="hidden")
-    with Marker(rubric.load(), hidden) as marker:
-        result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim"), only="filtering")
+    with Marker(rubric.load(LAB), hidden) as marker:
+        result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files), only="filtering")
     assert result.score == 20
     assert result.evidence.charts == b""
     assert result.evidence.fingerprint
 
 
 def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scenarios(tmp_path: Path) -> None:
-    sheet = read_submission(FOLDER / "s01-sheet-verbatim")
+    sheet = read_submission(FOLDER / "s01-sheet-verbatim", LAB.files)
     reader = sheet.files["imu_reader.py"].decode().partition("def plot_imu_data")[0]
     plain = {
         "imu_reader.py": f"{reader}def plot_imu_data(imu_data):\n    pass\n".encode(),
         "imu_data.png": sheet.files["imu_data.png"],
         "filtered_imu.png": b"\x89PNG no picture",
     }
-    with Marker(rubric.load(), replace(TRUTH, name="hidden")) as marker:
+    with Marker(rubric.load(LAB), replace(TRUTH, name="hidden")) as marker:
         result = marker.mark(replace(sheet, files=plain), only="visualization")
     (shown,) = unpacked(result.evidence.charts)
     assert shown.title == "imu_data.png as it was handed in"
@@ -137,7 +139,7 @@ def test_charts_that_cannot_be_gathered_cost_no_mark(marker: Marker, monkeypatch
         raise ZeroDivisionError
 
     monkeypatch.setattr(exhibits, "charts", broken)
-    result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim"), only="filtering")
+    result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files), only="filtering")
     assert (result.status, result.score, result.evidence) == ("graded", 20, Evidence())
 
 

@@ -3,9 +3,10 @@ from __future__ import annotations
 import pytest
 
 from grader import cli
-from grader.feedback import catalogue
+from grader.engine.feedback import catalogue
+from grader.engine.rubric import load
 from grader.handbook import entries
-from grader.rubric import load
+from grader.labs.imu.lab import LAB
 
 Capture = pytest.CaptureFixture[str]
 
@@ -50,13 +51,13 @@ def test_without_an_id_everything_is_listed(capsys: Capture) -> None:
     code, out, _ = explained(capsys)
     listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ")}
     assert code == 0
-    assert listed == {*catalogue(), *(check.id for check in load().checks)}
+    assert listed == {*catalogue(LAB), *(check.id for check in load(LAB).checks)}
 
 
 def test_every_id_has_an_entry() -> None:
-    for id_ in [*catalogue(), *(part.id for part in load().parts), *(check.id for check in load().checks)]:
+    for id_ in [*catalogue(LAB), *(part.id for part in load(LAB).parts), *(check.id for check in load(LAB).checks)]:
         assert entries.explain(id_).startswith("# ")
 
 
 def test_every_group_of_mistakes_has_a_title() -> None:
-    assert {mistake.group for mistake in catalogue().values()} == set(entries.GROUPS)
+    assert {mistake.group for mistake in catalogue(LAB).values()} == set(entries.GROUPS)

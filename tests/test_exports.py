@@ -14,18 +14,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader import cli, traces
-from grader.batch import OpenMarker
+from grader import cli
 from grader.course import classroom
-from grader.errors import RequestError
-from grader.formats import canvas, moodle
-from grader.formats.gradescope_csv import COLUMNS, gradescope_csv
-from grader.formats.sheet import read_sheet
+from grader.course.pool import Bounds, OpenMarker
+from grader.engine import traces
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.engine.rubric import load
+from grader.ground.errors import RequestError
 from grader.intake import Submission
-from grader.marking import Marker
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
-from grader.results import Result
-from grader.rubric import load
+from grader.platforms import canvas, moodle
+from grader.platforms.gradescope import COLUMNS, gradescope_csv
+from grader.platforms.sheet import read_sheet
 from tests import classes
 from tests.made_up import check, result
 
@@ -55,7 +57,7 @@ def canvas_file(*rows: str, head: str = HEAD, points: str = POINTS) -> bytes:
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(load(), traces.obtain(None, None)) as opened:
+    with Marker(load(LAB), traces.obtain(None, None)) as opened:
         yield opened
 
 
@@ -64,7 +66,7 @@ def run(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> Run:
     """The command in this process, with one warm marker for all of its runs."""
 
     def mark_all(
-        submissions: Iterator[Submission], opener: OpenMarker, jobs: int
+        submissions: Iterator[Submission], opener: OpenMarker, jobs: int, bounds: Bounds
     ) -> Iterator[tuple[Submission, Result]]:
         return ((each, marker.mark(each)) for each in submissions)
 
@@ -332,7 +334,7 @@ def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
 
 @contextmanager
 def graded(out: Path) -> Iterator[Path]:
-    from grader.store import Key, Store
+    from grader.course.record import Key, Store
 
     with Store(out) as store:
         store.keep(Key("alice", "s", "r", "t", "0"), result())
@@ -342,7 +344,7 @@ def graded(out: Path) -> Iterator[Path]:
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["-f", "excel"], "--format excel: there is no such; choose csv, canvas, moodle, gradescope"),
+        (["-f", "excel"], "--format excel: there is no such; choose gradescope, moodle, canvas, csv"),
         (["-f", "canvas"], "--format canvas needs --template with the file that it exports"),
         (["-f", "csv", "--template", "x"], "--format csv takes no --template"),
         (

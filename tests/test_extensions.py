@@ -15,15 +15,16 @@ import pytest
 from numpy.typing import NDArray
 
 import reference
-from grader import rubric, traces, words
-from grader.diagnosis import allan as allan_diagnosis
-from grader.diagnosis import liveplot, tilting
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.intake import Submission, read_submission
-from grader.marking import Marker
+from grader.labs.imu.diagnosis import allan as allan_diagnosis
+from grader.labs.imu.diagnosis import liveplot, tilting
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
+from grader.report import words
 from grader.report.pages import report_page
-from grader.results import ExtensionResult, Result, from_dict, to_dict
-from grader.student_extensions import EXTENSIONS, attempts
 from reference.allan_variance import allan_deviation, cluster_sizes, noise_density
 from reference.complementary_filter import ComplementaryFilter, euler_rates, heading_of, tilt_of
 from reference.extension_scenarios import flicker, tilt_drifting, tilt_shaken, tilt_steep, true_tilt
@@ -48,7 +49,7 @@ def truth(tmp_path_factory: pytest.TempPathFactory) -> traces.Traces:
 
 @pytest.fixture(scope="module")
 def marker(truth: traces.Traces) -> Iterator[Marker]:
-    with Marker(rubric.load(), truth) as marker:
+    with Marker(rubric.load(LAB), truth) as marker:
         yield marker
 
 
@@ -58,7 +59,7 @@ Mark = Callable[..., Result]
 @pytest.fixture
 def mark(marker: Marker, tmp_path: Path) -> Mark:
     def marked(files: dict[str, str], *, only: str | None = None, by: Marker = marker) -> Result:
-        return by.mark(read_submission(write({**verbatim(), **files}, tmp_path / "s")), only=only)
+        return by.mark(read_submission(write({**verbatim(), **files}, tmp_path / "s"), LAB.files), only=only)
 
     return marked
 
@@ -94,7 +95,7 @@ def test_a_faulty_extension_loses_what_it_gets_wrong_and_is_told_why(
 def test_an_extension_that_never_returns_is_stopped(
     faulty: corpus.FaultyExtension, mark: Mark, truth: traces.Traces
 ) -> None:
-    shipped = rubric.load()
+    shipped = rubric.load(LAB)
     with Marker(replace(shipped, limits=rubric.Limits(1.0, 20.0)), truth) as impatient:
         result = mark({corpus.FILES[faulty.extension]: faulty.source}, only=faulty.extension, by=impatient)
     assert lost(result.extensions[0]) == set(faulty.loses)
@@ -103,28 +104,30 @@ def test_an_extension_that_never_returns_is_stopped(
 
 
 def test_every_mistake_of_an_extension_has_a_faulty_one() -> None:
-    from grader.feedback import catalogue
+    from grader.engine.feedback import catalogue
 
-    named = {id_ for id_, mistake in catalogue().items() if mistake.group == "extensions"}
+    named = {id_ for id_, mistake in catalogue(LAB).items() if mistake.group == "extensions"}
     assert named <= {faulty.mistake for faulty in corpus.FAULTY_EXTENSIONS}
-    assert {faulty.extension for faulty in corpus.FAULTY_EXTENSIONS} == set(EXTENSIONS)
+    assert {faulty.extension for faulty in corpus.FAULTY_EXTENSIONS} == {bonus.id for bonus in LAB.bonuses}
 
 
 def test_every_check_of_an_extension_has_a_faulty_one_that_loses_it() -> None:
-    ids = {check.id for extension in rubric.load().extensions for check in extension.checks}
+    ids = {check.id for extension in rubric.load(LAB).extensions for check in extension.checks}
     assert ids == {check for faulty in corpus.FAULTY_EXTENSIONS for check in faulty.loses}
 
 
 def test_the_reference_passes_all_of_its_own_extensions(marker: Marker) -> None:
-    result = marker.mark(read_submission(FOLDER))
+    result = marker.mark(read_submission(FOLDER, LAB.files))
     assert result.score == 100.0
-    assert {extension.id: lost(extension) for extension in result.extensions} == {id_: set() for id_ in EXTENSIONS}
+    assert {extension.id: lost(extension) for extension in result.extensions} == {
+        id_: set() for id_ in (bonus.id for bonus in LAB.bonuses)
+    }
     assert all(extension.attempted and extension.checks for extension in result.extensions)
 
 
 def test_without_extensions_no_question_is_asked_about_them(mark: Mark, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    monkeypatch.setattr("grader.student.Student.question", lambda self, key, name, *rest: asked.append(name))
+    monkeypatch.setattr("grader.labs.imu.student.Student.question", lambda self, key, name, *rest: asked.append(name))
     result = mark({})
     assert asked == []
     assert [(e.attempted, e.checks, e.points) for e in result.extensions] == [(False, (), 0.0)] * 4
@@ -160,7 +163,9 @@ def test_an_extension_in_another_file_counts_and_the_note_says_where(mark: Mark)
     ],
 )
 def test_an_extension_is_attempted_where_its_file_or_its_name_is(files: dict[str, bytes], attempted: bool) -> None:
-    assert attempts(files, "allan_deviation") is attempted
+    bonus = LAB.part("allan_variance")
+    assert bonus is not None
+    assert bonus.attempted_in(files) is attempted
 
 
 def test_one_fault_costs_once_a_broken_reader_does_not_spoil_the_extension_that_uses_it(mark: Mark) -> None:
@@ -178,15 +183,15 @@ def test_one_fault_costs_once_a_broken_reader_does_not_spoil_the_extension_that_
 
 
 def granted(cap: str = "10") -> rubric.Rubric:
-    text = rubric.shipped().read_text(encoding="utf-8")
+    text = rubric.shipped(LAB).read_text(encoding="utf-8")
     line = "# extra_credit: {each: 5, cap: 10}"
     assert line in text
-    return rubric.parse(text.replace(line, f"extra_credit: {{each: 5, cap: {cap}}}").encode())
+    return rubric.parse(LAB, text.replace(line, f"extra_credit: {{each: 5, cap: {cap}}}").encode())
 
 
 def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces) -> None:
     with Marker(granted(), truth) as marker:
-        result = marker.mark(read_submission(FOLDER))
+        result = marker.mark(read_submission(FOLDER, LAB.files))
     assert [(e.points, e.max_points) for e in result.extensions] == [(5.0, 5.0)] * 4
     assert (result.score, result.max_score, result.extra_credit, result.total) == (100.0, 100.0, 10.0, 110.0)
     record = to_dict(result)

@@ -4,9 +4,9 @@ import csv
 import io
 from dataclasses import replace
 
-from grader.formats.gradebook import gradebook
+from grader.engine.results import Result
 from grader.people.standing import Standing
-from grader.results import Result
+from grader.platforms.gradebook import gradebook
 from tests.made_up import check, lost, result
 
 

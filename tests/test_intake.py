@@ -18,18 +18,20 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grader.errors import RequestError
-from grader.intake import Submission, archives, classes, folders, names, pile, read_submission
-from grader.intake.classes import read_class
+from grader.ground.errors import RequestError
+from grader.intake import Submission, archives, folders, names, pile, read_submission
+from grader.labs.imu.lab import LAB
+from grader.platforms import classes
+from grader.platforms.classes import read_class
 
-LAB = {"imu_reader.py": b"import numpy\n", "noisy_imu.py": b"# noise\n", "filters.py": b"# filter\n"}
+HANDED_IN = {"imu_reader.py": b"import numpy\n", "noisy_imu.py": b"# noise\n", "filters.py": b"# filter\n"}
 POSIX = pytest.mark.skipif(os.name != "posix", reason="needs links, pipes and byte names of POSIX")
 
 Files = Mapping[str, bytes]
 Pack = Callable[[Path, Files], Path]
 
 
-def below(folder: str, files: Files = LAB) -> dict[str, bytes]:
+def below(folder: str, files: Files = HANDED_IN) -> dict[str, bytes]:
     return {f"{folder}/{name}": data for name, data in files.items()}
 
 
@@ -83,21 +85,21 @@ ARCHIVED = pytest.mark.parametrize("pack", [as_zip, as_tgz, as_tar])
 
 def read_zip(root: Path, build: Callable[[zipfile.ZipFile], None]) -> Submission:
     with zipfile.ZipFile(root / "alice.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in LAB.items():
+        for name, data in HANDED_IN.items():
             archive.writestr(name, data)
         build(archive)
-    return read_submission(root / "alice.zip")
+    return read_submission(root / "alice.zip", LAB.files)
 
 
 def read_tar(root: Path, *extra: tarfile.TarInfo) -> Submission:
     with tarfile.open(root / "alice.tar.gz", "w:gz") as archive:
         for info in extra:
             archive.addfile(info)
-        for name, data in LAB.items():
+        for name, data in HANDED_IN.items():
             info = tarfile.TarInfo(name)
             info.size = len(data)
             archive.addfile(info, io.BytesIO(data))
-    return read_submission(root / "alice.tar.gz")
+    return read_submission(root / "alice.tar.gz", LAB.files)
 
 
 # ---- where the lab's files are ----
@@ -106,45 +108,47 @@ def read_tar(root: Path, *extra: tarfile.TarInfo) -> Submission:
 @EVERY_WAY
 @pytest.mark.parametrize("folder", [".", "lab", "a/b/c/d"])
 def test_the_labs_folder_is_found_up_to_four_levels_down(tmp_path: Path, pack: Pack, folder: str) -> None:
-    submission = read_submission(pack(tmp_path, below(folder)))
+    submission = read_submission(pack(tmp_path, below(folder)), LAB.files)
     assert (submission.status, submission.id, submission.name) == ("ready", "alice", "alice")
-    assert submission.files == LAB
+    assert submission.files == HANDED_IN
     assert submission.notes == (("The lab's files were found in a/b/c/d.",) if folder == "a/b/c/d" else ())
 
 
 @EVERY_WAY
 def test_five_levels_down_nothing_is_found(tmp_path: Path, pack: Pack) -> None:
-    submission = read_submission(pack(tmp_path, below("a/b/c/d/e")))
+    submission = read_submission(pack(tmp_path, below("a/b/c/d/e")), LAB.files)
     assert (submission.status, submission.files) == ("empty", {})
     assert submission.notes == ("No .py or .ipynb file was found up to 4 folders down.",)
 
 
 def test_a_folder_and_its_archives_have_one_hash_and_other_bytes_another(tmp_path: Path) -> None:
-    hashes = {read_submission(pack(tmp_path, LAB)).sha256 for pack in (as_folder, as_zip, as_tgz, as_tar)}
+    hashes = {
+        read_submission(pack(tmp_path, HANDED_IN), LAB.files).sha256 for pack in (as_folder, as_zip, as_tgz, as_tar)
+    }
     assert len(hashes) == 1
     os.utime(tmp_path / "alice" / "filters.py", (0, 0))
-    hashes.add(read_submission(tmp_path / "alice").sha256)
+    hashes.add(read_submission(tmp_path / "alice", LAB.files).sha256)
     assert len(hashes) == 1
-    hashes.add(read_submission(as_zip(tmp_path, {**LAB, "filters.py": b"#"})).sha256)
-    hashes.add(read_submission(as_zip(tmp_path, {**LAB, "filters.pyfilter": b""})).sha256)
+    hashes.add(read_submission(as_zip(tmp_path, {**HANDED_IN, "filters.py": b"#"}), LAB.files).sha256)
+    hashes.add(read_submission(as_zip(tmp_path, {**HANDED_IN, "filters.pyfilter": b""}), LAB.files).sha256)
     assert len(hashes) == 3
 
 
 @EVERY_WAY
 def test_an_empty_submission_is_empty(tmp_path: Path, pack: Pack) -> None:
-    assert read_submission(pack(tmp_path, {})).status == "empty"
-    assert read_submission(saved(tmp_path, "x.zip", zipped({"essay.txt": b"x"}))).status == "empty"
+    assert read_submission(pack(tmp_path, {}), LAB.files).status == "empty"
+    assert read_submission(saved(tmp_path, "x.zip", zipped({"essay.txt": b"x"})), LAB.files).status == "empty"
 
 
 def test_any_program_or_notebook_makes_a_submission(tmp_path: Path) -> None:
-    assert list(read_submission(as_folder(tmp_path, {"x/lab.ipynb": b"{}"})).files) == ["lab.ipynb"]
-    assert list(read_submission(as_zip(tmp_path, {"Lab.PY": b""})).files) == ["Lab.PY"]
-    assert list(read_submission(saved(tmp_path, "one.py", b"x = 1")).files) == ["one.py"]
+    assert list(read_submission(as_folder(tmp_path, {"x/lab.ipynb": b"{}"}), LAB.files).files) == ["lab.ipynb"]
+    assert list(read_submission(as_zip(tmp_path, {"Lab.PY": b""}), LAB.files).files) == ["Lab.PY"]
+    assert list(read_submission(saved(tmp_path, "one.py", b"x = 1"), LAB.files).files) == ["one.py"]
 
 
 def test_required_files_come_before_other_programs(tmp_path: Path) -> None:
-    submission = read_submission(as_folder(tmp_path, {"run.py": b"", **below("src")}))
-    assert list(submission.files) == [*sorted(LAB), "run.py"]
+    submission = read_submission(as_folder(tmp_path, {"run.py": b"", **below("src")}), LAB.files)
+    assert list(submission.files) == [*sorted(HANDED_IN), "run.py"]
     assert submission.notes == ("The lab's files were found in src; looked at with them: run.py.",)
 
 
@@ -153,8 +157,8 @@ def test_what_lies_beside_the_labs_folder_comes_with_it_by_its_path_there(tmp_pa
     beside = {"config.py": b"DT = 0.002", "tools/io.py": b"", "imu_data.png": b"\x89PNG", "run.ipynb": b"{}"}
     above = {"hw/filters.py/x.py": b"", "config.py": b"above", "settings.toml": b"", "old/try.ipynb": b"{}"}
     files = {**below("hw/src"), **below("hw", beside), **above, "hw/__init__.py": b"raise SystemExit"}
-    submission = read_submission(pack(tmp_path, files))
-    assert submission.files == {**LAB, **beside, "settings.toml": b""}
+    submission = read_submission(pack(tmp_path, files), LAB.files)
+    assert submission.files == {**HANDED_IN, **beside, "settings.toml": b""}
     assert submission.origin("config.py") == "hw/config.py"
     assert submission.origin("settings.toml") == "settings.toml"
     assert submission.origin("imu_reader.py") == "hw/src/imu_reader.py"
@@ -163,13 +167,15 @@ def test_what_lies_beside_the_labs_folder_comes_with_it_by_its_path_there(tmp_pa
 def test_of_files_with_one_name_the_nearest_to_the_lab_is_taken(tmp_path: Path) -> None:
     three = {"far.py": b"3", "near.py": b"3", "here.py": b"3"}
     two = {"hw/near.py": b"2", "hw/here.py": b"2"}
-    submission = read_submission(as_zip(tmp_path, {**three, **two, "hw/src/here.py": b"1", **below("hw/src")}))
-    assert submission.files == {**LAB, "far.py": b"3", "near.py": b"2", "here.py": b"1"}
+    submission = read_submission(
+        as_zip(tmp_path, {**three, **two, "hw/src/here.py": b"1", **below("hw/src")}), LAB.files
+    )
+    assert submission.files == {**HANDED_IN, "far.py": b"3", "near.py": b"2", "here.py": b"1"}
 
 
 def test_programs_of_other_names_in_several_folders_are_one_submission(tmp_path: Path) -> None:
     files = {"reader/imu.py": b"1", "noise/model.py": b"2", "noise/extra.py": b"3"}
-    submission = read_submission(as_zip(tmp_path, files))
+    submission = read_submission(as_zip(tmp_path, files), LAB.files)
     assert submission.files == {"model.py": b"2", "extra.py": b"3", "reader/imu.py": b"1"}
 
 
@@ -180,7 +186,7 @@ def test_the_labs_files_in_several_folders_are_one_submission(tmp_path: Path) ->
         "step6/filters.py": b"6",
         "step6/b/filters.py": b"b",
     }
-    submission = read_submission(as_zip(tmp_path, files))
+    submission = read_submission(as_zip(tmp_path, files), LAB.files)
     assert submission.files == {
         "imu_reader.py": b"2",
         "step5/noisy_imu.py": b"5",
@@ -193,22 +199,28 @@ def test_the_labs_files_in_several_folders_are_one_submission(tmp_path: Path) ->
 
 
 def test_of_two_folders_the_shallower_one_is_taken_and_the_other_named(tmp_path: Path) -> None:
-    submission = read_submission(as_zip(tmp_path, {"new/filters.py": b"new", **below("old/lab")}))
+    submission = read_submission(as_zip(tmp_path, {"new/filters.py": b"new", **below("old/lab")}), LAB.files)
     assert submission.files == {"filters.py": b"new"}
     assert submission.notes == ("More than one folder holds the lab's files: new was graded, not old/lab.",)
 
 
 def test_of_two_folders_side_by_side_the_more_complete_one_is_taken(tmp_path: Path) -> None:
     submission = read_submission(
-        as_zip(tmp_path, {"a/filters.py": b"a", **dict.fromkeys(("a/1.py", "a/2.py", "a/3.py"), b""), **below("b")})
+        as_zip(tmp_path, {"a/filters.py": b"a", **dict.fromkeys(("a/1.py", "a/2.py", "a/3.py"), b""), **below("b")}),
+        LAB.files,
     )
-    assert submission.files == LAB
+    assert submission.files == HANDED_IN
     assert submission.notes == ("More than one folder holds the lab's files: b was graded, not a.",)
 
 
 def test_sub_folders_and_other_files_are_kept(tmp_path: Path) -> None:
-    files = {**LAB, "imu_data.png": b"\x89PNG", "models/humanoid-sensors.xml": b"<mujoco/>", "data/run.csv": b"1,2"}
-    assert read_submission(as_tgz(tmp_path, below("lab", files))).files == files
+    files = {
+        **HANDED_IN,
+        "imu_data.png": b"\x89PNG",
+        "models/humanoid-sensors.xml": b"<mujoco/>",
+        "data/run.csv": b"1,2",
+    }
+    assert read_submission(as_tgz(tmp_path, below("lab", files)), LAB.files).files == files
 
 
 @EVERY_WAY
@@ -223,8 +235,8 @@ def test_what_tools_leave_behind_is_dropped_without_a_word(tmp_path: Path, pack:
         "lab/.DS_Store",
         "lab/Thumbs.db",
     ]
-    submission = read_submission(pack(tmp_path, {**dict.fromkeys(litter, b"x"), **below("lab")}))
-    assert (submission.files, submission.notes) == (LAB, ())
+    submission = read_submission(pack(tmp_path, {**dict.fromkeys(litter, b"x"), **below("lab")}), LAB.files)
+    assert (submission.files, submission.notes) == (HANDED_IN, ())
 
 
 # ---- archives in archives ----
@@ -239,25 +251,25 @@ def nested(times: int) -> bytes:
 
 @pytest.mark.parametrize("times", [1, 2])
 def test_an_archive_alone_in_a_folder_is_opened_twice_at_most(tmp_path: Path, times: int) -> None:
-    submission = read_submission(as_folder(tmp_path, {"Homework/lab.zip": nested(times), ".DS_Store": b"x"}))
-    assert submission.files == LAB
+    submission = read_submission(as_folder(tmp_path, {"Homework/lab.zip": nested(times), ".DS_Store": b"x"}), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes[0] == "The submission is in Homework/lab.zip, which was opened."
     assert len(submission.notes) == times
 
 
 def test_a_third_archive_is_not_opened(tmp_path: Path) -> None:
-    submission = read_submission(as_folder(tmp_path, {"lab.zip": nested(3)}))
+    submission = read_submission(as_folder(tmp_path, {"lab.zip": nested(3)}), LAB.files)
     assert submission.status == "unreadable"
     assert submission.notes == ("inner1.zip is an archive in an archive in an archive; hand in the files.",)
 
 
 def test_an_archive_beside_a_picture_is_opened(tmp_path: Path) -> None:
-    submission = read_submission(as_folder(tmp_path, {"lab.zip": nested(1), "imu_data.png": b"x"}))
-    assert submission.files == LAB
+    submission = read_submission(as_folder(tmp_path, {"lab.zip": nested(1), "imu_data.png": b"x"}), LAB.files)
+    assert submission.files == HANDED_IN
 
 
 def test_one_of_two_archives_is_not_picked(tmp_path: Path) -> None:
-    submission = read_submission(as_folder(tmp_path, {"lab.zip": nested(1), "old.zip": nested(1)}))
+    submission = read_submission(as_folder(tmp_path, {"lab.zip": nested(1), "old.zip": nested(1)}), LAB.files)
     assert (submission.status, submission.notes) == (
         "empty",
         (
@@ -268,10 +280,10 @@ def test_one_of_two_archives_is_not_picked(tmp_path: Path) -> None:
 
 
 def test_an_archive_of_another_kind_is_unreadable(tmp_path: Path) -> None:
-    submission = read_submission(as_folder(tmp_path, {"lab.rar": b"Rar!"}))
+    submission = read_submission(as_folder(tmp_path, {"lab.rar": b"Rar!"}), LAB.files)
     assert submission.status == "unreadable"
     assert submission.notes == ("lab.rar is an archive of a kind that is not opened; hand in a .zip.",)
-    alone = read_submission(saved(tmp_path, "bob.7z", b"7z"))
+    alone = read_submission(saved(tmp_path, "bob.7z", b"7z"), LAB.files)
     assert (alone.status, alone.notes) == (
         "unreadable",
         ("bob.7z is not a folder, a .zip or a .tar.gz; hand in one of these.",),
@@ -279,9 +291,9 @@ def test_an_archive_of_another_kind_is_unreadable(tmp_path: Path) -> None:
 
 
 def test_the_first_bytes_tell_an_archives_kind(tmp_path: Path) -> None:
-    assert read_submission(saved(tmp_path, "a.zip", tarred(LAB))).files == LAB
-    assert read_submission(saved(tmp_path, "b.tar.gz", zipped(LAB))).files == LAB
-    assert read_submission(saved(tmp_path, "c.tgz", tarred(LAB, "w"))).files == LAB
+    assert read_submission(saved(tmp_path, "a.zip", tarred(HANDED_IN)), LAB.files).files == HANDED_IN
+    assert read_submission(saved(tmp_path, "b.tar.gz", zipped(HANDED_IN)), LAB.files).files == HANDED_IN
+    assert read_submission(saved(tmp_path, "c.tgz", tarred(HANDED_IN, "w")), LAB.files).files == HANDED_IN
 
 
 # ---- names that lead elsewhere ----
@@ -290,16 +302,16 @@ def test_the_first_bytes_tell_an_archives_kind(tmp_path: Path) -> None:
 @ARCHIVED
 @pytest.mark.parametrize("name", ["../evil.py", "/etc/evil.py", "a/../../evil.py", "C:/evil.py", "c:evil.py"])
 def test_a_path_out_of_the_archive_is_not_read(tmp_path: Path, pack: Pack, name: str) -> None:
-    submission = read_submission(pack(tmp_path, {name: b"evil", **LAB}))
-    assert submission.files == LAB
+    submission = read_submission(pack(tmp_path, {name: b"evil", **HANDED_IN}), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == (f"Not read, because the path leads out of the archive or names a drive: {name}.",)
     assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_a_path_with_a_nul_is_not_cut_there(tmp_path: Path) -> None:
-    data = zipped({"filters.py_x": b"evil", **LAB}).replace(b"filters.py_x", b"filters.py\0x")
-    submission = read_submission(saved(tmp_path, "alice.zip", data))
-    assert submission.files == LAB
+    data = zipped({"filters.py_x": b"evil", **HANDED_IN}).replace(b"filters.py_x", b"filters.py\0x")
+    submission = read_submission(saved(tmp_path, "alice.zip", data), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == (
         "Not read, because the path leads out of the archive or names a drive: filters.py\\x00x.",
     )
@@ -308,13 +320,13 @@ def test_a_path_with_a_nul_is_not_cut_there(tmp_path: Path) -> None:
 def test_backslashes_of_windows_tools_separate_folders(tmp_path: Path) -> None:
     def packed(system: int) -> Submission:
         with zipfile.ZipFile(tmp_path / "alice.zip", "w") as archive:
-            for name, data in LAB.items():
+            for name, data in HANDED_IN.items():
                 info = zipfile.ZipInfo("x")
                 info.filename, info.create_system = f"lab\\{name}", system
                 archive.writestr(info, data)
-        return read_submission(tmp_path / "alice.zip")
+        return read_submission(tmp_path / "alice.zip", LAB.files)
 
-    assert packed(0).files == LAB
+    assert packed(0).files == HANDED_IN
     assert packed(3).status == "empty"
 
 
@@ -322,20 +334,20 @@ def test_backslashes_of_windows_tools_separate_folders(tmp_path: Path) -> None:
     "name", ["aux.py", "NUL", "com1.txt", "lpt¹", "a:b.py", "what?.py", "end.", "tab\t.py", 'q".py']
 )
 def test_a_name_that_not_every_system_can_hold_is_left_out(tmp_path: Path, name: str) -> None:
-    submission = read_submission(as_tgz(tmp_path, below("lab", {name: b"x", **LAB})))
-    assert submission.files == LAB
+    submission = read_submission(as_tgz(tmp_path, below("lab", {name: b"x", **HANDED_IN})), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == (
         f"Not read, because not every system can have a file of that name: {name.replace(chr(9), chr(92) + 'x09')}.",
     )
 
 
 def test_the_name_of_the_labs_own_folder_does_not_matter(tmp_path: Path) -> None:
-    assert read_submission(as_tgz(tmp_path, below("Lab 04: IMU?"))).files == LAB
+    assert read_submission(as_tgz(tmp_path, below("Lab 04: IMU?")), LAB.files).files == HANDED_IN
 
 
 def test_names_that_differ_in_case_alone_are_one(tmp_path: Path) -> None:
-    submission = read_submission(as_zip(tmp_path, {"Filters.py": b"other", **LAB}))
-    assert submission.files == LAB
+    submission = read_submission(as_zip(tmp_path, {"Filters.py": b"other", **HANDED_IN}), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == (
         "Not read, because another name differs from it in upper and lower case only: Filters.py.",
     )
@@ -344,8 +356,8 @@ def test_names_that_differ_in_case_alone_are_one(tmp_path: Path) -> None:
 @ARCHIVED
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 def test_of_a_name_that_stands_twice_the_last_one_counts(tmp_path: Path, pack: Pack) -> None:
-    submission = read_submission(pack(tmp_path, {**LAB, "./filters.py": b"last"}))
-    assert submission.files == {**LAB, "filters.py": b"last"}
+    submission = read_submission(pack(tmp_path, {**HANDED_IN, "./filters.py": b"last"}), LAB.files)
+    assert submission.files == {**HANDED_IN, "filters.py": b"last"}
     assert submission.notes == (
         "Not read, because the name stands twice in the archive, and the last one counts: filters.py.",
     )
@@ -353,54 +365,54 @@ def test_of_a_name_that_stands_twice_the_last_one_counts(tmp_path: Path, pack: P
 
 @ARCHIVED
 def test_a_file_in_the_way_of_a_folder_gives_way(tmp_path: Path, pack: Pack) -> None:
-    submission = read_submission(pack(tmp_path, {"data": b"x", "data/run.csv": b"1", **LAB}))
-    assert submission.files == {"data/run.csv": b"1", **LAB}
+    submission = read_submission(pack(tmp_path, {"data": b"x", "data/run.csv": b"1", **HANDED_IN}), LAB.files)
+    assert submission.files == {"data/run.csv": b"1", **HANDED_IN}
 
 
 @POSIX
 def test_names_that_are_not_utf8_do_no_harm(tmp_path: Path) -> None:
     folder = os.fsencode(as_folder(tmp_path, {}))
     os.mkdir(folder + b"/Mar\xeda")
-    for name, data in LAB.items():
+    for name, data in HANDED_IN.items():
         with open(folder + b"/Mar\xeda/" + name.encode(), "wb") as stream:
             stream.write(data)
     with open(folder + b"/Mar\xeda/r\xe9sum\xe9.txt", "wb"):
         pass
-    submission = read_submission(tmp_path / "alice")
-    assert submission.files == {"r_sum_.txt": b"", **LAB}
+    submission = read_submission(tmp_path / "alice", LAB.files)
+    assert submission.files == {"r_sum_.txt": b"", **HANDED_IN}
     os.rename(folder, folder + b"\xff")
-    (entry,) = read_class([tmp_path]).entries
+    (entry,) = read_class([tmp_path], LAB.files).entries
     assert (entry.id, entry.name) == ("alice_", "alice\ufffd")
     assert entry.read().files == submission.files
 
 
 def test_utf8_names_of_a_zip_that_does_not_say_so_are_read(tmp_path: Path) -> None:
-    data = zipped({**LAB, "données.csv": b"1"})
+    data = zipped({**HANDED_IN, "données.csv": b"1"})
     central, local = data.rindex(b"PK\1\2"), data.rindex(b"PK\3\4")
     undeclared = bytearray(data)
     undeclared[central + 9] &= ~0x08
     undeclared[local + 7] &= ~0x08
-    assert "données.csv" in read_submission(saved(tmp_path, "alice.zip", bytes(undeclared))).files
+    assert "données.csv" in read_submission(saved(tmp_path, "alice.zip", bytes(undeclared)), LAB.files).files
 
 
 def test_a_zip_whose_names_are_not_what_they_say_is_no_crash(tmp_path: Path) -> None:
-    data = zipped({"é" * 4: b"", **LAB}).replace("é".encode() * 4, b"\xff" * 8)
-    assert read_submission(saved(tmp_path, "alice.zip", data)).status in {"ready", "unreadable"}
+    data = zipped({"é" * 4: b"", **HANDED_IN}).replace("é".encode() * 4, b"\xff" * 8)
+    assert read_submission(saved(tmp_path, "alice.zip", data), LAB.files).status in {"ready", "unreadable"}
 
 
 @ARCHIVED
 @pytest.mark.parametrize("name", ["d/" * 16 + "x.py", "x" * 256 + ".py", "é" * 128 + ".py", "/".join(["y" * 200] * 6)])
 def test_a_path_too_long_or_too_deep_is_left_out(tmp_path: Path, pack: Pack, name: str) -> None:
-    submission = read_submission(pack(tmp_path, {name: b"x", **LAB}))
-    assert submission.files == LAB
+    submission = read_submission(pack(tmp_path, {name: b"x", **HANDED_IN}), LAB.files)
+    assert submission.files == HANDED_IN
     assert len(submission.notes) == 1
     assert submission.notes[0].startswith("Not read, because the path is too long or too deep: ")
     assert len(submission.notes[0]) < 250
 
 
 def test_a_name_of_a_megabyte_in_a_tar_is_not_read(tmp_path: Path) -> None:
-    submission = read_submission(as_tgz(tmp_path, {**LAB, "x" * 1_000_000: b""}))
-    assert submission.files == LAB
+    submission = read_submission(as_tgz(tmp_path, {**HANDED_IN, "x" * 1_000_000: b""}), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == ("alice.tar.gz was read in part: its names and attributes are too long.",)
 
 
@@ -414,15 +426,18 @@ def test_records_that_take_quadratic_time_are_bounded_together(tmp_path: Path, m
     submission = read_tar(tmp_path, *extra)
     assert submission.notes[-1] == "alice.tar.gz was read in part: its names and attributes are too long."
     monkeypatch.undo()
-    assert read_submission(tmp_path / "alice.tar.gz").notes == ()
+    assert read_submission(tmp_path / "alice.tar.gz", LAB.files).notes == ()
 
 
 def test_letters_that_macos_takes_apart_are_put_together(tmp_path: Path) -> None:
-    assert "donn\u00e9es.csv" in read_submission(as_tgz(tmp_path, {"donne\u0301es.csv": b"1", **LAB})).files
+    assert (
+        "donn\u00e9es.csv"
+        in read_submission(as_tgz(tmp_path, {"donne\u0301es.csv": b"1", **HANDED_IN}), LAB.files).files
+    )
 
 
 def test_a_name_with_control_characters_is_told_in_print(tmp_path: Path) -> None:
-    submission = read_submission(as_tgz(tmp_path, {"\x1b]0;x\x07\u202e.py": b"", **LAB}))
+    submission = read_submission(as_tgz(tmp_path, {"\x1b]0;x\x07\u202e.py": b"", **HANDED_IN}), LAB.files)
     assert submission.notes == (
         "Not read, because not every system can have a file of that name: \\x1b]0;x\\x07\\u202e.py.",
     )
@@ -435,15 +450,15 @@ def test_a_name_with_control_characters_is_told_in_print(tmp_path: Path) -> None
 def test_links_pipes_and_sockets_of_a_folder_are_not_opened(tmp_path: Path) -> None:
     (tmp_path / "secret").mkdir()
     secret = saved(tmp_path / "secret", "solution.py", b"secret")
-    folder = as_folder(tmp_path, LAB)
+    folder = as_folder(tmp_path, HANDED_IN)
     (folder / "a.py").symlink_to(secret)
     (folder / "b").symlink_to(secret.parent)
     (folder / "c.py").symlink_to(folder / "c.py")
     os.mkfifo(folder / "pipe.py")
     with socket.socket(socket.AF_UNIX) as server:
         server.bind(os.path.relpath(folder / "socket"))
-        submission = read_submission(folder)
-    assert submission.files == LAB
+        submission = read_submission(folder, LAB.files)
+    assert submission.files == HANDED_IN
     assert sorted(submission.notes) == [
         "Not read, because devices, pipes and sockets are never opened: pipe.py, socket.",
         "Not read, because links are never followed: a.py, b, c.py.",
@@ -459,7 +474,7 @@ def test_a_link_in_the_place_of_a_listed_file_is_not_followed(tmp_path: Path) ->
 
 
 def test_a_file_that_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = as_folder(tmp_path, {**LAB, "locked.csv": b"x"})
+    folder = as_folder(tmp_path, {**HANDED_IN, "locked.csv": b"x"})
     opened = os.open
 
     def refusing(path: str, flags: int) -> int:  # root, as whom tests may run, is refused nothing
@@ -468,7 +483,7 @@ def test_a_file_that_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytes
         return opened(path, flags)
 
     monkeypatch.setattr(os, "open", refusing)
-    assert read_submission(folder).notes == (
+    assert read_submission(folder, LAB.files).notes == (
         "Not read, because the system refused it (Permission denied): locked.csv.",
     )
 
@@ -481,7 +496,7 @@ def test_links_and_devices_of_a_zip_are_not_read(tmp_path: Path) -> None:
             archive.writestr(info, "/etc/passwd")
 
     submission = read_zip(tmp_path, build)
-    assert submission.files == LAB
+    assert submission.files == HANDED_IN
     assert submission.notes == (
         "Not read, because links are never followed: link.py.",
         "Not read, because devices, pipes and sockets are never opened: pipe.py.",
@@ -502,7 +517,7 @@ def test_links_and_devices_of_a_tar_are_not_read(tmp_path: Path) -> None:
         info.type, info.linkname = kind, "/etc/passwd"
         extra.append(info)
     submission = read_tar(tmp_path, *extra)
-    assert submission.files == LAB
+    assert submission.files == HANDED_IN
     assert submission.notes == (
         "Not read, because links are never followed: soft.py, hard.py.",
         "Not read, because devices, pipes and sockets are never opened: pipe.py, disk.py, tty.py.",
@@ -513,11 +528,11 @@ def test_links_and_devices_of_a_tar_are_not_read(tmp_path: Path) -> None:
 
 
 def test_a_file_over_the_limit_is_left_out(tmp_path: Path) -> None:
-    folder = as_folder(tmp_path, LAB)
+    folder = as_folder(tmp_path, HANDED_IN)
     with open(folder / "video.mp4", "wb") as stream:
         stream.truncate(pile.MAX_FILE + 1)
-    submission = read_submission(folder)
-    assert submission.files == LAB
+    submission = read_submission(folder, LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == ("Not read, because the file is larger than 16 MB: video.mp4.",)
 
 
@@ -526,9 +541,9 @@ def test_data_never_crowds_out_code(tmp_path: Path, pack: Pack, monkeypatch: pyt
     monkeypatch.setattr(pile, "MAX_FILES", 5)
     monkeypatch.setattr(pile.Room, "__init__", lambda room: room.__dict__.update(files=5, bytes=1000))
     data = {f"data/{n:02}.csv": b"x" for n in range(20)}
-    submission = read_submission(pack(tmp_path, {**data, **LAB}))
+    submission = read_submission(pack(tmp_path, {**data, **HANDED_IN}), LAB.files)
     assert len(submission.files) == 5 + 3
-    assert submission.files.items() >= LAB.items()
+    assert submission.files.items() >= HANDED_IN.items()
     assert submission.notes == (
         "Not read, because the submission holds more than 2,000 files or 64 MB:"
         " data/05.csv, data/06.csv, data/07.csv and 12 more.",
@@ -564,24 +579,26 @@ def test_a_bomb_costs_no_more_than_the_limits(tmp_path: Path, monkeypatch: pytes
 def test_a_zip_that_unpacks_to_too_much_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archives, "MAX_UNPACKED", 2 * pile.MB)
     zeros = {f"{n}.bin": bytes(pile.MB) for n in range(5)}
-    submission = read_submission(as_zip(tmp_path, {**zeros, **LAB}))
-    assert set(LAB) < set(submission.files)
+    submission = read_submission(as_zip(tmp_path, {**zeros, **HANDED_IN}), LAB.files)
+    assert set(HANDED_IN) < set(submission.files)
     assert submission.notes == ("alice.zip was read in part: it unpacks to more than 2 MB.",)
 
 
 def test_a_tar_that_unpacks_to_too_much_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archives, "MAX_UNPACKED", pile.MB)
-    submission = read_submission(as_tgz(tmp_path, {**LAB, "zeros.bin": bytes(3 * pile.MB), "late.py": b""}))
-    assert submission.files == LAB
+    submission = read_submission(
+        as_tgz(tmp_path, {**HANDED_IN, "zeros.bin": bytes(3 * pile.MB), "late.py": b""}), LAB.files
+    )
+    assert submission.files == HANDED_IN
     assert submission.notes == ("alice.tar.gz was read in part: it unpacks to more than 1 MB.",)
 
 
 def test_a_file_that_claims_to_be_small_is_cut_off(tmp_path: Path) -> None:
-    data = bytearray(zipped({"zeros.bin": bytes(pile.MAX_FILE + pile.MB), **LAB}))
+    data = bytearray(zipped({"zeros.bin": bytes(pile.MAX_FILE + pile.MB), **HANDED_IN}))
     central = data.index(b"PK\1\2")
     data[central + 24 : central + 28] = struct.pack("<L", 10)
-    submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)))
-    assert submission.files == LAB
+    submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == ("Not read, because the file is damaged in the archive: zeros.bin.",)
 
 
@@ -590,7 +607,7 @@ def test_a_table_of_contents_of_any_claimed_size_is_not_read_whole(
 ) -> None:
     monkeypatch.setattr(archives, "MAX_DIRECTORY", 100_000)
     many = {f"{n}": b"" for n in range(3_000)}
-    submission = read_submission(as_zip(tmp_path, {**many, **LAB}))
+    submission = read_submission(as_zip(tmp_path, {**many, **HANDED_IN}), LAB.files)
     assert submission.status == "unreadable"
     assert submission.notes == ("alice.zip is not a readable zip or tar archive; make it again.",)
 
@@ -600,18 +617,18 @@ def test_a_sparse_file_of_a_tar_is_not_filled_with_zeros(tmp_path: Path) -> None
     info.pax_headers = {"GNU.sparse.major": "0", "GNU.sparse.size": "1000", "GNU.sparse.map": "0,0"}
     with tarfile.open(tmp_path / "alice.tar", "w", format=tarfile.PAX_FORMAT) as archive:
         archive.addfile(info)
-        for name, data in LAB.items():
+        for name, data in HANDED_IN.items():
             plain = tarfile.TarInfo(name)
             plain.size = len(data)
             archive.addfile(plain, io.BytesIO(data))
-    submission = read_submission(tmp_path / "alice.tar")
-    assert submission.files == LAB
+    submission = read_submission(tmp_path / "alice.tar", LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == ("Not read, because the file is stored with gaps: huge.py.",)
 
 
 def test_a_folder_of_very_many_files_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(folders, "MAX_ENTRIES", 5)
-    submission = read_submission(as_folder(tmp_path, {**LAB, **{f"z{n}.csv": b"" for n in range(9)}}))
+    submission = read_submission(as_folder(tmp_path, {**HANDED_IN, **{f"z{n}.csv": b"" for n in range(9)}}), LAB.files)
     assert submission.notes[-1] == "The folder holds more than 5 names; the rest was not read."
 
 
@@ -619,13 +636,13 @@ def test_a_folder_of_very_many_files_is_read_in_part(tmp_path: Path, monkeypatch
 
 
 def test_an_encrypted_zip_is_unreadable(tmp_path: Path) -> None:
-    data = bytearray(zipped(LAB))
+    data = bytearray(zipped(HANDED_IN))
     for magic, flags in ((b"PK\1\2", 8), (b"PK\3\4", 6)):
         at = data.find(magic)
         while at >= 0:
             data[at + flags] |= 1
             at = data.find(magic, at + 1)
-    submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)))
+    submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)), LAB.files)
     assert submission.status == "unreadable"
     assert submission.notes == (
         "No .py or .ipynb file was found up to 4 folders down.",
@@ -635,69 +652,69 @@ def test_an_encrypted_zip_is_unreadable(tmp_path: Path) -> None:
 
 def test_a_file_packed_in_another_way_is_named(tmp_path: Path) -> None:
     submission = read_zip(tmp_path, lambda archive: archive.writestr("x.csv", b"1" * 99, zipfile.ZIP_LZMA))
-    assert submission.files == LAB
+    assert submission.files == HANDED_IN
     assert submission.notes == ("Not read, because the file is packed with a method that is not read: x.csv.",)
 
 
 def test_a_file_with_a_wrong_checksum_is_named_and_the_others_count(tmp_path: Path) -> None:
-    data = bytearray(zipped(LAB))
+    data = bytearray(zipped(HANDED_IN))
     data[data.index(b"imu_reader.py") + len("imu_reader.py") + 2] ^= 0xFF
-    submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)))
+    submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)), LAB.files)
     assert (submission.status, sorted(submission.files)) == ("ready", ["filters.py", "noisy_imu.py"])
     assert submission.notes == ("Not read, because the file is damaged in the archive: imu_reader.py.",)
 
 
 @pytest.mark.parametrize("kept", [0, 1, 2, 30, 0.5, 0.9])
 def test_a_truncated_zip_is_unreadable(tmp_path: Path, kept: float) -> None:
-    data = zipped(LAB)
+    data = zipped(HANDED_IN)
     cut = data[: int(kept if kept >= 1 else len(data) * kept)]
-    submission = read_submission(saved(tmp_path, "alice.zip", cut))
+    submission = read_submission(saved(tmp_path, "alice.zip", cut), LAB.files)
     assert submission.status == "unreadable"
     assert submission.notes == ("alice.zip is not a readable zip or tar archive; make it again.",)
 
 
 def test_what_comes_before_the_end_of_a_truncated_tar_counts(tmp_path: Path) -> None:
     noise = os.urandom(200_000)
-    data = tarred({**LAB, "noise.bin": noise})
-    submission = read_submission(saved(tmp_path, "alice.tar.gz", data[: len(data) // 2]))
-    assert submission.files == LAB
+    data = tarred({**HANDED_IN, "noise.bin": noise})
+    submission = read_submission(saved(tmp_path, "alice.tar.gz", data[: len(data) // 2]), LAB.files)
+    assert submission.files == HANDED_IN
     assert submission.notes == ("alice.tar.gz is damaged; the files before the damage were read.",)
 
 
 def test_a_wrong_checksum_of_a_gzip_is_told(tmp_path: Path) -> None:
-    data = bytearray(tarred(LAB))
+    data = bytearray(tarred(HANDED_IN))
     data[-8] ^= 0xFF
-    submission = read_submission(saved(tmp_path, "alice.tar.gz", bytes(data)))
+    submission = read_submission(saved(tmp_path, "alice.tar.gz", bytes(data)), LAB.files)
     assert submission.notes == ("alice.tar.gz is damaged; the files before the damage were read.",)
 
 
 def test_a_gzip_of_something_else_is_unreadable(tmp_path: Path) -> None:
-    submission = read_submission(saved(tmp_path, "alice.tgz", gzip.compress(b"hello" * 999)))
+    submission = read_submission(saved(tmp_path, "alice.tgz", gzip.compress(b"hello" * 999)), LAB.files)
     assert (submission.status, submission.files) == ("unreadable", {})
 
 
 def test_another_fault_makes_another_record(tmp_path: Path) -> None:
-    broken = read_submission(saved(tmp_path, "a.zip", b"PK"))
-    empty = read_submission(as_folder(tmp_path, {}))
+    broken = read_submission(saved(tmp_path, "a.zip", b"PK"), LAB.files)
+    empty = read_submission(as_folder(tmp_path, {}), LAB.files)
     assert broken.sha256 != empty.sha256
 
 
 @POSIX
 def test_what_is_neither_file_nor_folder_is_unreadable(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.zip")
-    submission = read_submission(tmp_path / "pipe.zip")
+    submission = read_submission(tmp_path / "pipe.zip", LAB.files)
     assert submission.notes == ("pipe.zip is neither a file nor a folder; hand in a folder or a .zip of it.",)
 
 
 @pytest.mark.parametrize("name", ["none", "a\0b", "no/such/place.zip"])
 def test_a_path_to_nothing_is_a_wrong_request(tmp_path: Path, name: str) -> None:
     with pytest.raises(RequestError, match=r"there is no such file or folder; check the path$"):
-        read_submission(tmp_path / name)
+        read_submission(tmp_path / name, LAB.files)
     with pytest.raises(RequestError, match=r"there is no such file or folder; check the path$"):
-        read_class([tmp_path / name])
+        read_class([tmp_path / name], LAB.files)
 
 
-SEEDS = [zipped(below("lab")), tarred(below("lab")), tarred(LAB, "w"), nested(2)]
+SEEDS = [zipped(below("lab")), tarred(below("lab")), tarred(HANDED_IN, "w"), nested(2)]
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -712,7 +729,7 @@ SEEDS = [zipped(below("lab")), tarred(below("lab")), tarred(LAB, "w"), nested(2)
     st.sampled_from(["x.zip", "x.tar.gz", "x.tar"]),
 )
 def test_any_bytes_are_a_submission(tmp_path: Path, data: bytes, name: str) -> None:
-    submission = read_submission(saved(tmp_path, name, data))
+    submission = read_submission(saved(tmp_path, name, data), LAB.files)
     assert submission.status in {"ready", "empty", "unreadable"}
     assert (submission.status == "ready") == bool(submission.files)
     assert submission.files or submission.notes
@@ -736,16 +753,16 @@ def make_class(root: Path) -> Path:
     room = root / "class"
     for student in ("bob", "Alice", "empty"):
         (room / student).mkdir(parents=True)
-    as_folder(room / "bob", LAB)
+    as_folder(room / "bob", HANDED_IN)
     saved(room / "Alice", "filters.py", b"")
-    saved(room, "carol.zip", zipped(LAB))
-    saved(room, "dave.tar.gz", tarred(LAB))
+    saved(room, "carol.zip", zipped(HANDED_IN))
+    saved(room, "dave.tar.gz", tarred(HANDED_IN))
     return room
 
 
 def test_a_class_is_found_in_the_order_of_its_names(tmp_path: Path) -> None:
     room = make_class(tmp_path)
-    found = read_class([room])
+    found = read_class([room], LAB.files)
     assert [entry.name for entry in found.entries] == ["Alice", "bob", "carol", "dave", "empty"]
     assert [entry.id for entry in found.entries] == ["Alice", "bob", "carol", "dave", "empty"]
     assert [entry.read().status for entry in found.entries] == ["ready", "ready", "ready", "ready", "empty"]
@@ -755,10 +772,10 @@ def test_a_class_is_found_in_the_order_of_its_names(tmp_path: Path) -> None:
 def test_finding_a_class_reads_no_submission(tmp_path: Path) -> None:
     room = make_class(tmp_path)
     saved(room, "eve.zip", b"not an archive")
-    entry = read_class([room]).entries[-1]
+    entry = read_class([room], LAB.files).entries[-1]
     assert entry == pickle.loads(pickle.dumps(entry))
-    saved(room, "eve.zip", zipped(LAB))
-    assert entry.read().files == LAB
+    saved(room, "eve.zip", zipped(HANDED_IN))
+    assert entry.read().files == HANDED_IN
 
 
 def test_hidden_files_and_graded_folders_are_passed_over(tmp_path: Path) -> None:
@@ -767,7 +784,7 @@ def test_hidden_files_and_graded_folders_are_passed_over(tmp_path: Path) -> None
         (room / name).mkdir()
     saved(room / "out", "results.sqlite", b"")
     saved(room, ".DS_Store", b"")
-    assert len(read_class([room]).entries) == 5
+    assert len(read_class([room], LAB.files).entries) == 5
 
 
 def test_a_submission_that_calls_itself_graded_is_graded_all_the_same(tmp_path: Path) -> None:
@@ -776,61 +793,66 @@ def test_a_submission_that_calls_itself_graded_is_graded_all_the_same(tmp_path: 
     (room / "frank" / "lab").mkdir(parents=True)
     saved(room / "frank" / "lab", "work.ipynb", b"{}")
     saved(room / "frank", "results.sqlite", b"")
-    assert {"bob", "frank"} <= {entry.name for entry in read_class([room]).entries}
+    assert {"bob", "frank"} <= {entry.name for entry in read_class([room], LAB.files).entries}
 
 
 def test_loose_files_are_listed_as_left_over(tmp_path: Path) -> None:
     room = make_class(tmp_path)
     saved(room, "grades.csv", b"")
-    assert read_class([room]).leftovers == (
+    assert read_class([room], LAB.files).leftovers == (
         f"{room / 'grades.csv'}: not a folder, a .zip or a .tar.gz, so whose it is cannot be told",
     )
-    assert read_class([room / "grades.csv"]).entries == ()
+    assert read_class([room / "grades.csv"], LAB.files).entries == ()
 
 
 @POSIX
 def test_a_link_in_a_class_is_left_over(tmp_path: Path) -> None:
     room = make_class(tmp_path)
     (room / "mallory").symlink_to(room / "bob")
-    found = read_class([room])
+    found = read_class([room], LAB.files)
     assert len(found.entries) == 5
     assert found.leftovers == (f"{room / 'mallory'}: links are never followed",)
 
 
 @pytest.mark.parametrize(
     "files",
-    [LAB, {"filters.py": b""}, {"lab.ipynb": b"{}"}, {"main.py": b"", "helpers/tools.py": b"", "data/x.csv": b""}],
+    [
+        HANDED_IN,
+        {"filters.py": b""},
+        {"lab.ipynb": b"{}"},
+        {"main.py": b"", "helpers/tools.py": b"", "data/x.csv": b""},
+    ],
 )
 def test_one_submission_is_told_from_a_class(tmp_path: Path, files: Files) -> None:
     folder = as_folder(tmp_path, files)
-    assert [(entry.name, entry.path) for entry in read_class([folder]).entries] == [("alice", folder)]
+    assert [(entry.name, entry.path) for entry in read_class([folder], LAB.files).entries] == [("alice", folder)]
 
 
 def test_a_stray_program_does_not_make_a_class_one_submission(tmp_path: Path) -> None:
     room = make_class(tmp_path)
     saved(room, "unpack.py", b"")
-    found = read_class([room])
+    found = read_class([room], LAB.files)
     assert len(found.entries) == 5
     assert len(found.leftovers) == 1
 
 
 def test_several_paths_make_one_class_and_the_same_path_counts_once(tmp_path: Path) -> None:
     room = make_class(tmp_path)
-    found = read_class([room / "carol.zip", room, room / ".." / "class" / "Alice"])
+    found = read_class([room / "carol.zip", room, room / ".." / "class" / "Alice"], LAB.files)
     assert [entry.name for entry in found.entries] == ["Alice", "bob", "carol", "dave", "empty"]
 
 
 def test_a_folder_and_an_archive_of_one_name_stay_apart(tmp_path: Path) -> None:
     room = make_class(tmp_path)
-    saved(room, "bob.zip", zipped(LAB))
-    found = [(entry.id, entry.name) for entry in read_class([room]).entries if entry.name.startswith("bob")]
+    saved(room, "bob.zip", zipped(HANDED_IN))
+    found = [(entry.id, entry.name) for entry in read_class([room], LAB.files).entries if entry.name.startswith("bob")]
     assert found == [("bob", "bob"), ("bob.zip", "bob.zip")]
 
 
 def test_the_working_folder_has_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(as_folder(tmp_path, LAB))
-    assert read_submission(Path()).name == "alice"
-    assert classes.read_class([Path(".")]).entries[0].name == "alice"
+    monkeypatch.chdir(as_folder(tmp_path, HANDED_IN))
+    assert read_submission(Path(), LAB.files).name == "alice"
+    assert classes.read_class([Path(".")], LAB.files).entries[0].name == "alice"
 
 
 # ---- ids ----

@@ -20,10 +20,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from grader import traces
-from grader.errors import RequestError
+from grader.engine import rubric, traces
+from grader.engine.traces import Traces
+from grader.ground.errors import RequestError
 from grader.kit import give, wheel
-from grader.traces import Traces
+from grader.labs.imu.lab import LAB
+from reference.worlds import LAB_MODEL
 from tests.corpus.sheet import VERBATIM
 
 ROOT = Path(__file__).parent.parent
@@ -35,7 +37,7 @@ SEED = "a secret that must not leave 4711"
 def students(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The students' kit, written once."""
     out = tmp_path_factory.mktemp("kit") / "lab"
-    give.student(out)
+    give.student(LAB, out)
     return out
 
 
@@ -49,7 +51,7 @@ def hidden(tmp_path_factory: pytest.TempPathFactory) -> Traces:
 def autograder(tmp_path_factory: pytest.TempPathFactory, hidden: Traces) -> Path:
     """An autograder.zip with hidden traces."""
     out = tmp_path_factory.mktemp("gradescope") / "autograder.zip"
-    give.gradescope(out, hidden=hidden)
+    give.gradescope(LAB, out, hidden=hidden)
     return out
 
 
@@ -90,7 +92,7 @@ def test_students_get_starter_files_the_model_at_the_sheets_path_a_readme_and_th
     found = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
     model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
     assert found == {"imu_reader.py", "noisy_imu.py", "filters.py", "README.md", model, wheel.name()}
-    assert (students / model).read_bytes() == traces.lab_model().read_bytes()
+    assert (students / model).read_bytes() == LAB_MODEL.read_bytes()
 
 
 def test_no_kit_holds_a_piece_of_the_reference(students: Path, autograder: Path) -> None:
@@ -125,8 +127,8 @@ def test_no_kit_holds_a_seed_and_only_gradescope_holds_hidden_traces(students: P
 
 @pytest.mark.parametrize("stray", ["hidden.npz", "hidden.json", "class.npz", "secret.env", "results.sqlite"])
 def test_a_bundle_that_an_instructor_left_in_the_package_is_not_packed(stray: str) -> None:
-    assert not wheel._belongs(Path("data", stray))
-    assert wheel._belongs(Path("data", "public.npz"))
+    assert not wheel._belongs(Path("labs", "imu", stray))
+    assert wheel._belongs(Path("labs", "imu", "public.npz"))
 
 
 def test_the_wheel_is_as_pip_wants_it_and_the_same_each_time(students: Path) -> None:
@@ -141,22 +143,22 @@ def test_the_wheel_is_as_pip_wants_it_and_the_same_each_time(students: Path) -> 
     assert b"extra ==" not in packed[f"{info}/METADATA"]
     assert b"Requires-Dist: mujoco>=3.0" in packed[f"{info}/METADATA"]
     assert b"MIT License" in packed[f"{info}/licenses/LICENSE"]
-    assert wheel.build() == content
+    assert wheel.build(LAB, rubric.shipped(LAB)) == content
 
 
 def test_the_wheel_has_what_the_pages_and_fingerprints_are_made_from(students: Path) -> None:
     packed = unpacked((students / wheel.name()).read_bytes())
     templates = Path(wheel.__file__).parent.parent / "report" / "templates"
     assert {f"grader/report/templates/{path.name}" for path in templates.iterdir()} <= set(packed)
-    assert "grader/data/sheet.txt" in packed
+    assert "grader/labs/imu/sheet.txt" in packed
 
 
 def test_the_wheel_carries_the_rubric_that_is_named(tmp_path: Path) -> None:
     other = tmp_path / "rubric.yaml"
     other.write_text((ROOT / "rubric.yaml").read_text().replace("matches_truth: 6", "matches_truth: 7", 1))
-    give.classroom50(tmp_path / "kit", other)
+    give.classroom50(LAB, tmp_path / "kit", other)
     packed = unpacked((tmp_path / "kit" / wheel.name()).read_bytes())
-    assert packed["grader/data/rubric.yaml"] == other.read_bytes()
+    assert packed["grader/labs/imu/rubric.yaml"] == other.read_bytes()
 
 
 # --- starter files ----------------------------------------------------------------------------------------------------
@@ -180,12 +182,12 @@ def test_the_starter_files_have_the_sheets_signatures_and_say_what_is_to_do(stud
 
 
 def test_the_readme_names_commands_and_ids_that_exist(students: Path) -> None:
-    from grader.feedback import catalogue
+    from grader.engine.feedback import catalogue
 
     text = (students / "README.md").read_text(encoding="utf-8")
     assert f"python -m pip install {wheel.name()}" in text
     assert "imugrade explain view-not-copy" in text
-    assert "view-not-copy" in catalogue()
+    assert "view-not-copy" in catalogue(LAB)
 
 
 # --- what is not overwritten ------------------------------------------------------------------------------------------
@@ -194,38 +196,30 @@ def test_the_readme_names_commands_and_ids_that_exist(students: Path) -> None:
 def test_a_folder_with_something_in_it_is_refused(tmp_path: Path) -> None:
     (tmp_path / "filters.py").write_text("my work\n")
     with pytest.raises(RequestError, match="the folder is not empty; choose a new one"):
-        give.student(tmp_path)
+        give.student(LAB, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["filters.py"]
 
 
 def test_an_autograder_or_a_workflow_that_is_there_is_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "a.zip").write_text("")
     with pytest.raises(RequestError, match="it is there already"):
-        give.gradescope(tmp_path / "a.zip")
-    give.github(tmp_path / "repository")
+        give.gradescope(LAB, tmp_path / "a.zip")
+    give.github(LAB, tmp_path / "repository")
     with pytest.raises(RequestError, match=r"imugrade\.yml: it is there already"):
-        give.github(tmp_path / "repository")
+        give.github(LAB, tmp_path / "repository")
 
 
 def test_a_kit_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(RequestError, match="cannot write it: Not a directory; choose another place"):
-        give.github(tmp_path / "file" / "below")
-
-
-def test_a_rubric_with_a_model_of_its_own_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "mine.xml").write_bytes(traces.lab_model().read_bytes())
-    text = (ROOT / "rubric.yaml").read_text().replace("  # path: my-humanoid.xml", "  path: mine.xml")
-    (tmp_path / "rubric.yaml").write_text(text)
-    with pytest.raises(RequestError, match="it names a model of its own, which a kit cannot carry"):
-        give.student(tmp_path / "kit", tmp_path / "rubric.yaml")
+        give.github(LAB, tmp_path / "file" / "below")
 
 
 # --- platforms --------------------------------------------------------------------------------------------------------
 
 
 def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(tmp_path: Path) -> None:
-    give.github(tmp_path)
+    give.github(LAB, tmp_path)
     workflow = yaml.safe_load((tmp_path / ".github/workflows/imugrade.yml").read_text())
     steps = [step["run"] for step in workflow["jobs"]["check"]["steps"] if "run" in step]
     assert workflow["permissions"] == {"contents": "read"}
@@ -237,7 +231,7 @@ def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(tmp_path: P
 def test_what_a_ci_reads_is_what_its_schema_allows(schema: str, tmp_path: Path) -> None:
     """The schemas of schemastore.org, as the validator ships them."""
     if schema == "github-workflows":
-        give.github(tmp_path)
+        give.github(LAB, tmp_path)
         file = tmp_path / ".github/workflows/imugrade.yml"
     else:
         page = (ROOT / "grader/handbook/platforms.md").read_text(encoding="utf-8")
@@ -252,7 +246,7 @@ def test_what_a_ci_reads_is_what_its_schema_allows(schema: str, tmp_path: Path) 
 
 
 def test_the_classroom_50_autograder_installs_the_wheel_beside_it(tmp_path: Path) -> None:
-    give.classroom50(tmp_path / "kit")
+    give.classroom50(LAB, tmp_path / "kit")
     program = (tmp_path / "kit" / "autograder.py").read_text()
     compile(program, "autograder.py", "exec")
     assert f'HERE / "{wheel.name()}"' in program

@@ -19,7 +19,7 @@ import yaml
 
 ROOT = Path(__file__).parent.parent
 MISTAKES: dict[str, dict[str, dict[str, Any]]] = yaml.safe_load(
-    (ROOT / "grader" / "data" / "mistakes.yaml").read_text(encoding="utf-8")
+    (ROOT / "grader" / "labs" / "imu" / "mistakes.yaml").read_text(encoding="utf-8")
 )
 ENTRIES = {key: entry for group in MISTAKES.values() for key, entry in group.items()}
 
@@ -55,6 +55,7 @@ MEANS = {
         "arrays-transposed": "arrays of shape (3, n) instead of (n, 3)",
         "wrong-keys": "the dictionary's keys are not time, acceleration, angular_velocity",
         "channels-swapped": "accelerations stored under angular_velocity and the other way round",
+        "nothing-simulated": "returns a series that no simulation made",
         "rows-left-zero": "part of the pre-allocated arrays is never filled",
         "modifies-model": "changes the model (gravity, timestep, …) and leaves it changed",
     },
@@ -139,9 +140,10 @@ MEANS = {
     },
 }
 ADDED = {
-    "sensor_access": ["same-sensor-twice"],
-    "data_collection": ["keeps-old-rows"],
-    "filtering": ["aliased-input"],
+    "sensor_access": ["same-sensor-twice", "reading-clipped", "reading-smoothed", "turned-by-body"],
+    "data_collection": ["keeps-old-rows", "first-row-empty", "fixed-rate", "rows-altered", "random-push"],
+    "noise_model": ["bias-drifts", "noise-density", "noise-correlated", "noise-clipped", "bias-axes-exchanged"],
+    "filtering": ["aliased-input", "moving-average", "does-not-filter", "state-not-kept", "output-rounded"],
     "any": ["index-out-of-bounds", "missing-package", "not-written"],
 }
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from grader.traces import lab_model
 from reference import balance, worlds
 from reference.imu_reader import sensor_id, simulate_and_collect
 from reference.scenarios import roll
+from reference.scene import LAB_PAIR
+from reference.worlds import LAB_MODEL
 
 FloatArray = NDArray[np.float64]
 STANDING = [0.0, 0.0, -9.81]
@@ -20,13 +21,13 @@ STANDING = [0.0, 0.0, -9.81]
 
 @pytest.fixture
 def model() -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_path(str(lab_model()))
+    return mujoco.MjModel.from_xml_path(str(LAB_MODEL))
 
 
 @pytest.fixture(scope="module")
 def push() -> dict[str, FloatArray]:
     """The sheet's Step 3, five seconds of it."""
-    model = mujoco.MjModel.from_xml_path(str(lab_model()))
+    model = mujoco.MjModel.from_xml_path(str(LAB_MODEL))
     return simulate_and_collect(model, mujoco.MjData(model), duration_seconds=5.0)
 
 
@@ -53,7 +54,7 @@ def test_the_robot_is_free_and_has_more_than_twenty_joints_and_no_controller(mod
 
 
 def test_the_model_needs_no_other_file() -> None:
-    assert not re.search(r"\bfile\s*=|<include|<mesh|<texture", lab_model().read_text(encoding="utf-8"))
+    assert not re.search(r"\bfile\s*=|<include|<mesh|<texture", LAB_MODEL.read_text(encoding="utf-8"))
 
 
 def test_for_every_imu_sensor_the_id_is_not_its_address(model: mujoco.MjModel) -> None:
@@ -87,7 +88,7 @@ def test_the_initial_pose_is_the_equilibrium(model: mujoco.MjModel) -> None:
 
 
 def test_solving_for_the_balance_again_changes_nothing_that_matters() -> None:
-    text = lab_model().read_text(encoding="utf-8")
+    text = LAB_MODEL.read_text(encoding="utf-8")
     before, after = (mujoco.MjModel.from_xml_string(one) for one in (text, balance.balanced(text)))
     np.testing.assert_allclose(after.qpos0, before.qpos0, atol=1e-7)
     np.testing.assert_allclose(after.qpos_spring, before.qpos_spring, atol=1e-6)
@@ -95,7 +96,7 @@ def test_solving_for_the_balance_again_changes_nothing_that_matters() -> None:
 
 
 def test_solving_for_the_balance_recovers_from_a_change() -> None:
-    text = lab_model().read_text(encoding="utf-8").replace('size="0.018" mass="1"', 'size="0.018" mass="1.2"')
+    text = LAB_MODEL.read_text(encoding="utf-8").replace('size="0.018" mass="1"', 'size="0.018" mass="1.2"')
     lost = np.abs(balance.missing_forces(mujoco.MjModel.from_xml_string(text))).max()
     for _ in range(6):
         text = balance.balanced(text)
@@ -106,7 +107,7 @@ def test_solving_for_the_balance_recovers_from_a_change() -> None:
 @pytest.mark.parametrize("timestep", [0.002, 0.001, 0.0025, 0.004])
 def test_standing_reads_gravity_from_the_first_step_on_for_five_seconds(model: mujoco.MjModel, timestep: float) -> None:
     model.opt.timestep = timestep
-    trace = roll(model, mujoco.MjData(model), round(5.0 / timestep))
+    trace = roll(model, mujoco.MjData(model), round(5.0 / timestep), LAB_PAIR)
     assert np.abs(trace["acceleration"] - STANDING).max() < 1e-3  # promised: 0.1
     assert np.abs(trace["angular_velocity"]).max() < 1e-5
 

@@ -7,10 +7,11 @@ from importlib import resources
 
 import pytest
 
-from grader import rubric, traces
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import CriterionResult
 from grader.intake import Submission
-from grader.marking import Marker
-from grader.results import CriterionResult
+from grader.labs.imu.lab import LAB
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
@@ -30,7 +31,7 @@ class LowPassFilter:
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
         yield marker
 
 
@@ -112,30 +113,30 @@ def test_a_bias_that_is_added_twice_is_not_called_ignored(marker: Marker) -> Non
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
 
 
-def test_who_imports_what_is_not_there_is_told_what_is(marker: Marker) -> None:
-    files = lab()
+def test_who_uses_what_is_not_there_is_told_what_is(marker: Marker) -> None:
+    files = edit(lab(), "noisy_imu.py", ("    def read(self):\n", "    def read(self):\n        tqdm()\n"))
     files["noisy_imu.py"] = "from tqdm_of_mine import tqdm\n" + files["noisy_imu.py"]
     message = _criterion(marker, "noise_model", files).checks[0].message
     assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message
 
 
 def test_a_part_that_is_still_to_be_written_is_called_that(marker: Marker) -> None:
-    starter = resources.files("grader.kit").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
+    starter = resources.files("grader.labs.imu").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
     criterion = _criterion(marker, "noise_model", {**lab(), "noisy_imu.py": starter})
     assert criterion.points == 0
     assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"not-written"}
     assert criterion.checks[0].hint.startswith("This part is still to be written")
 
 
-def test_a_file_that_stops_after_what_is_asked_for_costs_nothing_and_is_told(marker: Marker) -> None:
+def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(marker: Marker) -> None:
     files = lab()
     files["noisy_imu.py"] += "\n\n1 / 0\n"
     result = marker.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
-    assert (result.score, [note for note in result.notes if "stops" in note]) == (
+    assert (result.score, [note for note in result.notes if "stepped" in note]) == (
         100.0,
         [
-            f"noisy_imu.py stops with ZeroDivisionError: division by zero "
-            f"(noisy_imu.py, line {files['noisy_imu.py'].count(chr(10))}); what it defines before counts"
+            f"noisy_imu.py, line {files['noisy_imu.py'].count(chr(10))} was stepped over: "
+            "ZeroDivisionError: division by zero; what the file defines counts"
         ],
     )
 

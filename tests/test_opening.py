@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from grader import cli, opening, selfcheck, traces
+from grader import cli
+from grader.commands import checking, opening
+from grader.engine import traces
+from grader.engine.results import Result
+from grader.engine.rubric import load
 from grader.intake import read_submission
-from grader.results import Result
-from grader.rubric import load
+from grader.labs.imu.lab import LAB
 from tests.made_up import result
 
 
@@ -22,34 +25,56 @@ def hand_in(folder: Path, *names: str) -> Path:
 
 
 def test_the_first_line_says_what_was_found_and_what_was_not(tmp_path: Path) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "filters.py", "imu_reader.py"))
-    assert opening.found(submission) == (
+    submission = read_submission(hand_in(tmp_path / "me", "filters.py", "imu_reader.py"), LAB.files)
+    assert opening.found(LAB, submission) == (
         "me: imu_reader.py, filters.py found; no noisy_imu.py, no imu_data.png, no filtered_imu.png"
     )
 
 
+def test_a_folder_without_anything_of_the_lab_is_asked_about(tmp_path: Path) -> None:
+    folder = hand_in(tmp_path / "me", "taxes.py")
+    assert opening.found(LAB, read_submission(folder, LAB.files)).endswith(
+        "no filtered_imu.png; nor anything else that the lab asks for: is this the right folder?"
+    )
+    (folder / "taxes.py").write_text("class NoisyIMU:\n    pass\n")
+    assert opening.found(LAB, read_submission(folder, LAB.files)).endswith("no filtered_imu.png")
+
+
 def test_a_notebook_alone_is_said_to_have_none_of_the_files(tmp_path: Path) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "lab.py"))
-    assert opening.found(submission).startswith("me: no imu_reader.py, no noisy_imu.py")
+    submission = read_submission(hand_in(tmp_path / "me", "lab.py"), LAB.files)
+    assert opening.found(LAB, submission).startswith("me: no imu_reader.py, no noisy_imu.py")
 
 
 def test_a_name_of_a_folder_cannot_colour_the_terminal(tmp_path: Path) -> None:
-    assert "\x1b" not in opening.found(read_submission(hand_in(tmp_path / "\x1b[31mred", "filters.py")))
+    assert "\x1b" not in opening.found(LAB, read_submission(hand_in(tmp_path / "\x1b[31mred", "filters.py"), LAB.files))
 
 
 @pytest.mark.parametrize(("only", "count"), [("filtering", "6 public checks."), ("sensor_access", "5 public checks.")])
 def test_the_second_line_counts_the_public_checks(tmp_path: Path, only: str, count: str) -> None:
-    submission = read_submission(hand_in(tmp_path / "me", "filters.py"))
-    line = opening.waiting(submission, load(), traces.shipped(), only)
+    submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
+    line = opening.waiting(submission, load(LAB), traces.shipped(), only, secret=False)
     assert line.startswith(count)
-    assert "hidden scenarios wait" in line
+
+
+def test_hidden_scenarios_wait_only_where_there_is_a_secret(tmp_path: Path) -> None:
+    submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
+    known, unknown = (
+        opening.waiting(submission, load(LAB), traces.shipped(), None, secret=each) for each in (True, False)
+    )
+    assert "16 hidden scenarios wait: another robot of the same kind" in known
+    assert "wait" not in unknown
+    assert "Your instructor may grade with hidden scenarios: another robot of the same kind" in unknown
 
 
 def test_an_extension_that_was_tried_adds_its_checks(tmp_path: Path) -> None:
-    rubric, bundle = load(), traces.shipped()
+    rubric, bundle = load(LAB), traces.shipped()
     some = hand_in(tmp_path / "me", "filters.py")
-    before = int(opening.waiting(read_submission(some), rubric, bundle, None).split()[0])
-    after = int(opening.waiting(read_submission(hand_in(some, "multi_imu.py")), rubric, bundle, None).split()[0])
+    before = int(opening.waiting(read_submission(some, LAB.files), rubric, bundle, None, secret=False).split()[0])
+    after = int(
+        opening.waiting(
+            read_submission(hand_in(some, "multi_imu.py"), LAB.files), rubric, bundle, None, secret=False
+        ).split()[0]
+    )
     assert after - before == len(next(part for part in rubric.extensions if part.id == "multiple_imus").checks) > 0
 
 
@@ -60,8 +85,18 @@ def test_the_scenarios_that_no_seed_changes_are_told_apart(tmp_path: Path) -> No
         for name, scenario in public.scenarios.items()
         if {k: v.tobytes() for k, v in scenario.items()} == {k: v.tobytes() for k, v in hidden[name].items()}
     }
-    assert same == opening.SAME_FOR_ALL
+    assert same == LAB.same_for_all
     assert public.scenarios.keys() == hidden.scenarios.keys()
+
+
+@pytest.mark.parametrize(("secret", "said"), [("a secret", "hidden scenarios wait"), ("  ", "may grade with hidden")])
+def test_a_check_knows_of_the_secret_by_the_environment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], secret: str, said: str
+) -> None:
+    monkeypatch.setenv("IMUGRADE_SEED", secret)
+    monkeypatch.setattr(checking, "check", lambda *_, **__: result())
+    assert cli.main(["check", str(hand_in(tmp_path / "me", "filters.py"))]) == 0
+    assert said in capsys.readouterr().out.splitlines()[1]
 
 
 def test_both_lines_stand_above_the_result(
@@ -70,7 +105,7 @@ def test_both_lines_stand_above_the_result(
     def checked(*_: object, **__: object) -> Result:
         return result()
 
-    monkeypatch.setattr(selfcheck, "check", checked)
+    monkeypatch.setattr(checking, "check", checked)
     assert cli.main(["check", str(hand_in(tmp_path / "me", "filters.py"))]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("me: filters.py found")
@@ -81,7 +116,7 @@ def test_both_lines_stand_above_the_result(
 def test_nothing_is_said_of_files_where_nothing_was_handed_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(selfcheck, "check", lambda *_, **__: result(status="empty"))
+    monkeypatch.setattr(checking, "check", lambda *_, **__: result(status="empty"))
     assert cli.main(["check", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     assert " found\n" not in shown
@@ -90,8 +125,8 @@ def test_nothing_is_said_of_files_where_nothing_was_handed_in(
 
 def test_the_first_line_waits_for_no_simulator_and_no_pytest() -> None:
     code = (
-        "import sys; from grader import opening, rubric; from grader.intake import read_submission\n"
-        "print([name for name in ('mujoco', 'matplotlib', 'scipy', 'pytest', 'grader.marking') if name in sys.modules])"
+        "import sys; from grader.commands import opening; from grader.engine import rubric; from grader.intake import read_submission\n"
+        "print([name for name in ('mujoco', 'matplotlib', 'scipy', 'pytest', 'grader.engine.marking') if name in sys.modules])"
     )
     environ = {**os.environ, "PYTHONPATH": str(Path(cli.__file__).parent.parent)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environ)
@@ -100,9 +135,10 @@ def test_the_first_line_waits_for_no_simulator_and_no_pytest() -> None:
 
 def test_the_box_is_opened_before_anything_slow_is_imported() -> None:
     code = (
-        "import sys; from grader import cli; from grader.intake import read_submission; from grader.lab_box import open_box_for\n"
-        "box = open_box_for({})\n"
-        "print(sorted({'numpy', 'mujoco', 'matplotlib', 'pytest', 'yaml', 'grader.results'} & set(sys.modules)))\n"
+        "import sys; from grader import cli; from grader.intake import read_submission; from grader.engine.lab_box import open_box_for\n"
+        "from grader.labs.imu.lab import LAB\n"
+        "box = open_box_for(LAB, {})\n"
+        "print(sorted({'numpy', 'mujoco', 'matplotlib', 'pytest', 'yaml', 'grader.engine.results'} & set(sys.modules)))\n"
         "box.close()"
     )
     environ = {**os.environ, "PYTHONPATH": str(Path(cli.__file__).parent.parent)}

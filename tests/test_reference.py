@@ -17,10 +17,11 @@ from matplotlib.image import imread
 from numpy.typing import NDArray
 
 import reference
-from grader.traces import Traces, lab_model, shipped
+from grader.engine.traces import Traces, shipped
 from reference.filters import LowPassFilter, plot_comparison
 from reference.imu_reader import get_imu_readings, list_sensors, plot_imu_data, sensor_id, simulate_and_collect
 from reference.noisy_imu import NoisyIMU
+from reference.worlds import LAB_MODEL
 
 FOLDER = Path(reference.__file__).parent
 FloatArray = NDArray[np.float64]
@@ -33,7 +34,7 @@ def truth() -> Traces:
 
 @pytest.fixture
 def model() -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_path(str(lab_model()))
+    return mujoco.MjModel.from_xml_path(str(LAB_MODEL))
 
 
 @pytest.fixture
@@ -42,7 +43,7 @@ def handed_in(tmp_path: Path) -> Path:
     for name in ("imu_reader.py", "noisy_imu.py", "filters.py"):
         shutil.copy(FOLDER / name, tmp_path / name)
     (tmp_path / "models").mkdir()
-    shutil.copy(lab_model(), tmp_path / "models" / "humanoid-sensors.xml")
+    shutil.copy(LAB_MODEL, tmp_path / "models" / "humanoid-sensors.xml")
     return tmp_path
 
 

@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from grader import words
-from grader.answers import Drawing
-from grader.evidence import Chart
-from grader.exhibits import drawn
+from grader.engine.evidence import Chart
+from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.exhibits import drawn
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
+from grader.report import words
 from grader.report.pages import index_page, report_page
 from grader.report.progress import Lines
 from grader.report.terminal import show
-from grader.results import Outcome, Result
 from tests.made_up import HOSTILE, check, lost, result
 
 HOSTILE_RESULT = result(
@@ -30,12 +31,25 @@ HOSTILE_RESULT = result(
 )
 
 
-def terminal(made: Result, *, width: int = 90, only: str | None = None, colour: bool = False) -> str:
+def terminal(
+    made: Result, *, width: int = 90, only: str | None = None, before: Mapping[str, float] | None = None
+) -> str:
+    """What a terminal shows, in letters."""
     out = io.StringIO()
-    system = "truecolor" if colour else None
-    console = Console(file=out, width=width, force_terminal=colour, color_system=system, highlight=False)  # type: ignore[arg-type]
-    show(made, console, only=only)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines())
+    console = Console(file=out, width=width, force_terminal=True, highlight=False)
+    show(made, console, LAB, only=only, before=before)
+    return plain(out.getvalue())
+
+
+def coloured(made: Result) -> str:
+    out = io.StringIO()
+    show(made, Console(file=out, width=300, force_terminal=True, color_system="truecolor", highlight=False), LAB)
+    return out.getvalue()
+
+
+def plain(shown: str) -> str:
+    """Without the codes that set bold and colours."""
+    return re.sub(r"\x1b\[[0-9;]*m", "", shown)
 
 
 class Tags(HTMLParser):
@@ -87,40 +101,178 @@ PAGES = [
 
 def test_the_terminal_tells_a_lost_check_with_the_labels_in_their_order() -> None:
     assert terminal(result(lost(title="Reads the right sensor when the model's sensors are in another order"))) == (
-        "Sensor access                                                                        0 / 6\n"
-        " ✗ lost       Reads the right sensor when the model's sensors are in another order   0 / 6\n"
+        " ✗ Sensor access              ░░░░░░░░░░░░░░░░░░░░         0 / 6\n"
+        " ✓ Extension: allan variance  ████████████████████  1 of 1 shown\n"
+        "   Score                                                   0 / 6\n"
+        "\n"
+        "Next  Step 2, get_imu_readings\n"
+        "\n"
+        " ✗ lost     Reads the right sensor when the model's sensors are in another order     0 / 6\n"
         "   Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\n"
         "   Got       accel = [ 1.000  0.412 -0.031]\n"
         "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\n"
-        "   Read      Lab 04-01, Step 2          Again   imugrade check --only sensor_access\n"
+        "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address\n"
         "\n"
-        "Extension: allan variance                                                     1 of 1 shown\n"
-        " ✓ earned     Reads the right sensor\n"
-        "\n"
-        "Score                                                                                0 / 6"
+        "Again  imugrade check --only sensor_access\n"
     )
 
 
-def test_a_command_stays_in_one_line_to_copy_where_the_terminal_is_narrow() -> None:
-    shown = terminal(result(lost()), width=80)
-    assert "   Read      Lab 04-01, Step 2\n   Again     imugrade check --only sensor_access\n" in shown
+def test_in_a_pipe_nothing_is_padded_or_broken() -> None:
+    out = io.StringIO()
+    title = "Reads the right sensor when the model's sensors are in another order than in the lab's own model"
+    show(result(lost(title=title), notes=("A note.",)), Console(file=out, width=80), LAB)
+    assert out.getvalue() == (
+        " ✗ Sensor access  0 / 6\n"
+        " ✓ Extension: allan variance  1 of 1 shown\n"
+        "   Score  0 / 6\n"
+        "\n"
+        "Next  Step 2, get_imu_readings\n"
+        "\n"
+        f" ✗ lost  {title}  0 / 6\n"
+        "   Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\n"
+        "   Got       accel = [ 1.000  0.412 -0.031]\n"
+        "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\n"
+        "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address\n"
+        "\n"
+        "Note  A note.\n"
+        "\n"
+        "Again  imugrade check --only sensor_access\n"
+    )
 
 
-def test_a_submission_with_nothing_to_mark_is_told_once_and_not_for_every_check() -> None:
+def starter() -> Result:
+    """Three parts that are still to be written, and what could not be reached."""
+
+    def unwritten(part: str, step: int) -> tuple[CheckResult, CheckResult]:
+        said = f"Got       NotImplementedError: Step {step} at {part}.py, line {step}\n          raise NotImplementedError()"
+        told = {"message": f"Expected  no exception in {part}\n{said}", "hint": "Write it.", "title": f"{part} works"}
+        names = ("not-written", "tampering")
+        first = check("error", 0.0, id=f"{part}.first", lab_step=step, misconceptions=names, **told)
+        return first, check("skipped", 0.0, id=f"{part}.second", message="Not reached: see “first”.")
+
+    parts = [("filtering", 6), ("sensor_access", 2), ("noise_model", 5)]
+    made = tuple(CriterionResult(part, part.capitalize(), 12.0, unwritten(part, step)) for part, step in parts)
+    return replace(result(), criteria=made, extensions=())
+
+
+def test_one_cause_is_one_block_in_the_order_of_the_sheets_steps() -> None:
+    assert terminal(starter(), width=80) == (
+        " ✗ Filtering      ░░░░░░░░░░░░░░░░░░░░  0 / 12\n"
+        " ✗ Sensor_access  ░░░░░░░░░░░░░░░░░░░░  0 / 12\n"
+        " ✗ Noise_model    ░░░░░░░░░░░░░░░░░░░░  0 / 12\n"
+        "   Score                                0 / 36\n"
+        "\n"
+        "Next  Step 2, get_imu_readings\n"
+        "\n"
+        " ✗ raised   sensor_access works                                            0 / 6\n"
+        "   Expected  no exception in sensor_access\n"
+        "   Got       NotImplementedError: Step 2 at sensor_access.py, line 2\n"
+        "             raise NotImplementedError()\n"
+        " ✗ raised   noise_model works                                              0 / 6\n"
+        "   Got       NotImplementedError: Step 5 at noise_model.py, line 5\n"
+        " ✗ raised   filtering works                                                0 / 6\n"
+        "   Got       NotImplementedError: Step 6 at filtering.py, line 6\n"
+        "   Try       Write it.\n"
+        "   Read      Lab 04-01, Steps 2, 5 and 6; imugrade explain not-written\n"
+        "\n"
+        " – skipped  3 checks, 18 points: they need what was lost above\n"
+        "\n"
+        "Again  imugrade check --only sensor_access\n"
+    )
+
+
+def test_a_file_that_is_no_python_is_told_once_with_the_line_and_a_caret() -> None:
+    got = "Got       SyntaxError: '(' was never closed at filters.py, line 3\n          f = g(\n               ^"
+    rows = [
+        lost(message=f"Expected  {name}\n{got}", title=name, misconceptions=("does-not-import",), hint="Mend it.")
+        for name in ("one", "two", "three")
+    ]
+    assert (
+        " ✗ lost     one                                                            0 / 6\n"
+        "   Expected  one\n"
+        "   Got       SyntaxError: '(' was never closed at filters.py, line 3\n"
+        "             f = g(\n"
+        "                  ^\n"
+        " ✗ lost     two                                                            0 / 6\n"
+        " ✗ lost     three                                                          0 / 6\n"
+        "   Try       Mend it.\n"
+    ) in terminal(result(*rows), width=80)
+
+
+def test_checks_that_were_told_the_same_are_one_block_and_others_are_not() -> None:
+    same = {"misconceptions": (), "lab_step": None}
+    shown = terminal(
+        result(lost(title="a", **same), lost(title="b", **same), lost(title="c", message="Got  x", **same))
+    )
+    assert [block.count("✗ lost") for block in shown.split("\n\n")] == [0, 0, 2, 1, 0]
+    assert "explain" not in shown
+
+
+def test_other_numbers_of_the_same_mistake_are_told_with_what_was_expected() -> None:
+    other = "Expected  gyro ≈ [1 2 3]\nGot       gyro = [3 2 1]"
+    shown = terminal(result(lost(title="a"), lost(title="b", message=other), lost(title="c")))
+    assert shown.count("Expected  accel ≈ ") == shown.count("Expected  gyro ≈ ") == shown.count("Try ") == 1
+
+
+def test_points_gained_and_lost_since_the_last_check_are_marked() -> None:
+    now = result(
+        check(id="sensor_access.a", title="Gained"),
+        lost(id="sensor_access.b", title="Lost"),
+        check(id="sensor_access.c"),
+    )
+    rows = terminal(now, before={"sensor_access.a": 0.0, "sensor_access.b": 3.0, "sensor_access.c": 6.0}).splitlines()
+    assert rows[0].endswith("12 / 18  +3")
+    assert [row.split("  ")[-1] for row in rows if "Score" in row] == ["+3 since the last check"]
+    assert [row.split() for row in rows if "was" in row] == [
+        ["✓", "earned", "Gained", "6", "/", "6,", "was", "0"],
+        ["✗", "lost", "Lost", "0", "/", "6,", "was", "3"],
+    ]
+    assert sum("✓ earned" in row for row in rows) == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "said"),
+    [
+        ({}, ""),
+        ({"sensor_access.other": 1.0}, ""),
+        ({"sensor_access.follows_address": 6.0}, "no change since the last check"),
+    ],
+)
+def test_a_score_is_compared_where_all_of_it_was_known_before(before: dict[str, float], said: str) -> None:
+    (row,) = (row for row in terminal(result(check()), before=before).splitlines() if "Score" in row)
+    assert row.partition("6 / 6")[2].strip() == said
+
+
+def test_a_part_that_has_become_complete_is_told_by_its_total_alone() -> None:
+    assert "was" not in terminal(result(check()), before={"sensor_access.follows_address": 0.0})
+
+
+def test_where_nothing_is_left_to_do_the_screen_says_what_to_hand_in() -> None:
+    assert terminal(result()).endswith(
+        "\n\nHand in  imu_reader.py, noisy_imu.py, filters.py, imu_data.png, filtered_imu.png\n"
+    )
+    assert "Hand in" not in terminal(result(lost(), check()))
+    assert "Hand in" not in terminal(result(), only="sensor_access")
+
+
+def test_a_submission_with_nothing_to_mark_is_told_in_one_line() -> None:
     said = "Nothing recognisable was handed in: no Python file and no notebook was found."
     rows = [check("skipped", 0.0, message=said) for _ in range(5)]
     for only in (None, "sensor_access"):
-        shown = terminal(result(*rows, status="empty", notes=("No .py or .ipynb file was found.",)), only=only)
-        assert shown.startswith(
-            "Note  No .py or .ipynb file was found.\nNothing that the lab asks for was found in this submission."
+        shown = terminal(
+            result(*rows, status="empty", notes=("No .py or .ipynb file was found.",)), only=only, width=120
         )
-        assert said not in shown
+        assert (
+            shown
+            == "alice: Nothing that the lab asks for was found in this submission. No .py or .ipynb file was found.\n"
+        )
 
 
-def test_an_earned_check_is_one_line_on_the_terminal() -> None:
+def test_of_one_criterion_what_was_earned_is_told_too() -> None:
     assert terminal(result(check(lab_step=2)), only="sensor_access") == (
-        "Sensor access                                                                        6 / 6\n"
-        " ✓ earned     Reads the right sensor                                                 6 / 6\n"
+        " ✓ Sensor access  ████████████████████  6 / 6\n"
+        "\n"
+        " ✓ earned   Reads the right sensor                                                   6 / 6\n"
     )
 
 
@@ -140,21 +292,21 @@ OUTCOMES: list[tuple[Outcome, str]] = [
 def test_every_outcome_has_its_word_on_the_terminal_and_on_the_page(outcome: Outcome, word: str) -> None:
     points = None if outcome == "not_judged" else 0.0
     made = result(check(outcome, points))
-    assert word in terminal(made)
+    assert word in terminal(made, only="sensor_access")
     assert word in Tags(report(made)).text
 
 
 def test_points_that_are_open_are_a_dash_and_not_a_zero() -> None:
     made = result(check("not_judged", None), check(points=3.0), status="incomplete")
-    assert re.search(r"Sensor access +– / 12\n", terminal(made))
-    assert re.search(r"Score +– / 12$", terminal(made))
+    assert re.search(r"\? Sensor access +– / 12\n", terminal(made))
+    assert re.search(r"Score +– / 12\n", terminal(made))
     assert "Those points are open, not lost." in Tags(report(made)).text
     assert ">–<" in index({"a": made})
 
 
 def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
     message = "It raised.\nGot  ValueError: no\n  imu_reader.py, line 14\nExpected a number"
-    assert words.row(check("error", 0.0, message=message), "filtering").lines == (
+    assert words.row(check("error", 0.0, message=message), "filtering", LabName()).lines == (
         words.Line("", "It raised."),
         words.Line("Got", "ValueError: no\nimu_reader.py, line 14"),
         words.Line("", "Expected a number"),
@@ -164,11 +316,16 @@ def test_a_message_keeps_its_plain_sentences_and_its_further_lines() -> None:
 @pytest.mark.parametrize(("outcome", "word"), OUTCOMES)
 def test_what_to_read_and_to_run_stands_where_points_were_lost_and_nowhere_else(outcome: Outcome, word: str) -> None:
     shown = terminal(result(check(outcome, None if outcome == "not_judged" else 0.0, lab_step=2)))
-    assert ("Again" in shown) == ("Lab 04-01, Step 2" in shown) == (word not in ("earned", "skipped", "not judged"))
+    assert (
+        ("Next" in shown)
+        == ("Again" in shown)
+        == ("Lab 04-01, Step 2" in shown)
+        == (word not in ("earned", "skipped", "not judged"))
+    )
 
 
 def test_hostile_text_reaches_the_terminal_as_text() -> None:
-    shown = terminal(HOSTILE_RESULT, width=300, colour=True)
+    shown = coloured(HOSTILE_RESULT)
     assert "[bold]x[/bold]" in shown
     assert "\\x1b[31m\\u202e" in shown
     assert "\x1b[31m\\" not in shown

@@ -11,11 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grader import rubric
-from grader.errors import RequestError
-from grader.rubric import CheckWeight, RubricError
+from grader.engine import rubric
+from grader.engine.rubric import CheckWeight, RubricError
+from grader.ground.errors import RequestError
+from grader.labs.imu.lab import LAB
 
-SHIPPED = rubric.shipped().read_bytes()
+SHIPPED = rubric.shipped(LAB).read_bytes()
 SHEET = {
     "sensor_access": "returns_two_vectors 3 matches_truth 6 follows_address 6 reading_is_a_copy 3"
     " leaves_simulation_alone 2",
@@ -32,7 +33,7 @@ SHEET = {
 
 def problems(data: bytes | str) -> list[str]:
     with pytest.raises(RubricError) as refusal:
-        rubric.parse(data.encode() if isinstance(data, str) else data)
+        rubric.parse(LAB, data.encode() if isinstance(data, str) else data)
     return str(refusal.value).splitlines()
 
 
@@ -47,7 +48,7 @@ def line_of(text: str, part: str) -> int:
 
 
 def test_the_shipped_rubric_is_the_sheets() -> None:
-    shipped = rubric.load()
+    shipped = rubric.load(LAB)
     listed = {
         c.id: " ".join(f"{check.id.removeprefix(c.id + '.')} {check.weight:g}" for check in c.checks)
         for c in shipped.criteria
@@ -82,7 +83,7 @@ def test_the_shipped_rubric_is_the_sheets() -> None:
     ],
 )
 def test_what_no_mark_depends_on_leaves_the_hash_and_so_the_record_as_it_is(old: str, new: str) -> None:
-    assert rubric.parse(edited(old, new).encode()).sha256 == rubric.load().sha256
+    assert rubric.parse(LAB, edited(old, new).encode()).sha256 == rubric.load(LAB).sha256
 
 
 @pytest.mark.parametrize(
@@ -97,7 +98,7 @@ def test_what_no_mark_depends_on_leaves_the_hash_and_so_the_record_as_it_is(old:
     ],
 )
 def test_what_a_mark_depends_on_changes_the_hash(old: str, new: str) -> None:
-    assert rubric.parse(edited(old, new).encode()).sha256 != rubric.load().sha256
+    assert rubric.parse(LAB, edited(old, new).encode()).sha256 != rubric.load(LAB).sha256
 
 
 # ---- the late policy ----
@@ -113,7 +114,7 @@ DUE = "due: 2026-11-20T23:59+01:00"
 def test_the_late_policy_in_the_shipped_files_comment_is_one() -> None:
     start = SHIPPED.decode().index("# late:\n")
     lines = SHIPPED.decode()[start:].split("\n\n")[0].splitlines()
-    policy = rubric.parse((SHIPPED.decode() + "\n".join(line.removeprefix("# ") for line in lines)).encode()).late
+    policy = rubric.parse(LAB, (SHIPPED.decode() + "\n".join(line.removeprefix("# ") for line in lines)).encode()).late
     assert policy == rubric.LatePolicy(
         datetime(2026, 11, 20, 22, 59, tzinfo=timezone.utc),
         10.0,
@@ -124,11 +125,11 @@ def test_the_late_policy_in_the_shipped_files_comment_is_one() -> None:
 
 
 def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed() -> None:
-    assert rubric.load().late is None
-    policy = rubric.parse(with_late(DUE).encode()).late
+    assert rubric.load(LAB).late is None
+    policy = rubric.parse(LAB, with_late(DUE).encode()).late
     assert policy is not None
     assert (policy.grace_minutes, policy.per_day, policy.cut_off_days, policy.extensions) == (0.0, 0.0, None, {})
-    assert rubric.parse(with_late(DUE, "per_day: 7.5").encode()).late.per_day == 7.5  # type: ignore[union-attr]
+    assert rubric.parse(LAB, with_late(DUE, "per_day: 7.5").encode()).late.per_day == 7.5  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(
@@ -165,13 +166,13 @@ def test_a_slip_in_the_late_policy_is_told_with_its_line(lines: list[str], probl
 
 
 def test_a_check_knows_its_points_and_its_line() -> None:
-    check = rubric.load().check("sensor_access.follows_address")
+    check = rubric.load(LAB).check("sensor_access.follows_address")
     line = line_of(SHIPPED.decode(), "follows_address")
     assert check == CheckWeight("sensor_access.follows_address", 6.0, 6.0, line)
 
 
 def test_a_rubric_goes_to_another_process() -> None:
-    shipped = rubric.load()
+    shipped = rubric.load(LAB)
     assert pickle.loads(pickle.dumps(shipped)) == shipped
     refusal = RubricError("rubric.yaml:1: wrong")
     assert str(pickle.loads(pickle.dumps(refusal))) == str(refusal)
@@ -183,7 +184,7 @@ def test_the_order_in_the_file_is_free() -> None:
     start, second = text.index("  - id: sensor_access"), text.index("  - id: data_collection")
     third = text.index("  - id: visualization")
     swapped = text[:start] + text[second:third] + text[start:second] + text[third:]
-    assert [c.id for c in rubric.parse(swapped.encode()).criteria] == list(rubric.CRITERIA)
+    assert [c.id for c in rubric.parse(LAB, swapped.encode()).criteria] == [part.id for part in LAB.parts]
 
 
 def test_every_problem_is_told_at_once_with_its_line() -> None:
@@ -281,7 +282,7 @@ def test_a_weight_is_a_plain_number(weight: str) -> None:
 
 
 def test_a_leading_zero_is_no_octal_number() -> None:
-    assert rubric.parse(edited("call_cpu_s: 10", "call_cpu_s: 012").encode()).limits.call_cpu_s == 12.0
+    assert rubric.parse(LAB, edited("call_cpu_s: 10", "call_cpu_s: 012").encode()).limits.call_cpu_s == 12.0
 
 
 def test_more_problems_than_a_screen_holds_are_counted() -> None:
@@ -301,7 +302,7 @@ ONE_LINE = ("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 
 
 
 def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone() -> None:
-    plain, granted = rubric.load(), rubric.parse(edited(*ONE_LINE).encode())
+    plain, granted = rubric.load(LAB), rubric.parse(LAB, edited(*ONE_LINE).encode())
     assert [extension.points for extension in granted.extensions] == [5.0] * 4
     assert all(sum(c.max_points for c in e.checks) == pytest.approx(5.0) for e in granted.extensions if e.checks)
     assert (plain.extra_credit_cap, granted.extra_credit_cap) == (None, 10.0)
@@ -311,7 +312,7 @@ def test_one_line_makes_the_extensions_extra_credit_and_leaves_the_score_alone()
 
 def test_an_extension_can_be_worth_points_of_its_own() -> None:
     text = edited("    file: allan_variance.py\n", "    file: allan_variance.py\n    points: 7\n")
-    alone, beside = rubric.parse(text.encode()), rubric.parse(text.replace(*ONE_LINE).encode())
+    alone, beside = rubric.parse(LAB, text.encode()), rubric.parse(LAB, text.replace(*ONE_LINE).encode())
     assert [extension.points for extension in alone.extensions] == [0.0, 7.0, 0.0, 0.0]
     assert alone.extra_credit_cap == 7.0
     assert [extension.points for extension in beside.extensions] == [5.0, 7.0, 5.0, 5.0]
@@ -319,7 +320,7 @@ def test_an_extension_can_be_worth_points_of_its_own() -> None:
 
 
 def test_extra_credit_without_a_cap_is_capped_by_what_there_is() -> None:
-    assert rubric.parse(edited(ONE_LINE[0], "extra_credit: {each: 5}").encode()).extra_credit_cap == 20.0
+    assert rubric.parse(LAB, edited(ONE_LINE[0], "extra_credit: {each: 5}").encode()).extra_credit_cap == 20.0
 
 
 @pytest.mark.parametrize(
@@ -352,23 +353,23 @@ def test_a_model_is_looked_for_beside_the_rubric(tmp_path: Path) -> None:
     text = edited("  # path: my-humanoid.xml", "  path: my-humanoid.xml")
     file.write_text(text, encoding="utf-8")
     with pytest.raises(RubricError) as refusal:
-        rubric.load(file)
+        rubric.load(LAB, file)
     line = line_of(text, "path: my-humanoid")
     assert str(refusal.value) == (
         f"{file}:{line}: there is no model 'my-humanoid.xml'; the path is relative to this file"
     )
     (tmp_path / "my-humanoid.xml").write_text("<mujoco/>")
-    assert rubric.load(file).model.path == tmp_path / "my-humanoid.xml"
+    assert rubric.load(LAB, file).model.path == tmp_path / "my-humanoid.xml"
 
 
 def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.yaml", Path("a\0b")):
         with pytest.raises(RubricError, match=r"there is no such file; give the path of a rubric\.yaml$"):
-            rubric.load(path)
+            rubric.load(LAB, path)
 
 
 def test_checks_and_rubric_must_match() -> None:
-    shipped = rubric.load()
+    shipped = rubric.load(LAB)
     known = {check.id: "a title" for check in shipped.checks}
     rubric.match_checks(shipped, known)
     del known["filtering.passes_constant"]
@@ -415,7 +416,7 @@ LINES = SHIPPED.decode().splitlines(keepends=True)
 def test_any_bytes_are_a_rubric_or_a_refusal(data: bytes) -> None:
     told = ""
     try:
-        rubric.parse(data)
+        rubric.parse(LAB, data)
     except RubricError as refusal:
         told = str(refusal)
         assert told

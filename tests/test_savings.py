@@ -12,11 +12,12 @@ from unittest import mock
 
 import pytest
 
-from grader import lab_box, plugin, rubric, traces
+from grader.engine import examination, lab_box, rubric, traces
+from grader.engine.lab_box import HARNESS
+from grader.engine.marking import Marker
+from grader.engine.results import to_json
 from grader.intake import read_submission
-from grader.lab_box import HARNESS
-from grader.marking import Marker
-from grader.results import to_json
+from grader.labs.imu.lab import LAB
 from tests.examples import folders
 from tests.made_up import without_durations
 
@@ -32,31 +33,31 @@ PICTURES_IN_FULL = {
 
 
 def marks(marker: Marker, folder: Path) -> object:
-    return without_durations(json.loads(to_json(marker.mark(read_submission(folder)))))
+    return without_durations(json.loads(to_json(marker.mark(read_submission(folder, LAB.files)))))
 
 
 @contextmanager
 def without_savings(folder: Path) -> Iterator[Marker]:
     """A marker that does nothing beforehand and draws in full."""
-    harness = shutil.copytree(HARNESS, folder / "inside", ignore=shutil.ignore_patterns("__pycache__"))
+    harness = shutil.copytree(HARNESS, folder / "harness", ignore=shutil.ignore_patterns("__pycache__"))
     for name, text in PICTURES_IN_FULL.items():
         own = (harness / name).read_text(encoding="utf-8")
         replaced = re.findall(r"^(?:def )?(\w+)(?:\(| =)", text, re.MULTILINE)
         assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
         (harness / name).write_text(own + text, encoding="utf-8")
     with mock.patch.object(lab_box, "HARNESS", harness):
-        box = lab_box.open_box(libraries=(), thorough=False)
-    with Marker(rubric.load(), traces.shipped(), box=box) as slow:
+        box = lab_box.open_box(LAB, libraries=(), thorough=False)
+    with Marker(rubric.load(LAB), traces.shipped(), box=box) as slow:
         yield slow
 
 
 def test_no_saving_changes_a_mark(tmp_path: Path) -> None:
     chosen = [folder for folder in folders() if folder.name not in LONG]
-    with Marker(rubric.load(), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
         cheap = {folder.name: marks(marker, folder) for folder in chosen}
     with without_savings(tmp_path) as marker:
         for folder in chosen:
-            plugin.session.cache_clear()  # the checks are collected anew for each submission
+            examination.session.cache_clear()  # the checks are collected anew for each submission
             assert marks(marker, folder) == cheap[folder.name], folder.name
 
 
@@ -69,4 +70,4 @@ def test_no_saving_changes_a_mark(tmp_path: Path) -> None:
     ],
 )
 def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:
-    assert lab_box.libraries_of({"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
+    assert lab_box.libraries_of(LAB, {"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted

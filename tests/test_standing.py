@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 
 from grader.course.remarks import forgotten, remarks
-from grader.errors import RequestError
-from grader.formats.gradebook import gradebook
+from grader.engine.results import to_json
+from grader.engine.rubric import LatePolicy
+from grader.ground.errors import RequestError
+from grader.ground.stamps import read_stamp, stamp
 from grader.people import roster
 from grader.people.identity import Directory, Row, participant, spellings
 from grader.people.lateness import judged
@@ -24,9 +26,7 @@ from grader.people.standing import (
     hand_in_from_dict,
     hand_in_to_dict,
 )
-from grader.results import to_json
-from grader.rubric import LatePolicy
-from grader.stamps import read_stamp, stamp
+from grader.platforms.gradebook import gradebook
 from tests.made_up import check, lost, result
 
 DUE = datetime(2026, 11, 20, 23, 0, tzinfo=timezone.utc)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.errors import RequestError
-from grader.store import FILE_NAME, Key, Store
+from grader.course.record import FILE_NAME, Key, Store
+from grader.ground.errors import RequestError
 from tests.made_up import check, lost, result
 
 KEY = Key("alice", "s" * 64, "r" * 64, "t" * 64, "0.1.0")
@@ -61,7 +61,7 @@ def test_present_lists_the_class_by_id(tmp_path: Path) -> None:
 def test_what_was_kept_survives_a_process_that_is_killed(tmp_path: Path) -> None:
     program = (
         "import os, signal, sys, pathlib\n"
-        "from grader.store import Store\n"
+        "from grader.course.record import Store\n"
         "from tests.test_store import KEY\n"
         "from tests.made_up import result\n"
         "Store(pathlib.Path(sys.argv[1])).keep(KEY, result())\n"

@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from grader import traces as truth
-from grader.errors import GraderError, RequestError
+from grader.engine import traces as truth
+from grader.engine.robot import Robot
+from grader.ground.errors import GraderError, RequestError
 from reference import traces as recorder
 from reference.scenarios import PUBLIC_SEED, drawn_settings, generator
+from reference.variants import TIMESTEPS
+from reference.worlds import LAB_MODEL
 
-SHIPPED = Path(truth.__file__).parent / "data" / "public.npz"
+SHIPPED = Path(truth.__file__).parent.parent / "labs" / "imu" / "public.npz"
 SECRET = "correct horse ✓"
 
 #: Between MuJoCo 3.0.0 and 4.0.0 the largest difference in the public bundle is 2e-8 of an array's largest number
@@ -57,9 +60,9 @@ def test_another_seed_gives_other_numbers_under_the_same_names(hidden: Path, tmp
     one, other = truth.load(hidden), truth.load(recorder.record(tmp_path, SECRET + " ", "hidden"))
     assert one.arrays.keys() == other.arrays.keys()
     assert one.sha256 != other.sha256
-    for key in ("tumbling/acceleration", "reading_lab/sensordata", "noise/accel_bias", "filter/input"):
+    for key in ("tumbling/acceleration", "reading_lab/qpos", "noise/accel_bias", "filter/input"):
         assert np.abs(one.arrays[key] - other.arrays[key]).max() > 0.01, key
-    assert one.models["shuffled"] != other.models["shuffled"]
+    assert all(one.models[name] != other.models[name] for name in ("lab", "shuffled", "many_imus"))
 
 
 def test_hidden_and_public_bundles_have_the_same_scenarios_and_arrays(public: Path, hidden: Path) -> None:
@@ -115,7 +118,7 @@ def test_every_model_in_the_manifest_compiles_and_has_the_sensors_of_its_scenari
 
 
 def test_the_lab_model_in_the_manifest_is_the_lab_model() -> None:
-    assert truth.shipped().models["lab"] == truth.lab_model().read_text(encoding="utf-8")
+    assert truth.shipped().models["lab"] == LAB_MODEL.read_text(encoding="utf-8")
 
 
 # --- what the scenarios are good for --------------------------------------------------------------------------------
@@ -198,14 +201,15 @@ def test_the_dirty_state_shows_where_the_clock_was_not_reset(public: Path) -> No
     np.testing.assert_allclose(s.alt_time_not_reset_time - s.time[: s.scalars["n_steps"]], s.dirty_time)
 
 
+@pytest.mark.parametrize("usual", [factor * 0.002 for factor in TIMESTEPS])
 @pytest.mark.parametrize("seed", range(20))
-def test_drawn_settings_stay_within_what_the_sheet_would_ask(seed: int) -> None:
-    drawn = drawn_settings(generator("hidden", str(seed), "settings"))
+def test_drawn_settings_stay_within_what_the_sheet_would_ask(seed: int, usual: float) -> None:
+    drawn = drawn_settings(generator("hidden", str(seed), "settings"), usual)
     assert 1.0 <= drawn.push_s <= 1.5
     assert 0.4 <= drawn.dirty_s <= 0.8
-    for duration, timestep in ((drawn.push_s, 0.002), (drawn.dirty_s, drawn.dirty_timestep)):
+    for duration, timestep in ((drawn.push_s, usual), (drawn.dirty_s, drawn.dirty_timestep)):
         assert round(duration / timestep) * timestep == pytest.approx(duration, abs=1e-12)
-    assert drawn.dirty_timestep != 0.002
+    assert drawn.dirty_timestep != usual
 
 
 def test_noise_states_have_no_small_and_no_equal_channels_and_biases_stand_out(public: Path, hidden: Path) -> None:
@@ -329,7 +333,8 @@ def recordings(monkeypatch: pytest.MonkeyPatch, public: Path, hidden: Path) -> l
     """Recorder runs, as (name, seed); instead of running, it copies what was recorded above."""
     calls: list[tuple[str, str]] = []
 
-    def copied(name: str, seed: str, out: Path) -> None:
+    def copied(name: str, seed: str, out: Path, robot: Robot | None) -> None:
+        assert robot is None
         calls.append((name, seed))
         shutil.copytree({"public": public, "hidden": hidden}[name].parent, out)
 
@@ -435,7 +440,7 @@ def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
     (tmp_path / "reference").mkdir()
     (tmp_path / "reference" / "__init__.py").touch()
     (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
-    monkeypatch.setattr(truth, "_PACKAGE", tmp_path / "grader")
+    monkeypatch.setattr(truth, "_SOURCES", tmp_path)
     with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
         truth.obtain(SECRET, tmp_path / "cache")
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from grader.errors import RequestError
+from grader.ground.errors import RequestError
 
 
 def adjust(
@@ -41,6 +41,7 @@ def adjust(
       imugrade adjust out
     """
     from grader.course import adjusting  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if table is not None:
         if id_ is not None:
@@ -52,7 +53,7 @@ def adjust(
         raise RequestError("adjust: give --points, or --withdraw")
     else:
         wishes = [adjusting.Wish(id_, criterion, "" if points is None else repr(points), comment)]
-    lines = adjusting.adjust(out, wishes, author or _login()) if wishes else adjusting.listing(out)
+    lines = adjusting.adjust(LAB, out, wishes, author or _login()) if wishes else adjusting.listing(out)
     for line in lines:
         print(line)
     return 0

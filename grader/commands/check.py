@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, RungOption, console
+from grader.commands import completion
+from grader.commands.common import SECRET_VARIABLE, RubricOption, RungOption, console
 
 if TYPE_CHECKING:
-    from grader.results import Result
+    from rich.console import Console
+    from rich.text import Text
+
+    from grader.commands.prints import Prints
+    from grader.engine.results import Result
 
 
 def check(
@@ -21,8 +32,12 @@ def check(
     *,
     html: Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write the report as a page.")] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON.")] = None,
-    only: Annotated[str | None, typer.Option("--only", metavar="CRITERION", help="Check one criterion.")] = None,
+    only: Annotated[
+        str | None,
+        typer.Option("--only", metavar="CRITERION", help="Check one criterion.", autocompletion=completion.criteria),
+    ] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
+    prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,
     rubric: RubricOption = None,
     rung: RungOption = None,
 ) -> int:
@@ -34,64 +49,144 @@ def check(
       imugrade check my_lab --only filtering --watch
       imugrade check my_lab.zip --html report.html
     """
+    from grader.engine.lab_box import open_box_for  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
-    from grader.lab_box import open_box_for  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
+    wanted = _Wanted(path, only, html, json, prints)
     if watch:
-        return _watch(path, rubric, only, html, json, rung)
-    submission = read_submission(path)
-    with open_box_for(submission.files, rung) as box:
-        from grader import opening  # noqa: PLC0415 - this and the next while the box warms up
-        from grader import rubric as rubrics  # noqa: PLC0415
+        return _watch(wanted, rubric, rung)
+    submission = read_submission(path, LAB.files)
+    with open_box_for(LAB, submission.files, rung) as box:
+        from grader.commands import opening  # noqa: PLC0415 - this and the next while the box warms up
+        from grader.engine import rubric as rubrics  # noqa: PLC0415
 
-        chosen = rubrics.load(rubric)
+        chosen = rubrics.load(LAB, rubric)
         rubrics.know_part(chosen, only)
         ready = submission.status == "ready"
         if ready:
-            print(opening.found(submission), flush=True)  # at once: the rest takes seconds on a cold machine
-        from grader import selfcheck, traces  # noqa: PLC0415
+            print(opening.found(LAB, submission), flush=True)  # at once: the rest takes seconds on a cold machine
+        from grader.commands import checking, history  # noqa: PLC0415
+        from grader.commands.prints import Prints  # noqa: PLC0415
+        from grader.engine import traces  # noqa: PLC0415
+        from grader.engine.marking import Stopped  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
 
-        bundle = traces.obtain(None, None)
+        bundle = traces.obtain(None, None, chosen.model)
         if ready:
-            print(opening.waiting(submission, chosen, bundle, only) + "\n", flush=True)
-        result = selfcheck.check(submission, chosen, bundle, box, only=only)
-    _show(result, html, json, only)
+            print(opening.waiting(submission, chosen, bundle, only, secret=_has_secret()) + "\n", flush=True)
+        printed = Prints()
+        try:
+            result = checking.check(
+                submission, chosen, bundle, box, only=only, waiting=partial(print, flush=True), listen=printed.hear
+            )
+        except Stopped as stopped:
+            print()  # below the terminal's own ^C
+            _show(stopped.result, wanted, {}, printed)
+            raise
+    before = history.recalled(path, result)
+    _show(result, wanted, before, printed)
+    _write(result, wanted)
+    history.remember(path, result, before)
     return 3 if result.status == "incomplete" else 0
 
 
-def _watch(
-    path: Path, rubric: Path | None, only: str | None, html: Path | None, json: Path | None, rung: str | None
-) -> int:
-    from grader import opening, selfcheck, traces  # noqa: PLC0415
-    from grader import rubric as rubrics  # noqa: PLC0415
-    from grader.intake import read_submission  # noqa: PLC0415
+_CHECKING = "checking …"
 
-    chosen = rubrics.load(rubric)
-    rubrics.know_part(chosen, only)
-    bundle = traces.obtain(None, None)
-    waiting = opening.waiting(read_submission(path), chosen, bundle, only) + "\n"
-    written = [each for each in (html, json) if each is not None]
-    for result in selfcheck.check_on_save(path, chosen, bundle, only=only, rung=rung, written=written):
-        console().clear()
-        print(waiting)
-        _show(result, html, json, only)
-        print("\nWatching for changes; Ctrl-C ends.", flush=True)
+
+@dataclass(frozen=True)
+class _Wanted:
+    """What is checked, how much of it is shown, and where it is written."""
+
+    path: Path
+    only: str | None
+    html: Path | None
+    json: Path | None
+    prints: bool
+
+    @property
+    def command(self) -> str:
+        """What to type to check it again."""
+        given = () if self.path == Path() else (str(self.path),)
+        return shlex.join(("imugrade", "check", *given))
+
+
+def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
+    from grader.commands.watching import View  # noqa: PLC0415
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.intake.submission import original_name  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    chosen = rubrics.load(LAB, rubric)
+    rubrics.know_part(chosen, wanted.only)
+    screen = console()
+    view = View(screen, original_name(wanted.path), wanted.command)
+    view.tell(_CHECKING)  # at once: the rest takes seconds on a cold machine
+    from grader.commands import checking, history  # noqa: PLC0415
+    from grader.commands.prints import Prints  # noqa: PLC0415
+    from grader.engine import traces  # noqa: PLC0415
+
+    bundle = traces.obtain(None, None, chosen.model)
+    written = [each for each in (wanted.html, wanted.json) if each is not None]
+    before: dict[str, float] | None = None
+    printed = Prints()
+
+    def begins() -> None:
+        view.tell(_CHECKING)
+        printed.forget()
+
+    try:
+        for result in checking.check_on_save(
+            wanted.path, chosen, bundle, only=wanted.only, rung=rung, written=written, begins=begins, waits=view.refit,
+            listen=printed.hear,
+        ):  # fmt: skip
+            known = history.recalled(wanted.path, result) if before is None else before
+            told = printed.told(LAB) if wanted.prints else []
+            view.show(partial(_lines, result, wanted, screen, known, told), _checked_at())
+            _write(result, wanted)
+            before = history.remember(wanted.path, result, known)
+    except KeyboardInterrupt:  # it is how one ends it
+        print()
     return 0
 
 
-def _show(result: Result, html: Path | None, json: Path | None, only: str | None) -> None:
-    from grader.files import write_whole  # noqa: PLC0415
+def _checked_at() -> str:
+    return f"checked at {time.strftime('%H:%M:%S')}; again on every save, Ctrl-C ends"
+
+
+def _has_secret() -> bool:
+    return bool(os.environ.get(SECRET_VARIABLE, "").strip())
+
+
+def _show(result: Result, wanted: _Wanted, before: Mapping[str, float], printed: Prints) -> None:
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
-    terminal.show(result, console(), only=only)
-    if html is not None:
-        from grader.evidence import unpacked  # noqa: PLC0415
+    screen = console()
+    for line in _lines(result, wanted, screen, before, printed.told(LAB) if wanted.prints else []):
+        terminal.show_line(line, screen)
+
+
+def _lines(
+    result: Result, wanted: _Wanted, screen: Console, before: Mapping[str, float], told: Sequence[Text]
+) -> list[Text]:
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.report import terminal  # noqa: PLC0415
+
+    lines = terminal.screen(result, screen, LAB, only=wanted.only, before=before, command=wanted.command)
+    return [*lines, *told]
+
+
+def _write(result: Result, wanted: _Wanted) -> None:
+    from grader.ground.files import write_whole  # noqa: PLC0415
+
+    if wanted.html is not None:
+        from grader.engine.evidence import unpacked  # noqa: PLC0415
         from grader.people.standing import Standing  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
-        write_whole(html, report_page(Standing("", result), unpacked(result.evidence.charts)))
-    if json is not None:
-        from grader.results import to_json  # noqa: PLC0415
+        write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts)))
+    if wanted.json is not None:
+        from grader.engine.results import to_json  # noqa: PLC0415
 
-        write_whole(json, to_json(result))
+        write_whole(wanted.json, to_json(result))

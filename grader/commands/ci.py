@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, RungOption
+from grader.commands.common import RubricOption, RungOption, either
+from grader.platforms import registry
 
 
 def ci(
@@ -20,10 +21,8 @@ def ci(
     *,
     format_: Annotated[
         str,
-        typer.Option(
-            "--format", "-f", metavar="F", help="github, gradescope, classroom50, junit, prairielearn, json or auto."
-        ),
-    ] = "auto",
+        typer.Option("--format", "-f", metavar="F", help=f"{either((*registry.names('respond'), registry.AUTO))}."),
+    ] = registry.AUTO,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", metavar="FILE", help="Where the answer goes; - is standard output."),
@@ -53,16 +52,17 @@ def ci(
       imugrade ci --format github --min-score 60
       imugrade ci lab --format junit -o junit.xml
     """
-    from grader import rubric as rubrics  # noqa: PLC0415
-    from grader import traces  # noqa: PLC0415
-    from grader.formats import job, platforms  # noqa: PLC0415
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine import traces  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.platforms import job  # noqa: PLC0415
 
-    bundle = traces.obtain(None, None) if traces_ is None else traces.load(traces_)
+    chosen = rubrics.load(LAB, rubric)
+    bundle = traces.obtain(None, None, chosen.model) if traces_ is None else traces.load(traces_)
     order = job.Job(
-        platforms.named(format_), rubrics.load(rubric), bundle, path, out,
-        job.visible(visibility), trust, rung,
+        job.named(format_), chosen, bundle, path, out,
+        job.visible(visibility), trust, min_score, rung,
     )  # fmt: skip
-    job.refuse_limit(order, min_score)
     result = job.run(order)
     if result.status == "incomplete":
         return 3

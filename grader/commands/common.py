@@ -9,19 +9,20 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from grader.errors import RequestError
+from grader.ground.errors import RequestError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-Word = TypeVar("Word", str, str | None)
+Word = TypeVar("Word", bound=str | None)
 
+SECRET_VARIABLE = "IMUGRADE_SEED"
 RubricOption = Annotated[Path | None, typer.Option("--rubric", metavar="FILE", help="Another rubric.yaml.")]
 SeedOption = Annotated[
     str | None,
     typer.Option(
         "--seed",
-        envvar="IMUGRADE_SEED",
+        envvar=SECRET_VARIABLE,
         show_envvar=False,
         metavar="TEXT",
         help="Hidden scenarios from this secret. Better set IMUGRADE_SEED: a command line is visible to other users.",
@@ -32,16 +33,22 @@ RungOption = Annotated[str | None, typer.Option("--rung", hidden=True)]
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
     """What an option says, if it is one of the words that it may say."""
-    from grader.text import printable  # noqa: PLC0415
+    from grader.ground.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:
         raise RequestError(f"{option} {printable(value)}: there is no such; choose {', '.join(known)}")
     return value
 
 
+def either(names: Sequence[str]) -> str:
+    """``a, b or c``."""
+    *others, last = names
+    return f"{', '.join(others)} or {last}" if others else last
+
+
 def say(line: str) -> None:
     """One line on stderr, with the command's name in front."""
-    from grader.text import printable  # noqa: PLC0415
+    from grader.ground.text import printable  # noqa: PLC0415
 
     print(f"imugrade: {printable(line, 2000)}", file=sys.stderr, flush=True)
 

@@ -19,7 +19,7 @@ def diff(
       imugrade diff out-monday out-tuesday
     """
     from grader.course import differences  # noqa: PLC0415
-    from grader.store import Store  # noqa: PLC0415
+    from grader.course.record import Store  # noqa: PLC0415
 
     with Store.existing(first) as old, Store.existing(second) as new:
         for line in differences.told(old.standings(), new.standings()):

@@ -7,7 +7,7 @@ from grader.commands.common import console
 
 def doctor() -> int:
     """Tell what this machine can isolate, and which versions are in use."""
-    from grader import doctor as doctors  # noqa: PLC0415
+    from grader.commands import machine as doctors  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
     terminal.show_findings(doctors.examine(), console())

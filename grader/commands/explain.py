@@ -6,13 +6,18 @@ from typing import Annotated
 
 import typer
 
+from grader.commands import completion
 from grader.commands.common import console
 
 
 def explain(
     id_: Annotated[
         str | None,
-        typer.Argument(metavar="ID", help="A mistake, a check or a criterion; without one, all that there are."),
+        typer.Argument(
+            metavar="ID",
+            help="A mistake, a check or a criterion; without one, all that there are.",
+            autocompletion=completion.explained,
+        ),
     ] = None,
 ) -> int:
     """Explain a mistake that a report names, or what a check asks for.

@@ -7,20 +7,25 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import one_of, say
+from grader.commands.common import either, one_of, say
+from grader.platforms import registry
 
 
 def export(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
     *,
-    format_: Annotated[str, typer.Option("--format", "-f", metavar="F", help="csv, canvas, moodle or gradescope.")],
+    format_: Annotated[
+        str, typer.Option("--format", "-f", metavar="F", help=f"{either(registry.names('fill', 'write'))}.")
+    ],
     target: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Where to; by default OUT/F.csv.")
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Where to; by default in OUT.")
     ] = None,
     template: Annotated[
         Path | None,
         typer.Option(
-            "--template", metavar="FILE", help="Canvas: the exported gradebook; Moodle: the grading worksheet."
+            "--template",
+            metavar="FILE",
+            help=f"The file that the platform exported, to be filled in: {either(registry.names('fill'))}.",
         ),
     ] = None,
     column: Annotated[
@@ -28,13 +33,13 @@ def export(
     ] = None,
     feedback: Annotated[
         Path | None,
-        typer.Option("--feedback", metavar="ZIP", help="Each student's report, for Canvas or Moodle to place."),
+        typer.Option("--feedback", metavar="ZIP", help="Each student's report, for the platform to place."),
     ] = None,
 ) -> int:
     """Write the final points of a graded class as a platform's upload.
 
-    Canvas and Moodle get back the file that they exported, with the grades filled in and nothing else changed. Who is not in both
-    is told, and keeps what the file had.
+    A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Who is not in
+    both is told, and keeps what the file had.
 
     \b
     Examples:
@@ -44,8 +49,8 @@ def export(
     """
     from grader.course import exporting  # noqa: PLC0415
 
-    name = one_of("--format", format_, exporting.FORMATS)
-    written = exporting.export(exporting.Export(out, name, target, template, column, feedback))
+    platform = registry.platform(one_of("--format", format_, registry.names("fill", "write")))
+    written = exporting.export(exporting.Export(out, platform, target, template, column, feedback))
     for line in written.told:
         print(line)
     for line in written.remarks:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, RungOption, SeedOption, console, one_of, say
-from grader.errors import RequestError
+from grader.commands.common import RubricOption, RungOption, SeedOption, console, either, one_of, say
+from grader.ground.errors import RequestError
+from grader.platforms import registry
 
 
 def grade(
@@ -30,7 +31,7 @@ def grade(
         typer.Option(
             "--from",
             metavar="NAME",
-            help="folders, canvas, moodle, gradescope, classroom50 or git; recognised without.",
+            help=f"{either((registry.FOLDERS, *registry.names('read')))}; recognised without.",
         ),
     ] = None,
     roster: Annotated[
@@ -65,19 +66,23 @@ def grade(
       imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
-    from grader import rubric as rubrics  # noqa: PLC0415
-    from grader import traces  # noqa: PLC0415
     from grader.course import classroom  # noqa: PLC0415
-    from grader.intake.classes import ATTEMPTS, SHAPES  # noqa: PLC0415
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine import traces  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
 
     if cluster is not None and jobs is not None:
         raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
-    bundle = traces.obtain(seed, None)
+    chosen = rubrics.load(LAB, rubric)
+    bundle = traces.obtain(seed, None, chosen.model)
     order = classroom.Order(
-        tuple(paths), out, rubrics.load(rubric), bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
-        one_of("--from", from_, SHAPES), roster, one_of("--attempts", attempts, ATTEMPTS),
+        tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
+        one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), roster, one_of("--attempts", attempts, ATTEMPTS),
     )  # fmt: skip
+    if spot := traces.blind_spot(bundle):
+        say(spot)
     if seed is None:
         say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
     found = classroom.find(order)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from grader.commands.common import RubricOption, SeedOption
-from grader.errors import RequestError
+from grader.ground.errors import RequestError
 
 
 def kit(
@@ -38,12 +38,15 @@ def kit(
       IMUGRADE_SEED=... imugrade kit --gradescope autograder.zip
       imugrade kit --github starter-repository
     """
-    from grader import traces  # noqa: PLC0415
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine import traces  # noqa: PLC0415
     from grader.kit import give  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if out is None and gradescope is None and classroom50 is None and github is None:
         raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50 or --github")
-    hidden = traces.obtain(seed, None) if gradescope and seed is not None else None
-    for each in give.kits(give.Wanted(out, gradescope, classroom50, github, rubric, hidden)):
+    model = rubrics.load(LAB, rubric).model
+    hidden = traces.obtain(seed, None, model) if gradescope and seed is not None else None
+    for each in give.kits(give.Wanted(LAB, out, gradescope, classroom50, github, rubric, hidden)):
         print(f"{each.place}  for {each.title}; {each.scenarios}")
     return 0

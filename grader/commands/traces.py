@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from grader.commands.common import SeedOption
+from grader.commands.common import RubricOption, SeedOption
+
+if TYPE_CHECKING:
+    from grader.engine.traces import Traces
 
 app = typer.Typer(
     help="Ground-truth traces: what submissions are compared with.\n\n"
@@ -19,12 +22,11 @@ app = typer.Typer(
 
 
 @app.command("list")
-def list_(seed: SeedOption = None) -> int:
+def list_(seed: SeedOption = None, rubric: RubricOption = None) -> int:
     """What the bundle in use holds."""
-    from grader import traces  # noqa: PLC0415
     from grader.report import truth  # noqa: PLC0415
 
-    print(truth.listing(traces.obtain(seed, None)))
+    print(truth.listing(_obtained(seed, rubric)))
     return 0
 
 
@@ -32,12 +34,12 @@ def list_(seed: SeedOption = None) -> int:
 def plot(
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Where the pictures go.")],
     seed: SeedOption = None,
+    rubric: RubricOption = None,
 ) -> int:
     """Draw every scenario that is a motion over time, one PNG each."""
-    from grader import traces  # noqa: PLC0415
     from grader.report import truth  # noqa: PLC0415
 
-    for path in truth.plot(traces.obtain(seed, None), out):
+    for path in truth.plot(_obtained(seed, rubric), out):
         print(path)
     return 0
 
@@ -46,6 +48,7 @@ def plot(
 def record(
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Where the bundle goes.")],
     seed: SeedOption = None,
+    rubric: RubricOption = None,
 ) -> int:
     """Write a bundle for this machine's MuJoCo: the public one, or the hidden one of a seed.
 
@@ -53,8 +56,16 @@ def record(
     Example:
       IMUGRADE_SEED=... imugrade traces record -o traces
     """
-    from grader import traces  # noqa: PLC0415
     from grader.report import truth  # noqa: PLC0415
 
-    print(truth.save(traces.obtain(seed, None), out))
+    print(truth.save(_obtained(seed, rubric), out))
     return 0
+
+
+def _obtained(seed: str | None, rubric: Path | None) -> Traces:
+    """For the robot that the rubric names."""
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine import traces  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    return traces.obtain(seed, None, rubrics.load(LAB, rubric).model)

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
-from grader import words
 from grader.course.publishing import publish, publish_class
-from grader.errors import RequestError
+from grader.course.record import Store
+from grader.engine.lab import Lab
+from grader.engine.rubric_nodes import guess_at
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
 from grader.people.standing import Adjustment, Standing, beneath
-from grader.rubric_nodes import guess_at
-from grader.store import Store
-from grader.text import printable
+from grader.report import words
 
 COLUMNS = ("id", "criterion", "points", "comment")
 MAX_COMMENT = 2000
@@ -51,7 +52,7 @@ def _wish(row: Mapping[str, str | None], place: str) -> Wish:
     return Wish(id_, criterion, points, comment, place)
 
 
-def adjust(out: Path, wishes: Sequence[Wish], author: str) -> list[str]:
+def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str) -> list[str]:
     """Record all of them, or none, and write the pages anew; a line on each.
 
     The same wish again changes nothing, so that a table can be given twice; it confirms one whose marks beneath have changed.
@@ -71,7 +72,7 @@ def adjust(out: Path, wishes: Sequence[Wish], author: str) -> list[str]:
         made = [(wish.id, _adjustment(wish, standings[wish.id], author, now)) for wish in wishes]
         fresh = [(id_, each) for id_, each in made if not _stands(each, standings[id_])]
         store.adjust(fresh)
-        after = publish_class(out, store)
+        after = publish_class(out, store, lab)
         for id_ in dict.fromkeys(id_ for id_, _ in fresh):
             publish(out, after[id_], store)
     return [_told(id_, each, after[id_], fresh=(id_, each) in fresh) for id_, each in made]

@@ -11,23 +11,29 @@ from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from grader import __version__, cluster
-from grader.batch import OpenMarker, Unmarked, mark_all
+from grader import __version__
+from grader.course import cluster
+from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
+from grader.course.pool import Outcome as Marked
 from grader.course.publishing import publish, publish_class
+from grader.course.reading import Reader
+from grader.course.record import Key, Store
 from grader.course.remarks import forgotten, remarks
-from grader.errors import GraderError, RequestError
-from grader.evidence import Evidence
+from grader.engine.evidence import Evidence
+from grader.engine.examination import known_checks
+from grader.engine.marking import Marker
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
+from grader.engine.rubric import Criterion, Rubric
+from grader.engine.traces import Traces
+from grader.ground.errors import GraderError, RequestError
+from grader.ground.text import printable
 from grader.intake import Submission
-from grader.intake.classes import Entry, read_class
-from grader.marking import Marker
 from grader.people import lateness, roster
 from grader.people.standing import HandIn, Person, Standing
-from grader.plugin import known_checks
-from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
-from grader.rubric import Criterion, Rubric
-from grader.store import Key, Store
-from grader.text import printable
-from grader.traces import Traces
+from grader.platforms.classes import Entry, read_class
+
+_WALL_PER_CPU = 5
+"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +104,7 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    found = read_class(order.paths, order.shape, order.attempts)
+    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts)
     submissions = _beside_out(found.entries, order)
     entries = _chosen(submissions, order.only)
     if not entries:
@@ -144,7 +150,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
         try:
             run.grade(found.entries)
         finally:
-            standings = publish_class(order.out, store)
+            standings = publish_class(order.out, store, order.rubric.lab)
     outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
     if order.roster is None:
         outcome.remarks += tuple(forgotten(before, standings))
@@ -163,12 +169,12 @@ class _Run:
         self._attempts: dict[Key, _Attempt] = {}
 
     def grade(self, entries: Sequence[Entry]) -> None:
-        order = self._order
-        for submission, marked in self._marked(entries):
-            result = unjudged(submission, order, marked.reason) if isinstance(marked, Unmarked) else marked
-            self._store.keep(self._key(submission), result)
-            slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
-            self._tell(self._key(submission), slim, resumed=False)
+        with Reader() as reader:
+            for submission, marked in self._marked(entries, reader):
+                result = _result(submission, self._order, marked)
+                self._store.keep(self._key(submission), result)
+                slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
+                self._tell(self._key(submission), slim, resumed=False)
         self._settle()
 
     def _settle(self) -> None:
@@ -182,16 +188,18 @@ class _Run:
             self._store.point_at(key)
             self._publish(standing)
 
-    def _marked(self, entries: Sequence[Entry]) -> Iterator[tuple[Submission, Result | Unmarked]]:
-        order, submissions = self._order, self._unrecorded(entries)
+    def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
+        order, submissions = self._order, self._unrecorded(entries, reader)
         if order.cluster is not None:
             return cluster.mark_all(submissions, opener(order), order.cluster)
-        return mark_all(submissions, opener(order), min(order.jobs or os.cpu_count() or 1, len(entries)))
+        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
+        bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
+        return mark_all(submissions, opener(order), jobs, bounds)
 
-    def _unrecorded(self, entries: Sequence[Entry]) -> Iterator[Submission]:
+    def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
         for entry in entries:
-            submission = entry.read()
+            submission = reader.read(entry)
             key = self._key(submission)
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
@@ -249,16 +257,38 @@ def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bo
         yield marker
 
 
+def _result(submission: Submission, order: Order, marked: Marked) -> Result:
+    if isinstance(marked, Unmarked):
+        return unjudged(submission, order, marked.reason)
+    return stopped(submission, order, marked.reason) if isinstance(marked, Stopped) else marked
+
+
 def unjudged(submission: Submission, order: Order, reason: str) -> Result:
     """The result of a submission that the grader failed on: every point open, none lost."""
     note = f"The grader failed on this submission ({printable(reason, 300)}); grade it again"
-    titles = {id_: check.title for id_, check in known_checks().items()}
+    return _without_marker(submission, order, "incomplete", CheckResult("", "", "not_judged", None, 0.0), note)
+
+
+def stopped(submission: Submission, order: Order, reason: str) -> Result:
+    """The result of a submission that two markers did not come to an end with: nothing was shown in time."""
+    note = (
+        f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
+        "Look at what it does, or ask whoever marks to"
+    )
+    row = CheckResult("", "", "timeout", 0.0, 0.0, message="Expected  an answer in time\nGot  none, twice")
+    return _without_marker(submission, order, "graded", row, note)
+
+
+def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
+    """A result with the same row for every check of the criteria."""
+    titles = {id_: check.title for id_, check in known_checks(order.rubric.lab).items()}
     return Result(
         submission.name,
-        "incomplete",
-        criteria=tuple(_open(criterion, titles) for criterion in order.rubric.criteria),
+        status,
+        criteria=tuple(_alike(criterion, titles, row) for criterion in order.rubric.criteria),
         extensions=tuple(ExtensionResult(each.id, False, each.points) for each in order.rubric.extensions),
         notes=(*submission.notes, note),
+        lab=LabName(order.rubric.lab.label, order.rubric.lab.title),
         provenance={
             "grader": __version__,
             "rubric_sha256": order.rubric.sha256,
@@ -268,8 +298,8 @@ def unjudged(submission: Submission, order: Order, reason: str) -> Result:
     )
 
 
-def _open(criterion: Criterion, titles: Mapping[str, str]) -> CriterionResult:
-    rows = (CheckResult(c.id, titles.get(c.id, c.id), "not_judged", None, c.max_points) for c in criterion.checks)
+def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) -> CriterionResult:
+    rows = (replace(row, id=c.id, title=titles.get(c.id, c.id), max_points=c.max_points) for c in criterion.checks)
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 

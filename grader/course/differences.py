@@ -5,10 +5,10 @@ from __future__ import annotations
 import statistics
 from collections.abc import Iterator, Mapping
 
-from grader import words
+from grader.engine.results import CheckResult, Result
+from grader.ground.text import printable
 from grader.people.standing import Standing
-from grader.results import CheckResult, Result
-from grader.text import printable
+from grader.report import words
 
 _CAUSES = {
     "submission_sha256": "the submission",

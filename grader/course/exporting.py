@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.errors import RequestError
-from grader.files import write_whole
-from grader.formats import canvas, moodle
-from grader.formats.gradebook import gradebook
-from grader.formats.gradescope_csv import gradescope_csv
-from grader.formats.sheet import BOM
+from grader.course.record import Store
+from grader.ground.errors import RequestError
+from grader.ground.files import write_whole
+from grader.ground.text import printable
 from grader.people.standing import Standing
-from grader.store import Store
-from grader.text import printable
+from grader.platforms.platform import Fill, Platform
 
-FORMATS = ("csv", "canvas", "moodle", "gradescope")
-TEMPLATED = {"canvas": canvas.fill, "moodle": moodle.fill}
+Marks = tuple[bytes, int, list[str]]  # the file, how many grades are in it, and who was left out
 MAX_TEMPLATE = 64_000_000
 _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 
@@ -29,7 +25,7 @@ class Export:
     """What is to be written. `template` is the file that the platform exported, `feedback` a zip for the reports."""
 
     out: Path
-    format: str
+    platform: Platform
     target: Path | None = None
     template: Path | None = None
     column: str | None = None
@@ -50,15 +46,13 @@ def export(order: Export) -> Written:
     Raises
     ------
     RequestError
-        If nothing was graded in OUT, or the template is missing, not wanted or not the platform's.
+        If nothing was graded in OUT, the platform takes no grades, or the template is missing, not wanted or not the platform's.
     """
-    if (order.format in TEMPLATED) != (order.template is not None):
-        needs = "needs --template with the file that it exports" if order.template is None else "takes no --template"
-        raise RequestError(f"--format {order.format} {needs}")
+    marks = _way(order)
     with Store.existing(order.out) as store:
         standings = store.standings()
-    target = order.target or order.out / f"{'gradebook' if order.format == 'csv' else order.format}.csv"
-    data, grades, remarks = _marks(order, standings)
+    target = order.target or order.out / order.platform.gradebook
+    data, grades, remarks = marks(standings)
     write_whole(target, data)
     told = [f"{target}  {grades} grade{'s' * (grades != 1)}"]
     if order.feedback is not None:
@@ -69,15 +63,23 @@ def export(order: Export) -> Written:
     return Written(tuple(told), tuple(remarks))
 
 
-def _marks(order: Export, standings: Mapping[str, Standing]) -> tuple[bytes, int, list[str]]:
-    if order.template is not None:
-        source = printable(str(order.template), 500)
-        filled = TEMPLATED[order.format](_bytes(order.template, source), source, order.column, standings)
-        return filled.data, filled.grades, list(filled.left_out(standings))
-    grades = sum(standing.final is not None for standing in standings.values())
-    text = gradebook(standings) if order.format == "csv" else gradescope_csv(standings)
-    mark = b"" if order.format == "csv" else BOM  # for a spreadsheet, which otherwise spoils umlauts
-    return mark + text.encode("utf-8", "replace"), grades, []
+def _way(order: Export) -> Callable[[Mapping[str, Standing]], Marks]:
+    """How the platform gets the marks: its own file filled in, or one that is written."""
+    fill, write, template = order.platform.fill, order.platform.write, order.template
+    if fill is not None and template is not None:
+        return lambda standings: _filled(fill, template, order.column, standings)
+    if write is not None and template is None:
+        return lambda standings: (write(standings), sum(each.final is not None for each in standings.values()), [])
+    if fill is None and write is None:
+        raise RequestError(f"--format {order.platform.name}: {order.platform.title} takes no grades")
+    needs = "needs --template with the file that it exports" if template is None else "takes no --template"
+    raise RequestError(f"--format {order.platform.name} {needs}")
+
+
+def _filled(fill: Fill, template: Path, column: str | None, standings: Mapping[str, Standing]) -> Marks:
+    source = printable(str(template), 500)
+    filled = fill(_bytes(template, source), source, column, standings)
+    return filled.data, filled.grades, list(filled.left_out(standings))
 
 
 def _bytes(path: Path, source: str) -> bytes:

@@ -5,19 +5,21 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from grader.files import write_whole
-from grader.formats.gradebook import gradebook
+from grader.course.record import Store
+from grader.engine.fingerprint import of_the_sheet
+from grader.engine.lab import Lab
+from grader.engine.results import to_json
+from grader.ground.files import write_whole
 from grader.people.standing import Standing
+from grader.platforms.gradebook import gradebook
 from grader.report.pages import index_page, report_page
-from grader.results import to_json
-from grader.store import Store
 
 
-def publish_class(out: Path, store: Store) -> dict[str, Standing]:
+def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
     """Write the gradebook and the index of everything on record, and return that."""
     standings = store.standings()
     write_whole(out / "gradebook.csv", gradebook(standings))
-    write_whole(out / "index.html", index_page(standings, store.fingerprints()))
+    write_whole(out / "index.html", index_page(standings, store.fingerprints(), of_the_sheet(lab)))
     return standings
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from grader import words
+from grader.engine.feedback import NOT_UNDERSTOOD
+from grader.engine.results import CriterionResult, ExtensionResult, Result
+from grader.ground.text import printable
 from grader.people.standing import Adjustment, HandIn, Standing
-from grader.text import printable
+from grader.report import words
 
 A_LINE = 20  # names
 
@@ -21,6 +23,10 @@ def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: S
         yield from _lines("the same files were handed in by", ids)
     nothing = [s.id for s in standings.values() if s.result.status in ("empty", "unreadable")]
     yield from _lines("nothing in them that could be marked (look at what was handed in)", nothing)
+    odd = [s.id for s in standings.values() if _not_understood(s.result)]
+    yield from _lines("an answer that could not be understood (look at what the code returns)", odd)
+    stopped = [s.id for s in standings.values() if _timed_out(s.result)]
+    yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
     untimed = [s.id for s in standings.values() if s.late and s.late.due and s.late.seconds is None]
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, and nothing handed in", absent)
@@ -35,6 +41,11 @@ def forgotten(before: Mapping[str, HandIn], now: Mapping[str, Standing]) -> Iter
     )
 
 
+def _timed_out(result: Result) -> bool:
+    outcomes = {check.outcome for criterion in result.criteria for check in criterion.checks}
+    return outcomes == {"timeout"}
+
+
 def _outdated(standing: Standing, adjustment: Adjustment) -> str:
     now = next((c for c in standing.result.criteria if c.id == adjustment.criterion), None)
     then = [points for points in adjustment.beneath.values() if points is not None]
@@ -43,6 +54,11 @@ def _outdated(standing: Standing, adjustment: Adjustment) -> str:
         f"{printable(standing.id)}: {adjustment.criterion} was set to {words.number(adjustment.points or 0.0)} by hand when it had "
         f"{words.number(round(sum(then), 2))}; the automatic marks are now {new}. Adjust it again or withdraw it"
     )
+
+
+def _not_understood(result: Result) -> bool:
+    parts: tuple[CriterionResult | ExtensionResult, ...] = (*result.criteria, *result.extensions)
+    return any(check.message == NOT_UNDERSTOOD.message for part in parts for check in part.checks)
 
 
 def _equal(standings: Iterable[Standing]) -> Iterator[list[str]]:

@@ -6,34 +6,27 @@ import difflib
 from collections.abc import Mapping
 from functools import lru_cache
 
-from grader.errors import RequestError
-from grader.feedback import Mistake, catalogue
-from grader.plugin import Check, known_checks
-from grader.rubric import CheckWeight, Criterion, Extension, Rubric, load
-from grader.text import printable
-from grader.words import LAB, number
+from grader.engine.examination import Check, known_checks
+from grader.engine.feedback import Mistake, catalogue
+from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.labs.imu.lab import LAB
+from grader.report.words import number
 
-GROUPS = {
-    "sensor_access": "Sensor access",
-    "data_collection": "Data collection",
-    "visualization": "Visualization",
-    "noise_model": "Noise model",
-    "filtering": "Filtering",
-    "extensions": "Extensions",
-    "any": "Anywhere",
-}
+GROUPS = {**{part.id: part.title for part in LAB.parts}, "extensions": "Extensions", "any": "Anywhere"}
 
 
 @lru_cache(maxsize=1)
 def checks() -> Mapping[str, Check]:
     """Every check by id."""
-    return known_checks()
+    return known_checks(LAB)
 
 
 @lru_cache(maxsize=1)
 def rubric() -> Rubric:
     """The rubric that this installation ships."""
-    return load()
+    return load(LAB)
 
 
 def explain(id_: str) -> str:
@@ -47,13 +40,13 @@ def explain(id_: str) -> str:
     shipped = rubric()
     parts = {part.id: part for part in shipped.parts}
     weights = {weight.id: weight for weight in shipped.checks}
-    if id_ in catalogue():
-        return mistake(catalogue()[id_])
+    if id_ in catalogue(LAB):
+        return mistake(catalogue(LAB)[id_])
     if id_ in parts:
         return part(parts[id_])
     if id_ in weights:
         return check(weights[id_])
-    known = [*catalogue(), *parts, *weights]
+    known = [*catalogue(LAB), *parts, *weights]
     near = difflib.get_close_matches(id_, known, 1)
     guess = f"did you mean {near[0]}?" if near else "`imugrade explain` lists all"
     raise RequestError(f"{printable(id_)}: no mistake, check or criterion is called that; {guess}")
@@ -64,7 +57,7 @@ def listing() -> str:
     lines = []
     for group, title in GROUPS.items():
         lines += ["", f"Mistakes: {title}", ""]
-        lines += [f"  {entry.id:<28} {entry.means}" for entry in catalogue().values() if entry.group == group]
+        lines += [f"  {entry.id:<28} {entry.means}" for entry in catalogue(LAB).values() if entry.group == group]
     for each in rubric().parts:
         lines += ["", f"Checks: {each.title}", ""] if each.checks else []
         lines += [f"  {weight.id:<44} {_title(weight.id)}" for weight in each.checks]
@@ -74,7 +67,7 @@ def listing() -> str:
 def mistake(entry: Mistake, *, level: int = 1) -> str:
     """What it is, why it is wrong, how it looks and how it is mended; Markdown."""
     head = "#" * level
-    read = f"\nRead: {LAB}, Step {entry.step}.\n" if entry.step is not None else ""
+    read = f"\nRead: {LAB.label}, Step {entry.step}.\n" if entry.step is not None else ""
     again = (
         f"\nAgain: `imugrade check --only {entry.group}`\n" if entry.group in GROUPS and _is_part(entry.group) else ""
     )
@@ -100,7 +93,7 @@ def _code(lines: str) -> str:
 def check(weight: CheckWeight, *, level: int = 1) -> str:
     """What a check asks for, its points and the step of the sheet; Markdown."""
     known = checks().get(weight.id)
-    step = f" Read: {LAB}, Step {known.lab_step}." if known else ""
+    step = f" Read: {LAB.label}, Step {known.lab_step}." if known else ""
     again = f"imugrade check --only {weight.id.partition('.')[0]}"
     return (
         f"{'#' * level} {weight.id}\n\n{_title(weight.id)}.\n\n"

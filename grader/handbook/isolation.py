@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-_FOLDER = Path(__file__).parent
+from grader.ground.package_data import beside
+from grader.sandbox import packages, surroundings
+
 Entry = Mapping[str, Any]
 
 
 def page() -> str:
     """The text with the figures of `isolation.json`, which `python -m tests.hostile --write` makes."""
-    entries: list[Entry] = json.loads((_FOLDER / "isolation.json").read_text(encoding="utf-8"))
+    entries: list[Entry] = json.loads(beside(__package__, "isolation.json").read_text(encoding="utf-8"))
     programs = {entry["family"]: entry["programs"] for entry in entries}
-    text = (_FOLDER / "isolation.txt").read_text(encoding="utf-8")
+    text = beside(__package__, "isolation.txt").read_text(encoding="utf-8")
     return (
         text.replace("{programs}", str(sum(programs.values())))
+        .replace("{libraries}", _listed(f"`{name}`" for name in packages.LIBRARIES))
+        .replace("{system}", _listed(f"`{path}`" for path in surroundings.SYSTEM))
         .replace("{table}", "\n".join(_table(entries, programs)))
         .replace("{none}", "\n".join(_fallen([entry for entry in entries if entry["rung"] == "none"])))
     )
+
+
+def _listed(names: Iterable[str]) -> str:
+    *first, last = names
+    return f"{', '.join(first)} and {last}"
 
 
 def _table(entries: Sequence[Entry], programs: Mapping[str, int]) -> Iterator[str]:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from pathlib import Path
 
-_PACKAGE = Path(__file__).resolve().parent.parent
-_TEXT = Path(__file__).parent / "architecture.txt"
+from grader.ground.package_data import beside
 
 
 def page() -> str:
     """The text, then the table of the modules."""
     rows = "\n".join(f"| `{name}` | {sentence} |" for name, sentence in _sentences())
-    return f"{_TEXT.read_text(encoding='utf-8')}\n| Module | Is for |\n| --- | --- |\n{rows}\n"
+    text = beside(__package__, "architecture.txt").read_text(encoding="utf-8")
+    return f"{text}\n| Module | Is for |\n| --- | --- |\n{rows}\n"
 
 
 def _sentences() -> Iterator[tuple[str, str]]:
     """Each module that says what it is for, packages by their folder."""
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        inside = path.relative_to(_PACKAGE)
+    package = beside("grader", "")
+    for path in sorted(package.rglob("*.py")):
+        inside = path.relative_to(package)
         if any(part.startswith((".", "__pycache__")) for part in inside.parts):
             continue
         text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))

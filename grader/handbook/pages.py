@@ -7,12 +7,13 @@ from pathlib import Path
 
 import typer
 
-from grader.feedback import catalogue
-from grader.formats.platforms import PLATFORMS
-from grader.handbook import commands, entries, flow, isolation, modules, rubric_keys
-from grader.rubric import load
+from grader.engine.feedback import catalogue
+from grader.engine.rubric import load
+from grader.ground.package_data import beside
+from grader.handbook import commands, entries, flow, isolation, modules, platforms, rubric_keys
+from grader.labs.imu.lab import LAB
 
-FOLDER = Path(__file__).parent
+FOLDER = beside(__package__, "")
 _MADE = "<!-- Made by `python -m grader.handbook`; edit the code that it is made from. -->\n\n"
 
 _INDEX = """# Handbook
@@ -28,6 +29,7 @@ _INDEX = """# Handbook
 | [Clusters](clusters.md) | `--cluster` on SLURM and Kubernetes, and how many machines a class needs |
 | [Isolation](isolation.md) | what each rung promises, and what the attacks on it came to |
 | [Architecture](architecture.md) | the way of a submission, and what each module is for |
+| [How to add](contributing.md) | a check, a mistake, a language, a bonus, a lab, a platform |
 
 `imugrade explain ID` prints one entry of *Checks* or *Mistakes*.
 """
@@ -47,11 +49,12 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
         "checks.md": _checks(),
         "mistakes.md": _mistakes(),
         "rubric.md": rubric_keys.page(),
-        "platforms.md": _platforms(),
-        "classes.md": (FOLDER / "classes.txt").read_text(encoding="utf-8"),
+        "platforms.md": platforms.page(),
+        "classes.md": platforms.classes(),
         "clusters.md": (FOLDER / "clusters.txt").read_text(encoding="utf-8"),
         "isolation.md": isolation.page(),
         "architecture.md": modules.page(),
+        "contributing.md": platforms.contributing(),
     }
     return {**{name: _MADE + text for name, text in made.items()}, "flow.svg": flow.picture()}
 
@@ -75,9 +78,9 @@ def _checks() -> str:
 def _check_entries() -> Iterator[str]:
     yield (
         "Points are those of the shipped rubric. The same checks run on the public scenarios (`imugrade check`) and on the\n"
-        "hidden ones (`imugrade grade` with a seed).\n"
+        "hidden ones (`imugrade grade` with a seed), in which the robot itself is another one.\n"
     )
-    for part in load().parts:
+    for part in load(LAB).parts:
         yield entries.part(part, level=2)
 
 
@@ -88,20 +91,6 @@ def _mistakes() -> str:
         "A mistake is named only where the numbers show it: its prediction fits what came, and no other's does.\n",
     ]
     for group, title in entries.GROUPS.items():
-        found = [mistake for mistake in catalogue().values() if mistake.group == group]
+        found = [mistake for mistake in catalogue(LAB).values() if mistake.group == group]
         lines += [f"## {title}\n", *(entries.mistake(mistake, level=3) for mistake in found)]
     return "\n".join(lines)
-
-
-def _platforms() -> str:
-    rows = ["| `--format` | Platform | Submission | Answer | Hidden scenarios |", "| --- | --- | --- | --- | --- |"]
-    for each in PLATFORMS.values():
-        submission = f"`/{each.submission}`" if each.submission else "working folder"
-        answer = f"`{'/' * ('/' in each.answer)}{each.answer}`" if each.answer else "standard output"
-        rows.append(f"| `{each.name}` | {each.title} | {submission} | {answer} | {_secrets(each.keeps_secrets)} |")
-    text = (FOLDER / "platforms.txt").read_text(encoding="utf-8")
-    return text.replace("{table}", "\n".join(rows))
-
-
-def _secrets(kept: bool) -> str:
-    return "with `--traces`" if kept else "refused: students can read what the job reads"

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
-from grader.rubric import shipped
+from collections.abc import Sequence
+
+from grader.engine.lab import Part
+from grader.engine.rubric import shipped
+from grader.labs.imu.lab import LAB
+
+
+def _one_of(parts: Sequence[Part]) -> str:
+    *first, last = (f"`{part.id}`" for part in parts)
+    return f"{', '.join(first)} or {last}"
+
 
 KEYS = {
     "criteria": "the five criteria of the sheet, each once, in any order",
-    "criteria.id": "`sensor_access`, `data_collection`, `visualization`, `noise_model` or `filtering`",
+    "criteria.id": _one_of(LAB.parts),
     "criteria.title": "what reports and gradebooks call it",
     "criteria.points": "what it is worth, 0 to 1000, two decimals at most",
     "criteria.checks": "`name: weight` for each check; points are shared by weight, and always sum to the criterion's",
@@ -14,7 +24,7 @@ KEYS = {
     "extra_credit.each": "points of each extension that names none of its own",
     "extra_credit.cap": "what all of them together earn at most; left out: their sum",
     "extensions": "the sheet's four extensions, each once",
-    "extensions.id": "`complementary_filter`, `allan_variance`, `multiple_imus` or `realtime_visualization`",
+    "extensions.id": _one_of(LAB.bonuses),
     "extensions.title": "what reports call it",
     "extensions.file": "the file that it is looked for in",
     "extensions.points": "0: reported, never counted; above 0: extra credit",
@@ -31,19 +41,47 @@ KEYS = {
     "model": "the model that is simulated; may be left out",
     "model.path": "an MJCF file, relative to the rubric; left out: the lab model",
     "model.sensors": "the two sensors of the IMU",
-    "model.sensors.accelerometer": "name of the accelerometer",
-    "model.sensors.gyroscope": "name of the gyroscope",
+    "model.sensors.accelerometer": "name of the accelerometer; left out: `torso_accelerometer`",
+    "model.sensors.gyroscope": "name of the gyroscope; left out: `torso_gyroscope`",
 }
+
+_OWN_ROBOT = """\
+## A robot of your own
+
+```yaml
+model:
+  path: my-humanoid.xml
+  sensors:
+    accelerometer: torso_accel
+    gyroscope: torso_gyro
+```
+
+With this, reading, collection, noise and plots are asked on your model with your sensors' names, and under a secret
+on variants of it. The sheet's facts about the lab's robot are not asked: yours may fall, or hang on a stand. What
+students load at the sheet's path, or at any path that ends in your file's name, is your robot. A kit that is
+written with this rubric holds the model and checks with it; `check`, `ci`, `grade` and `traces` take the rubric
+with `--rubric`.
+
+Included files, meshes, height fields and textures are read once, where the traces are recorded, and the model
+becomes one text: meshes that touch become their convex hulls, which is what MuJoCo collides, what only shows is
+left out, and bodies keep their inertia. That text is what the kit holds. The extension *Multiple IMUs* stays with
+the lab's robot, which has four; the others use worlds of their own or your robot.
+
+Refused, with the line, before anything is graded: a model that MuJoCo cannot load, with the included file that is
+missing; one without a joint, as there is no velocity to push; a sensor that is missing or of another type; a
+simulation that becomes unstable after the push; more than 700 kB of text. Where the push moves nothing that the IMU
+reads, `grade` says so: whether a run was pushed, and from where it started, can then hardly be told from its rows."""
 
 
 def page() -> str:
     """The table of keys, what happens to a slip, and the file."""
     rows = "\n".join(f"| `{key}` | {tells} |" for key, tells in KEYS.items())
-    text = shipped().read_text(encoding="utf-8").strip()
+    text = shipped(LAB).read_text(encoding="utf-8").strip()
     return (
         "# Rubric\n\n"
         "Copy `rubric.yaml`, edit the copy, and name it with `--rubric FILE`. Every check that exists must stand in it, and\n"
         "nothing else may: a slip stops the run before anything is graded, with the number of the line.\n\n"
         f"| Key | Tells |\n| --- | --- |\n{rows}\n\n"
+        f"{_OWN_ROBOT}\n\n"
         f"## The shipped one\n\n```yaml\n{text}\n```\n"
     )

@@ -25,6 +25,7 @@ MAX_HEADER = 16_384  # of a tar's long name or pax record, which tarfile reads w
 # Before Python 3.10.15, 3.11.10 and 3.12.6 tarfile takes quadratic time on hostile ones (CVE-2024-6232): sum of squared
 # sizes, four seconds at the worst; 2,000 files with an honest kilobyte each stay below.
 MAX_HEADER_WORK = 2_100_000_000
+MAX_IN_VAIN = 100  # reads behind the end of a tar: tarfile looks there for the next file, block by block, wherever it is said to be
 
 _FAT = 0  # "made by" of Windows tools, some of which write backslashes
 _UTF8 = 0x800  # flag: the name is UTF-8
@@ -86,10 +87,14 @@ class _Counted(io.RawIOBase):
     def __init__(self, stream: _Readable) -> None:
         self._stream = stream
         self._left = MAX_UNPACKED
+        self._in_vain = 0
 
     def read(self, size: int = -1) -> bytes:
         data = self._stream.read(size)
         self._left -= len(data)
+        self._in_vain += not data
+        if self._in_vain > MAX_IN_VAIN:
+            raise _Exhausted("it says that it is longer than it is")
         if self._left < 0:
             raise _Exhausted(f"it unpacks to more than {MAX_UNPACKED // MB} MB")
         return data

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from grader.errors import RequestError
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
 from grader.intake.archives import gather_members, zip_name
 from grader.intake.folders import gather_places, is_link, status_of
 from grader.intake.names import archive_parts, is_litter
 from grader.intake.pile import LINK, UNSAFE, Pile
-from grader.text import printable
 
 Sources = tuple[tuple[str, str], ...]
 """Files and folders of a download, and their paths in the submission ("" for the contents of a folder)."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
-from grader.intake.names import REQUIRED, folded, is_code, portable
+from grader.ground.text import printable
+from grader.intake.names import folded, is_code, portable
 from grader.intake.pile import CASE, UNPORTABLE, Pile, listing
-from grader.text import printable
 
 MAX_LEVELS = 4  # how far down the lab's folder may lie
 
@@ -35,14 +35,20 @@ class Layout:
     notes: tuple[str, ...]
 
 
-def lay_out(pile: Pile) -> Layout | None:
-    """Choose the lab's folder and its files; None where there is no code. What cannot be taken is left with a reason."""
-    found = _choose(pile.files)
+def lay_out(pile: Pile, required: Collection[str]) -> Layout | None:
+    """Choose the lab's folder and its files; None where there is no code. What cannot be taken is left with a reason.
+
+    Parameters
+    ----------
+    required
+        Names of the files that the lab asks for: they tell which folder is the lab's.
+    """
+    found = _choose(pile.files, required)
     if found is None:
         return None
     folder, others = found
     elsewhere = [path for path in pile.files if not any(_within(path, f) for f in (folder, *others))]
-    inside = _inside(folder, pile)
+    inside = _inside(folder, pile, required)
     above = _around(folder, elsewhere, inside)
     return Layout(folder, inside, above, tuple(_notes(folder, others, filter(is_code, elsewhere), above)))
 
@@ -53,7 +59,7 @@ def outwards(folder: str, levels: int) -> str:
     return "".join(f"{part}/" for part in parts[: len(parts) - levels])
 
 
-def _choose(paths: Iterable[str]) -> tuple[str, list[str]] | None:
+def _choose(paths: Iterable[str], required: Collection[str]) -> tuple[str, list[str]] | None:
     """The lab's folder, and those that hold the same files once more.
 
     It is one with required files, or else with any code: the shallower, then the more complete, then by name.
@@ -63,14 +69,14 @@ def _choose(paths: Iterable[str]) -> tuple[str, list[str]] | None:
         folder, _, name = path.rpartition("/")
         if _level(folder) <= MAX_LEVELS:
             folders.setdefault(folder, set()).add(name)
-    complete = {folder: len(names.intersection(REQUIRED)) for folder, names in folders.items()}
+    complete = {folder: len(names.intersection(required)) for folder, names in folders.items()}
     qualified = [folder for folder in folders if complete[folder]] or list(folders)
     if not qualified:
         return None
     chosen, *rest = sorted(qualified, key=lambda f: (_level(f), -complete[f], -len(folders[f]), f))
     others, there = [], folders[chosen]
     for folder in rest:
-        if folders[folder].intersection(there, REQUIRED):
+        if folders[folder].intersection(there, required):
             others.append(folder)
         else:  # the lab's files lie in more than one folder
             there = there | folders[folder]
@@ -85,12 +91,12 @@ def _within(path: str, folder: str) -> bool:
     return not folder or path.startswith(f"{folder}/")
 
 
-def _inside(folder: str, pile: Pile) -> tuple[str, ...]:
+def _inside(folder: str, pile: Pile, required: Collection[str]) -> tuple[str, ...]:
     """The paths in the lab's folder, sorted: names that every system can hold, side by side."""
     start = len(folder) + 1 if folder else 0
     inside = sorted(path[start:] for path in pile.files if _within(path, folder))
     kept: dict[str, str] = {}
-    for path in sorted(inside, key=lambda p: p not in REQUIRED):
+    for path in sorted(inside, key=lambda p: p not in required):
         if not portable(path):
             pile.leave(path, UNPORTABLE)
         elif kept.setdefault(folded(path), path) != path:

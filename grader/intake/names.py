@@ -6,7 +6,6 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-REQUIRED = ("imu_reader.py", "noisy_imu.py", "filters.py")
 CODE = (".py", ".ipynb")
 ARCHIVES = (".zip", ".tar.gz", ".tgz", ".tar")
 FOREIGN_ARCHIVES = (".rar", ".7z", ".xz", ".bz2", ".gz", ".zst", ".txz", ".tbz2")
@@ -20,6 +19,7 @@ MAX_ID = 80
 _LITTER_FOLDERS = frozenset(
     {
         *("__MACOSX", ".Trash", ".Spotlight-V100"),
+        ".imugrade",
         *(".git", ".svn", ".hg"),
         *(".venv", "venv", "site-packages", "node_modules"),
         *("__pycache__", ".ipynb_checkpoints", ".tox", ".nox", ".mypy_cache", ".pytest_cache", ".ruff_cache"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+from grader.ground.text import printable
 from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, has_suffix, is_code, is_litter, joined
-from grader.text import printable
 
 MB = 1_000_000
 MAX_FILE = 16 * MB

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import io
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from grader.errors import RequestError
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
 from grader.intake.archives import gather_archive
 from grader.intake.downloads import Sources, gather_sources
 from grader.intake.folders import gather_file, gather_folder
@@ -24,7 +25,6 @@ from grader.intake.names import (
     safe_id,
 )
 from grader.intake.pile import MAX_OPENINGS, Pile, Unreadable, listing
-from grader.text import printable
 
 
 @dataclass(frozen=True)
@@ -73,13 +73,17 @@ def original_name(path: Path) -> str:
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
 
 
-def read_submission(path: Path, *, id: str | None = None, name: str | None = None, sources: Sources = ()) -> Submission:
+def read_submission(
+    path: Path, required: Collection[str], *, id: str | None = None, name: str | None = None, sources: Sources = ()
+) -> Submission:
     """Read what was handed in.
 
     Parameters
     ----------
     path
         A folder, an archive (.zip, .tar.gz, .tgz, .tar), or a single program or notebook.
+    required
+        Names of the files that the lab asks for.
     id, name
         As an `Entry` of a class has them; made from the path otherwise.
     sources
@@ -96,7 +100,7 @@ def read_submission(path: Path, *, id: str | None = None, name: str | None = Non
         pile = _gather(path, sources)
     except Unreadable as reason:
         return _without_files(id, name, "unreadable", (str(reason),))
-    layout = lay_out(pile)
+    layout = lay_out(pile, required)
     if layout is None:
         return _without_files(id, name, *_nothing_found(pile))
     levels = {**dict.fromkeys(layout.inside, 0), **layout.above}
@@ -104,6 +108,11 @@ def read_submission(path: Path, *, id: str | None = None, name: str | None = Non
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
     notes = (*layout.notes, *pile.notes())
     return Submission(id, name, files, notes, "ready", digest, layout.folder, layout.above)
+
+
+def unread(id: str, name: str, why: str) -> Submission:
+    """A submission that could not be read, for a reason that lies outside this package."""
+    return _without_files(id, name, "unreadable", (why,))
 
 
 def _gather(path: Path, sources: Sources) -> Pile:

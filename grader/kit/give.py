@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import tempfile
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
-from grader.errors import RequestError
+from grader.engine.lab import Lab
+from grader.engine.robot import LAB_FILE, LAB_IMU, Robot
+from grader.engine.rubric import load
+from grader.engine.rubric import shipped as shipped_rubric
+from grader.engine.traces import Traces, obtain, shipped
+from grader.ground.errors import RequestError
+from grader.ground.package_data import beside
+from grader.ground.text import printable
 from grader.kit import wheel
 from grader.report import truth
-from grader.rubric import load
-from grader.text import printable
-from grader.traces import Traces, lab_model
-
-STARTERS = ("imu_reader.py", "noisy_imu.py", "filters.py", "README.md")
-MODEL = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"  # the sheet's path
-_FOLDER = Path(__file__).parent
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class Kit:
 class Wanted:
     """Which kits are wanted, and where; None is not wanted. `hidden` traces go to Gradescope alone."""
 
+    lab: Lab
     student: Path | None = None
     gradescope: Path | None = None
     classroom50: Path | None = None
@@ -43,40 +44,45 @@ class Wanted:
 def kits(wanted: Wanted) -> Iterator[Kit]:
     """Write them one after the other."""
     if wanted.student is not None:
-        yield student(wanted.student, wanted.rubric)
+        yield student(wanted.lab, wanted.student, wanted.rubric)
     if wanted.gradescope is not None:
-        yield gradescope(wanted.gradescope, wanted.rubric, wanted.hidden)
+        yield gradescope(wanted.lab, wanted.gradescope, wanted.rubric, wanted.hidden)
     if wanted.classroom50 is not None:
-        yield classroom50(wanted.classroom50, wanted.rubric)
+        yield classroom50(wanted.lab, wanted.classroom50, wanted.rubric)
     if wanted.github is not None:
-        yield github(wanted.github, wanted.rubric)
+        yield github(wanted.lab, wanted.github, wanted.rubric)
 
 
-def student(out: Path, rubric: Path | None = None) -> Kit:
-    """Starter files, the model at the sheet's path, a README and the wheel, in a new folder.
+def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
+    """Starter files, the robot's model in the sheet's folder, a README and the wheel, in a new folder.
 
     Raises
     ------
     RequestError
         If the folder has something in it: a student's work must not be overwritten.
     """
-    files = {name: _text(f"starter/{name}.txt").encode() for name in STARTERS}
-    files |= {MODEL: lab_model().read_bytes(), wheel.name(): _wheel(rubric)}
+    carried = _carried(lab, rubric)
+    robot = carried.robot if carried else Robot(LAB_FILE, shipped().models["lab"], LAB_IMU)
+    files = {name: _named_after(lab, robot, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
+    files |= {
+        _beside(lab, robot.file): robot.xml.encode(),
+        wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), carried),
+    }
     _new_folder(out, files)
     return Kit(out, "students", "public scenarios")
 
 
-def classroom50(out: Path, rubric: Path | None = None) -> Kit:
+def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """`autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
-    files = {"autograder.py": _text("platforms/autograder.py.txt").encode(), wheel.name(): _wheel(rubric)}
+    files = {"autograder.py": _text("platforms/autograder.py.txt").encode(), wheel.name(): _wheel(lab, rubric)}
     _new_folder(out, files)
     return Kit(out, "Classroom 50", "public scenarios: the job runs in the student's repository")
 
 
-def github(out: Path, rubric: Path | None = None) -> Kit:
+def github(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """A workflow and the wheel, for the root of the repository that students start from."""
     workflow = _text("platforms/imugrade.yml.txt").encode()
-    files = {".github/workflows/imugrade.yml": workflow, f".github/imugrade/{wheel.name()}": _wheel(rubric)}
+    files = {".github/workflows/imugrade.yml": workflow, f".github/imugrade/{wheel.name()}": _wheel(lab, rubric)}
     for path in files:
         if (out / path).exists():
             raise RequestError(f"{printable(str(out / path))}: it is there already; remove it or choose another folder")
@@ -84,14 +90,14 @@ def github(out: Path, rubric: Path | None = None) -> Kit:
     return Kit(out, "GitHub Actions", "public scenarios: the job runs in the student's repository")
 
 
-def gradescope(out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
+def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
     """`autograder.zip`: `setup.sh` and `run_autograder` at its root, the wheel, and hidden traces if they are given."""
     traces = {} if hidden is None else _bundle(hidden)
     options = ' --traces "$ROOT/source/hidden.npz"' if traces else ""
     files = {
         "setup.sh": _text("platforms/setup.sh.txt").encode(),
         "run_autograder": _text("platforms/run_autograder.txt").replace("{options}", options).encode(),
-        wheel.name(): _wheel(rubric),
+        wheel.name(): _wheel(lab, rubric),
         **traces,
     }
     if out.exists():
@@ -100,22 +106,44 @@ def gradescope(out: Path, rubric: Path | None = None, hidden: Traces | None = No
     return Kit(out, "Gradescope", "hidden scenarios" if traces else "public scenarios: no seed was given")
 
 
-def _wheel(rubric: Path | None) -> bytes:
-    if load(rubric).model.path is not None:
-        raise RequestError(f"{rubric}: it names a model of its own, which a kit cannot carry; leave `path` out")
-    return wheel.build(rubric)
+def _wheel(lab: Lab, rubric: Path | None) -> bytes:
+    return wheel.build(lab, rubric or shipped_rubric(lab), _carried(lab, rubric))
+
+
+def _carried(lab: Lab, rubric: Path | None) -> Traces | None:
+    """The public traces of the instructor's own robot, its model among them: whoever has no reference cannot record them."""
+    model = load(lab, rubric).model
+    return None if model.is_lab else obtain(None, None, model)
+
+
+def _named_after(lab: Lab, robot: Robot, text: str) -> str:
+    """A starter file with the robot's own names in the place of the sheet's."""
+    own = {lab.model: _beside(lab, robot.file)} | dict(zip(LAB_IMU, robot.imu, strict=True))
+    for sheet, name in own.items():
+        text = text.replace(f'"{sheet}"', json.dumps(name, ensure_ascii=False))
+    return text
+
+
+def _beside(lab: Lab, file: str) -> str:
+    """The path of a model in the folder that the sheet loads its own from."""
+    return (PurePosixPath(lab.model).parent / file).as_posix()
+
+
+def _starter(lab: Lab, name: str) -> str:
+    return _filled(lab.folder / "starter" / f"{name}.txt")
 
 
 def _text(path: str) -> str:
-    return (_FOLDER / path).read_text(encoding="utf-8").replace("{wheel}", wheel.name())
+    return _filled(beside(__package__, path))
+
+
+def _filled(file: Path) -> str:
+    return file.read_text(encoding="utf-8").replace("{wheel}", wheel.name())
 
 
 def _bundle(hidden: Traces) -> dict[str, bytes]:
     """The recorded bundle, not the seed: who has the one cannot make the other."""
-    with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
-        truth.save(hidden, Path(scratch))
-        written = {path.suffix: path.read_bytes() for path in Path(scratch).rglob("*") if path.is_file()}
-    return {f"hidden{suffix}": content for suffix, content in sorted(written.items())}
+    return {f"hidden{suffix}": content for suffix, content in truth.files(hidden).items()}
 
 
 def _new_folder(out: Path, files: Mapping[str, bytes]) -> None:

@@ -10,17 +10,21 @@ import base64
 import hashlib
 import importlib.metadata
 import io
+import json
 import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from grader import __version__
-from grader.errors import RequestError
-from grader.rubric import shipped as shipped_rubric
-from grader.traces import lab_model
+import yaml
 
-_PACKAGE = Path(__file__).resolve().parent.parent
-_KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg")
+from grader import __version__
+from grader.engine.lab import Lab
+from grader.engine.traces import Traces
+from grader.ground.errors import RequestError
+from grader.ground.package_data import beside
+from grader.report import truth
+
+_KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg", ".typed")
 _BUNDLES = (".npz", ".json")
 _PUBLIC = (
     "public.npz",
@@ -35,8 +39,12 @@ def name() -> str:
     return f"imugrade-{__version__}-py3-none-any.whl"
 
 
-def build(rubric: Path | None = None) -> bytes:
-    """The wheel's bytes, with another rubric if one is named.
+def build(lab: Lab, rubric: Path, carried: Traces | None = None) -> bytes:
+    """The wheel's bytes, with this rubric.
+
+    Parameters
+    ----------
+    carried : public traces of the robot that the rubric names, in the place of those of the lab's
 
     Raises
     ------
@@ -44,7 +52,9 @@ def build(rubric: Path | None = None) -> bytes:
         If this package is not installed, so that its requirements are not known.
     """
     info = f"imugrade-{__version__}.dist-info"
-    files = dict(_package(rubric))
+    place = f"grader/{lab.folder.relative_to(beside('grader', '')).as_posix()}"
+    files = {**dict(_package()), f"{place}/rubric.yaml": rubric.read_bytes()}
+    files |= _own(place, rubric, carried) if carried else {}
     files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}
     record = "".join(f"{path},{_digest(content)},{len(content)}\n" for path, content in files.items())
     files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
@@ -64,20 +74,40 @@ def pack(files: Mapping[str, bytes], programs: tuple[str, ...] = ()) -> bytes:
     return stream.getvalue()
 
 
-def _package(rubric: Path | None) -> Iterator[tuple[str, bytes]]:
-    """The files of the package; the two that a checkout keeps elsewhere go where an installed one has them."""
-    for path in sorted(_PACKAGE.rglob("*")):
-        inside = path.relative_to(_PACKAGE)
+def _package() -> Iterator[tuple[str, bytes]]:
+    """The files of the package but for the rubric."""
+    package = beside("grader", "")
+    for path in sorted(package.rglob("*")):
+        inside = path.relative_to(package)
         if path.is_file() and _belongs(inside):
             yield f"grader/{inside.as_posix()}", path.read_bytes()
-    yield "grader/data/rubric.yaml", (rubric or shipped_rubric()).read_bytes()
-    yield "grader/data/humanoid-sensors.xml", lab_model().read_bytes()
+
+
+def _own(folder: str, rubric: Path, carried: Traces) -> dict[str, bytes]:
+    """The robot's traces and model, and the rubric that finds the model there."""
+    text, place = rubric.read_text(encoding="utf-8-sig"), f"robot/{carried.robot.file}"
+    files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(carried).items()}
+    path = _path_in(text)
+    if path is not None:
+        start, end = path.start_mark.index, path.end_mark.index
+        text = f"{text[:start]}{json.dumps(place)}{text[end:]}"
+        files[f"{folder}/{place}"] = carried.robot.xml.encode()
+    return {**files, f"{folder}/rubric.yaml": text.encode()}
+
+
+def _path_in(rubric: str) -> yaml.Node | None:
+    """Where a rubric that was read before names its model."""
+    node: yaml.Node | None = yaml.compose(rubric, Loader=yaml.SafeLoader)
+    for name in ("model", "path"):
+        pairs = node.value if node else []
+        node = next((value for key, value in pairs if key.value == name), None)
+    return node
 
 
 def _belongs(inside: Path) -> bool:
     if any(part.startswith((".", "__pycache__")) for part in inside.parts) or inside.suffix not in _KINDS:
         return False
-    if inside.name in ("rubric.yaml", "humanoid-sensors.xml"):
+    if inside.name == "rubric.yaml":
         return False
     return inside.suffix not in _BUNDLES or inside.name in _PUBLIC
 

@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 from datetime import datetime
 
+from grader.engine.rubric import LatePolicy
+from grader.ground.stamps import read_stamp
 from grader.people.standing import HandIn, Lateness, Person
-from grader.rubric import LatePolicy
-from grader.stamps import read_stamp
 
 DAY = 86_400
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from grader.errors import RequestError
+from grader.ground.errors import RequestError
+from grader.ground.stamps import read_stamp, stamp
+from grader.ground.text import printable
 from grader.people.identity import Directory, Row, participant
 from grader.people.standing import HandIn, Person
-from grader.stamps import read_stamp, stamp
-from grader.text import printable
 
 MAX_BYTES = 16_000_000
 COLUMNS: Mapping[str, tuple[str, ...]] = {

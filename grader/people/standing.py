@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from grader.results import CriterionResult, Result
+from grader.engine.results import CriterionResult, Result
 
 
 @dataclass(frozen=True)

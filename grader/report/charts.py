@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from grader.evidence import Chart, Curve, Panel
+from grader.engine.evidence import Chart, Curve, Panel
 
 WIDTH, HEIGHT = 480, 220
 _TOP, _BOTTOM, _RIGHT = 8, 26, 10

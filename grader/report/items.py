@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.results import CheckResult, Result
+from grader.engine.results import CheckResult, Result
 
 FEWEST = 10
 """Below this a correlation says nothing: with 10 submissions its standard error is 0.3."""

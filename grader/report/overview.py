@@ -8,12 +8,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from urllib.parse import quote
 
-from grader import words
+from grader.engine.results import Result
+from grader.ground.text import printable
 from grader.people.standing import Standing
+from grader.report import words
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
-from grader.results import Result
-from grader.text import printable
 
 _SLOWEST = 5
 _SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # one run has one of each
@@ -214,9 +214,11 @@ def checks(results: list[Result], titles: Mapping[str, str]) -> list[CheckRow]:
     ]
 
 
-def alike(standings: Mapping[str, Standing], fingerprints: Mapping[str, tuple[int, ...]]) -> list[Alike]:
+def alike(
+    standings: Mapping[str, Standing], fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]
+) -> list[Alike]:
     known = {id_: hashes for id_, hashes in fingerprints.items() if id_ in standings}
-    return [Alike(link(standings[p.first]), link(standings[p.second]), p) for p in pairs(known)]
+    return [Alike(link(standings[p.first]), link(standings[p.second]), p) for p in pairs(known, given)]
 
 
 def timing(standings: Iterable[Standing]) -> Timing | None:

@@ -7,19 +7,18 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from grader import words
-from grader.evidence import Chart
+from grader.engine.evidence import Chart
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
+from grader.ground.package_data import beside
+from grader.ground.text import printable
 from grader.people.standing import Standing
-from grader.report import charts, overview
-from grader.results import CheckResult, CriterionResult, ExtensionResult, Result
-from grader.text import printable
+from grader.report import charts, overview, words
 
-_TEMPLATES = Path(__file__).parent / "templates"
+_TEMPLATES = beside(__package__, "templates")
 _TOLD = {  # the seed is not among them: a report may be handed to a student
     "grader": "imugrade",
     "python": "Python",
@@ -92,6 +91,7 @@ def report_page(standing: Standing, shown: tuple[Chart, ...] = ()) -> str:
     return _page(
         "report.html.j2",
         None,
+        result.lab,
         name=words.person(standing),
         section=printable(standing.section, 80),
         total=words.total_points(result).split(" / "),
@@ -100,8 +100,8 @@ def report_page(standing: Standing, shown: tuple[Chart, ...] = ()) -> str:
         deduction=words.number(standing.deduction),
         by_hand=_by_hand(standing),
         status=words.STATUS[result.status],
-        parts=[_part(criterion, shown) for criterion in result.criteria],
-        extensions=[_part(extension, shown) for extension in result.extensions if extension.checks],
+        parts=[_part(criterion, shown, result.lab) for criterion in result.criteria],
+        extensions=[_part(extension, shown, result.lab) for extension in result.extensions if extension.checks],
         losses=_losses(result),
         asked=any(check.outcome != "skipped" for criterion in result.criteria for check in criterion.checks),
         charts=bool(shown),
@@ -112,7 +112,11 @@ def report_page(standing: Standing, shown: tuple[Chart, ...] = ()) -> str:
     )
 
 
-def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tuple[int, ...]] | None = None) -> str:
+def index_page(
+    standings: Mapping[str, Standing],
+    fingerprints: Mapping[str, tuple[int, ...]] | None = None,
+    given: frozenset[int] = frozenset(),
+) -> str:
     """`index.html`: the class at a glance.
 
     Parameters
@@ -121,6 +125,8 @@ def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tup
         Of each submission, by its id (which is its folder's name).
     fingerprints
         Hashes of the code of each, by id, to tell which are alike.
+    given
+        Hashes of what the lab itself gives, which anyone may hand in.
     """
     results = [standing.result for standing in standings.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
@@ -131,6 +137,7 @@ def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tup
     return _page(
         "index.html.j2",
         "table.js",
+        next((result.lab for result in results), LabName()),
         count=len(standings),
         figures=overview.figures(scores),
         bars=overview.bars(scores, max((result.max_score for result in results), default=100.0)),
@@ -142,7 +149,7 @@ def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tup
         choices=overview.choices(entries, mistakes, checks),
         mistakes=mistakes,
         checks=checks,
-        alike=overview.alike(standings, fingerprints or {}),
+        alike=overview.alike(standings, fingerprints or {}, given),
         timing=overview.timing(standings.values()),
         mixtures=overview.mixtures(results),
         attention=[words.person(each) for each in standings.values() if each.result.status == "incomplete"],
@@ -150,7 +157,7 @@ def index_page(standings: Mapping[str, Standing], fingerprints: Mapping[str, tup
     )
 
 
-def _page(template: str, script: str | None, **values: object) -> str:
+def _page(template: str, script: str | None, lab: LabName, **values: object) -> str:
     style, style_hash = _inlined("style.css")
     text, script_hash = _inlined(script) if script else (Markup(), "")
     policy = f"default-src 'none'; style-src '{style_hash}'; img-src data:"
@@ -162,8 +169,8 @@ def _page(template: str, script: str | None, **values: object) -> str:
             style=style,
             script=text,
             policy=Markup(f"{policy}; base-uri 'none'; form-action 'none'"),
-            lab=words.LAB,
-            lab_title=words.LAB_TITLE,
+            lab=lab.label,
+            lab_title=lab.title,
             **values,
         )
     )
@@ -189,8 +196,8 @@ def _inlined(name: str) -> tuple[Markup, str]:
     return Markup(text), f"sha256-{digest}"
 
 
-def _part(part: CriterionResult | ExtensionResult, shown: tuple[Chart, ...]) -> Part:
-    rows = tuple((_anchor(check), words.row(check, part.id)) for check in part.checks)
+def _part(part: CriterionResult | ExtensionResult, shown: tuple[Chart, ...], lab: LabName) -> Part:
+    rows = tuple((_anchor(check), words.row(check, part.id, lab)) for check in part.checks)
     share = round(100 * part.points / part.max_points, 1) if part.max_points else 0.0
     if isinstance(part, CriterionResult):
         title, points, unjudged = part.title, words.criterion_points(part), words.unjudged(part)
@@ -212,7 +219,7 @@ def _anchor(check: CheckResult) -> str:
 def _losses(result: Result) -> list[Loss]:
     """What cost points, the dearest first; what was skipped comes last."""
     lost = [
-        (check.max_points - check.points, check, words.row(check, criterion.id))
+        (check.max_points - check.points, check, words.row(check, criterion.id, result.lab))
         for criterion in result.criteria
         for check in criterion.checks
         if check.points is not None and check.points < check.max_points and check.outcome != "skipped"

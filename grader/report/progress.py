@@ -6,9 +6,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from grader import words
-from grader.results import Result
-from grader.text import printable
+from grader.engine.results import Result
+from grader.ground.text import printable
+from grader.report import words
 
 
 def told(id_: str, result: Result) -> str:

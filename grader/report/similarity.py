@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grader.fingerprint import WINDOW, of_the_sheet
+from grader.engine.fingerprint import WINDOW
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -40,14 +40,15 @@ class Pair:
         return round(self.common * (WINDOW + 1) / 2 / _TOKENS_A_LINE)
 
 
-def pairs(fingerprints: Mapping[str, tuple[int, ...]]) -> list[Pair]:
-    """The most alike, the largest share first; neither the sheet's own code nor what half of the class has counts.
+def pairs(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset()) -> list[Pair]:
+    """The most alike, the largest share first; neither what the lab gives nor what half of the class has counts.
 
     Parameters
     ----------
     fingerprints : id of the submission -> hashes of its code
+    given : hashes of the lab's own code
     """
-    own = _own(fingerprints)
+    own = _own(fingerprints, given)
     ids = [id_ for id_, hashes in own.items() if len(hashes) >= FEWEST]
     if len(ids) < 2:
         return []
@@ -65,8 +66,7 @@ def pairs(fingerprints: Mapping[str, tuple[int, ...]]) -> list[Pair]:
     return found
 
 
-def _own(fingerprints: Mapping[str, tuple[int, ...]]) -> dict[str, frozenset[int]]:
-    given = of_the_sheet()
+def _own(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
     own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
     counts = Counter(value for hashes in own.values() for value in hashes)
     most = max(_CLASS, _COMMON * len(own))  # a handout that the grader does not know

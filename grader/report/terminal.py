@@ -1,24 +1,28 @@
-"""One result as a table on the terminal. Texts are set as `Text`, so nothing in them is taken for markup."""
+"""One result as a screen on the terminal. Texts are set as `Text`, so nothing in them is taken for markup."""
 
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
-from rich.console import Console, Group, RenderableType
-from rich.padding import Padding
+from rich.cells import cell_len
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from grader import words
-from grader.results import CriterionResult, ExtensionResult, Result
-from grader.text import printable
+from grader.engine.lab import Lab
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
+from grader.ground.text import printable
+from grader.report import causes, words
+from grader.report.causes import Cause
+from grader.report.change import Change
+from grader.report.lines import LABEL, Setting
 
 WIDTH = 100
+_BAR = 20  # columns
 _STYLE = {"earned": "green", "partly": "yellow", "lost": "red", "blank": "bright_black"}
-_LABEL = "bright_black"
-_INDENT, _LABEL_WIDTH, _READ_WIDTH = 3, 9, 27
 
 
 class ClassTotals(Protocol):
@@ -45,98 +49,237 @@ class Found(Protocol):
     def text(self) -> str: ...
 
 
-def show(result: Result, console: Console, *, only: str | None = None) -> None:
-    """Print a result, or one criterion or extension of it.
+def show(
+    result: Result,
+    console: Console,
+    lab: Lab,
+    *,
+    only: str | None = None,
+    before: Mapping[str, float] | None = None,
+    command: str = "imugrade check",
+) -> None:
+    """Print a result, or one criterion or extension of it; see `screen`."""
+    for line in screen(result, console, lab, only=only, before=before, command=command):
+        show_line(line, console)
+
+
+def show_line(line: Text, console: Console) -> None:
+    """One line of a screen as it is: nothing is filled up to the width."""
+    console.print(line, soft_wrap=True)
+
+
+def screen(
+    result: Result,
+    console: Console,
+    lab: Lab,
+    *,
+    only: str | None = None,
+    before: Mapping[str, float] | None = None,
+    command: str = "imugrade check",
+) -> list[Text]:
+    """The lines of a result: totals, what to do next, what was lost by its cause, what to run again.
 
     Parameters
     ----------
     result
         What was found.
     console
-        Where to; lines are at most 100 columns wide, however wide the terminal is.
+        Where it will be shown; lines are at most 100 columns wide, however wide it is, and unbroken in a pipe.
+    lab
+        Its names and files are those to go on with and to hand in.
     only
-        The id of the one criterion or extension to show.
+        The id of the one criterion or extension to show, with what was earned in it.
+    before
+        The points of each check at the last check, by its id; None where that is not known.
+    command
+        What was called, without options.
     """
-    width = min(console.width, WIDTH)
-    for part in _parts(result, only):
-        console.print(_part(part, width), width=width)
-        console.print()
-    console.print(_closing(result, only), width=width)
-
-
-def _parts(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
-    if result.status in ("empty", "unreadable"):
-        return []  # thirty rows would all say so
-    attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
-    parts: list[CriterionResult | ExtensionResult] = [*result.criteria, *attempted]
-    return parts if only is None else [part for part in parts if part.id == only]
-
-
-def _part(part: CriterionResult | ExtensionResult, width: int) -> RenderableType:
-    title = part.title if isinstance(part, CriterionResult) else f"Extension: {part.id.replace('_', ' ')}"
-    rows = [words.row(check, part.id) for check in part.checks]
-    return Group(_heading(title, _points(part)), *(_row(row, width) for row in rows))
-
-
-def _points(part: CriterionResult | ExtensionResult) -> str:
-    if isinstance(part, CriterionResult):
-        return words.criterion_points(part)
-    return words.extension_points(part)
-
-
-def _heading(title: str, points: str) -> Table:
-    line = _grid()
-    line.add_column(ratio=1)
-    line.add_column(justify="right", no_wrap=True)
-    line.add_row(Text(printable(title, 300), "bold"), Text(points, "bold"))
-    return line
-
-
-def _row(row: words.Row, width: int) -> RenderableType:
-    head = _grid()
-    head.add_column(width=13, no_wrap=True)
-    head.add_column(ratio=1)
-    head.add_column(justify="right", no_wrap=True)
-    outcome = Text(f" {row.outcome.sign} {row.outcome.word}", _STYLE[row.outcome.kind])
-    head.add_row(outcome, Text(row.title), Text(row.points))
-    return Group(head, *(Padding(line, (0, 0, 0, _INDENT)) for line in _lines(row, width - _INDENT)))
-
-
-def _lines(row: words.Row, width: int) -> list[RenderableType]:
-    """Expected, Got, Try, then what to read and what to run again: in one line where it is wide enough for the command."""
-    lines: list[RenderableType] = [_line(line) for line in row.lines]
-    again = Text.assemble(("Again".ljust(8), _LABEL), row.again)
-    if row.read and row.again and _LABEL_WIDTH + 1 + _READ_WIDTH + len(again) <= width:
-        return [*lines, _labelled("Read", Text(row.read.ljust(_READ_WIDTH)).append_text(again))]
-    return [
-        *lines,
-        *(_labelled(label, Text(text)) for label, text in (("Read", row.read), ("Again", row.again)) if text),
+    setting = Setting(console, min(console.width, WIDTH) if console.is_terminal else None)
+    parts = causes.parts_of(result, only)
+    checks = [check for part in parts for check in part.checks]
+    found = causes.causes_of(checks)
+    change = Change(before or {})
+    blocks = [
+        _totals(result, parts, setting, change, only),
+        _next(found, lab, setting),
+        *([_earned(checks, setting)] if only is not None else [_mended(parts, setting, change)]),
+        *(_cause(cause, result.lab, setting, change) for cause in found),
+        _without_verdict(checks, setting),
+        _closing(result, setting),
+        _hand_in(result, lab, setting) if only is None else [],
+        _again(found, command, setting),
     ]
+    return [line for block in blocks if block for line in (Text(), *block)][1:]
 
 
-def _line(line: words.Line) -> RenderableType:
-    return _labelled(line.label, Text(line.text)) if line.label else Text(line.text)
+def _totals(
+    result: Result,
+    parts: Sequence[CriterionResult | ExtensionResult],
+    setting: Setting,
+    change: Change,
+    only: str | None,
+) -> list[Text]:
+    """A line for each part, and the score below them: of a part alone there is none."""
+    rows = [_total_of(part, change) for part in parts]
+    if only is None and parts:
+        rows.append(_Total(" ", "Score", words.total_points(result), None, change.since(result.criteria)))
+    if only is None and parts and words.extra_credit(result):
+        rows.append(_Total(" ", "Extra credit", words.extra_credit(result), None, ""))
+    titles = max((cell_len(row.title) for row in rows), default=0)
+    points = max((len(row.points) for row in rows), default=0)
+    return [_total(row, setting, titles, points) for row in rows]
 
 
-def _labelled(label: str, text: Text) -> Table:
-    table = _grid()
-    table.add_column(width=_LABEL_WIDTH, no_wrap=True)
-    table.add_column(ratio=1)
-    table.add_row(Text(label, _LABEL), text)
-    return table
+@dataclass(frozen=True)
+class _Total:
+    """One line of the totals; `share` is what was earned of it, None where there is no saying."""
+
+    sign: str
+    title: str
+    points: str
+    share: float | None
+    changed: str
 
 
-def _grid() -> Table:
-    return Table.grid(expand=True, padding=(0, 1, 0, 0))
+def _total_of(part: CriterionResult | ExtensionResult, change: Change) -> _Total:
+    if isinstance(part, ExtensionResult):
+        earned = sum(check.outcome == "passed" for check in part.checks) / len(part.checks)
+        title, points = f"Extension: {part.id.replace('_', ' ')}", words.extension_points(part)
+        return _Total(_sign(earned), title, points, earned, change.of(part.checks))
+    share = None if words.unjudged(part) or not part.max_points else part.points / part.max_points
+    return _Total(_sign(share), printable(part.title, 300), words.criterion_points(part), share, change.of(part.checks))
 
 
-def _closing(result: Result, only: str | None) -> RenderableType:
-    """Notes, then the score (of a part there is none), then what stands in the way of one."""
-    notes = [Text(f"Note  {note}") for note in words.notes(result)]
-    status = [Text(words.STATUS[result.status], "bold")] if words.STATUS[result.status] else []
-    total = [_heading("Score", words.total_points(result))] if only is None else []
-    extra = [_heading("Extra credit", words.extra_credit(result))] if total and words.extra_credit(result) else []
-    return Group(*notes, *status, *total, *extra)
+def _sign(share: float | None) -> str:
+    if share is None:
+        return "?"
+    return "✓" if share >= 1 else "◐" if share > 0 else "✗"
+
+
+def _total(row: _Total, setting: Setting, titles: int, points: int) -> Text:
+    style = {"✓": "green", "◐": "yellow", "✗": "red"}.get(row.sign, "")
+    title = Text(row.title, "bold")
+    if setting.width is None:
+        line = Text.assemble((f" {row.sign} ", style), title, "  ", row.points)
+    else:
+        title.pad_right(titles - cell_len(row.title))
+        line = Text.assemble((f" {row.sign} ", style), title, "  ")
+        if setting.bars:
+            line.append(_bar(row.share), style).append("  ")
+        line.append(row.points.rjust(points))
+    return line.append(f"  {row.changed}" if row.changed else "", "bold")
+
+
+def _bar(share: float | None) -> str:
+    if share is None:
+        return " " * _BAR
+    full = int(share * _BAR)  # a bar is full where nothing is missing
+    return "█" * full + "░" * (_BAR - full)
+
+
+def _next(found: Sequence[Cause], lab: Lab, setting: Setting) -> list[Text]:
+    step = causes.next_step(found, lab)
+    return setting.hang(Text("Next  ", LABEL), Text(step, "bold")) if step else []
+
+
+def _earned(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
+    return [line for check in checks if check.outcome == "passed" for line in _head(check, setting)]
+
+
+def _mended(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, change: Change) -> list[Text]:
+    """What has been earned since the last check; a part that is complete says so itself."""
+    open_ = [part for part in parts if part.points < part.max_points]
+    gained = [check for part in open_ for check in part.checks if check.outcome == "passed" and change.was(check)]
+    return [line for check in gained for line in _head(check, setting, change.was(check))]
+
+
+def _head(check: CheckResult, setting: Setting, was: str = "") -> list[Text]:
+    row = words.row(check, "", LabName())
+    return setting.head(_outcome(check), row.title, row.points + was)
+
+
+def _outcome(check: CheckResult) -> Text:
+    outcome = words.row(check, "", LabName()).outcome
+    return Text(f" {outcome.sign} {outcome.word}", _STYLE[outcome.kind])
+
+
+def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change) -> list[Text]:
+    """The first check whole; of the others what came in their case; then what to try and to read for all."""
+    lines: list[Text] = []
+    told: set[str] = set()
+    for check in cause.checks:
+        lines += _head(check, setting, change.was(check))
+        lines += [line for text in _news(check, told) for line in setting.labelled(text.label, text.text)]
+    hints = dict.fromkeys(
+        row.text for check in cause.checks for row in words.row(check, "", lab).lines if row.label == "Try"
+    )
+    for hint in hints:
+        lines += setting.labelled("Try", hint)
+    read = _read(cause, lab)
+    return [*lines, *(setting.labelled("Read", read) if read else [])]
+
+
+def _news(check: CheckResult, told: set[str]) -> list[words.Line]:
+    """What a check says that none before it in the block has said; `told` grows by it."""
+    said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
+    came = {line.text for line in said if line.label != "Expected"}
+    if came <= told:
+        return []
+    news = said if not told or check.outcome in ("failed", "partial") else _where(said)
+    told |= came
+    return news
+
+
+def _where(said: Sequence[words.Line]) -> list[words.Line]:
+    """Of a call that did not come back, the line that names the place."""
+    return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
+
+
+def _read(cause: Cause, lab: LabName) -> str:
+    steps = [str(step) for step in cause.steps]
+    plural = "s" if len(steps) > 1 else ""
+    sheet = (
+        [f"{lab.label}, Step{plural} {' and '.join(filter(None, (', '.join(steps[:-1]), steps[-1])))}"] if steps else []
+    )
+    return "; ".join([*sheet, *(f"imugrade explain {printable(each, 80)}" for each in cause.mistakes)])
+
+
+def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
+    """What was not reached, and what could not be judged, a line for each reason."""
+    reasons: dict[str, list[CheckResult]] = {}
+    for check in checks:
+        if check.outcome in ("skipped", "not_judged"):
+            skipped = check.outcome == "skipped"
+            reason = "they need what was lost above" if skipped else printable(check.message, 300)
+            reasons.setdefault(reason, []).append(check)
+    return [line for reason, together in reasons.items() for line in _together(reason, together, setting)]
+
+
+def _together(reason: str, checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
+    points = words.number(sum(check.max_points for check in checks))
+    many = f"{len(checks)} check{'s' * (len(checks) > 1)}, {points} points"
+    return setting.head(_outcome(checks[0]), f"{many}: {reason}", "")
+
+
+def _closing(result: Result, setting: Setting) -> list[Text]:
+    """Notes, then what stands in the way of a score; where nothing was found, in one line."""
+    status = words.STATUS[result.status]
+    if result.status in ("empty", "unreadable"):
+        return setting.hang(Text(), Text(" ".join([f"{words.name(result)}: {status}", *words.notes(result)])))
+    notes = [line for note in words.notes(result) for line in setting.hang(Text("Note  ", LABEL), Text(note))]
+    return [*notes, *(setting.hang(Text(), Text(status, "bold")) if status else [])]
+
+
+def _hand_in(result: Result, lab: Lab, setting: Setting) -> list[Text]:
+    """Where nothing is left to do, what the lab asks for."""
+    if result.status != "graded" or result.score < result.max_score:
+        return []
+    return setting.hang(Text("Hand in  ", LABEL), Text(", ".join((*lab.files, *lab.pictures))))
+
+
+def _again(found: Sequence[Cause], command: str, setting: Setting) -> list[Text]:
+    part = causes.next_part(found)
+    return setting.hang(Text("Again  ", LABEL), Text(f"{command} --only {part}")) if part else []
 
 
 def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
@@ -161,7 +304,7 @@ def show_findings(sections: Sequence[tuple[str, Sequence[Found]]], console: Cons
     """What `doctor` found, a heading and its lines at a time."""
     for heading, findings in sections:
         console.print(Text(heading, "bold"))
-        table = _grid()
+        table = Table.grid(expand=True, padding=(0, 1, 0, 0))
         table.add_column(width=3, no_wrap=True)
         table.add_column(width=14, no_wrap=True)
         table.add_column(ratio=1)

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from grader.errors import RequestError
-from grader.files import write_whole
-from grader.text import printable
-from grader.traces import Scenario, Traces
+from grader.engine.traces import Scenario, Traces
+from grader.ground.errors import RequestError
+from grader.ground.files import write_whole
+from grader.ground.text import printable
 
 _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Angular velocity (rad/s)"))
 
@@ -60,6 +61,13 @@ def save(traces: Traces, out: Path) -> Path:
     except OSError as problem:
         raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
     return path
+
+
+def files(traces: Traces) -> dict[str, bytes]:
+    """What `save` writes, by suffix, for who packs it up."""
+    with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
+        path = save(traces, Path(scratch))
+        return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}
 
 
 def _is_motion(scenario: Scenario) -> bool:

@@ -18,7 +18,7 @@ from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from grader.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
+from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 
 from . import ladder, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
@@ -59,7 +59,11 @@ class Box:
     """
 
     def __init__(self, contents: Contents, *, rung: str | None = None) -> None:
-        self._contents = replace(contents, harness=contents.harness.resolve())
+        self._contents = replace(
+            contents,
+            harness=contents.harness.resolve(),
+            questions=contents.questions and contents.questions.resolve(),
+        )
         self._workers: list[Worker] = []
         self._zygote: Zygote | None = None
         self._closed = False
@@ -119,7 +123,7 @@ class Box:
 
     def _spawn(self, printed: Printed) -> Process:
         if self.rung == "none":
-            return PlainProcess(self._contents.harness, printed)
+            return PlainProcess(self._contents, printed)
         try:
             return self._spawn_once(printed)
         except ZygoteGoneError:
@@ -213,6 +217,10 @@ class Worker:
     def printed(self) -> str:
         """What the worker wrote to stdout and stderr so far, at most 256 KB."""
         return self._printed.read() if self._text is None else self._text
+
+    def place(self) -> str:
+        """What the harness wrote down last at `printed.PLACE_AT`, for the case that it does not come back; it may be anything."""
+        return self._printed.place()
 
     def close(self) -> None:
         """Kill everything that the worker started."""

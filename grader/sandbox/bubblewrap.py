@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable
 
 from . import rootfs
-from .paths import follow, is_below
+from .paths import arranged
 from .plan import Plan
 
 _SCRATCH_BYTES = 64 << 20
@@ -28,35 +28,40 @@ def command(plan: Plan, control_fd: int) -> list[str]:
     arguments += _shown([*plan.visible, *_python()], plan.hidden)
     for path in plan.code:
         arguments += ["--ro-bind", path, f"{rootfs.SANDBOX}/{os.path.basename(path)}"]
-    arguments += ["--ro-bind", plan.harness, rootfs.HARNESS]
+    for place, folder in rootfs.copies(plan).items():
+        arguments += ["--ro-bind", folder, place]
     for folder in (*plan.scratch, plan.cache):
         arguments += ["--size", str(_SCRATCH_BYTES), "--tmpfs", folder]
     for path in plan.fonts:
         arguments += ["--ro-bind-try", path, f"{plan.cache}/{os.path.basename(path)}"]
     arguments += ["--remount-ro", "/"]
-    zygote = [sys.executable, "-B", "-s", f"{rootfs.SANDBOX}/zygote.py", str(control_fd)]
+    zygote = [_program(), "-B", "-s", f"{rootfs.SANDBOX}/zygote.py", str(control_fd)]
     return [shutil.which("bwrap") or "bwrap", *arguments, "--", *zygote]
 
 
 def _python() -> Iterable[str]:
     """What starting the interpreter needs beside its libraries: the program and a virtual environment's marker."""
-    return sys.executable, os.path.join(sys.prefix, "pyvenv.cfg")
+    return _program(), os.path.join(sys.prefix, "pyvenv.cfg")
+
+
+def _program() -> str:
+    """Python's path without steps up: what is bound in the box has none."""
+    return os.path.abspath(sys.executable)
 
 
 def _shown(visible: Iterable[str], hidden: Iterable[str]) -> list[str]:
     arguments: list[str] = []
-    shown: list[str] = []
-    repeated: set[str] = set()
-    for path in sorted(visible, key=lambda p: p.count("/")):
-        place, links = follow(path)
-        for here, target in links:
-            if here not in repeated and not is_below(here, shown):
-                arguments += ["--symlink", target, here]
-                repeated.add(here)
-        if place is not None and not is_below(place, shown):
+    steps = arranged(visible, hidden)
+    for kind, place, target in steps:
+        if kind == "link":
+            arguments += ["--symlink", target, place]
+        elif kind == "show":
             arguments += ["--ro-bind", place, place]
-            shown.append(place)
-    for path in hidden:
-        if is_below(path, shown) and os.path.isdir(path):
-            arguments += ["--tmpfs", path, "--remount-ro", path]
+        elif os.path.isdir(place):
+            arguments += ["--tmpfs", place]
+        else:
+            arguments += ["--ro-bind", "/dev/null", place]
+    for step in steps:
+        if step.kind == "hide" and os.path.isdir(step.place):
+            arguments += ["--remount-ro", step.place]
     return arguments

@@ -30,8 +30,9 @@ class Walls:
         For seccomp's system call numbers.
     landlock_abi
         0 where the kernel has none.
-    readable
-        Paths for Landlock; everything in the box on the rungs that have a root of their own.
+    rules
+        Landlock's rules by the folder that a worker starts in, as descriptors: made once, for there are hundreds. Where the
+        folder is there with the worker only, they are made with it.
     proc
         Descriptor of the host's /proc, or -1; closed in a worker before it is done.
     zygote
@@ -41,7 +42,7 @@ class Walls:
     rung: str
     machine: Machine
     landlock_abi: int
-    readable: tuple[str, ...]
+    rules: tuple[tuple[str, int], ...]
     proc: int
     zygote: int
 
@@ -60,7 +61,7 @@ def confine(walls: Walls, scratch: str) -> None:
     if walls.rung == "full":
         namespaces.enter_as_worker(walls.proc)
         rootfs.mount_scratch()
-    linux.close_from(FIRST_SPARE_FD)
+    rules = _keep_rules(walls, scratch)
     os.chdir(scratch)
     limits.enforce(leave_out=() if walls.rung == "full" else ("RLIMIT_NPROC",))  # it would count the user's others too
     linux.prctl(linux.PR_SET_DUMPABLE, 0)
@@ -68,7 +69,7 @@ def confine(walls: Walls, scratch: str) -> None:
     linux.drop_capabilities()
     linux.prctl(linux.PR_SET_NO_NEW_PRIVS, 1)
     if walls.landlock_abi:
-        _forbid_files(walls, scratch)
+        _forbid_files(walls, scratch, rules)
     seccomp.enforce(filter_program(walls, os.getpid()))
 
 
@@ -94,8 +95,19 @@ def _end_with_zygote(zygote: int) -> None:
         os._exit(1)  # it died before it could take us along
 
 
-def _forbid_files(walls: Walls, scratch: str) -> None:
-    rules = landlock.ruleset(walls.landlock_abi, walls.readable, [scratch], rootfs.DEVICES)
+def _keep_rules(walls: Walls, scratch: str) -> int:
+    """Close every descriptor but the streams, the line and this worker's rules, if they are made; -1 if not."""
+    made = dict(walls.rules).get(scratch, -1)
+    if made < 0:
+        linux.close_from(FIRST_SPARE_FD)
+        return -1
+    os.dup2(made, FIRST_SPARE_FD)
+    linux.close_from(FIRST_SPARE_FD + 1)
+    return FIRST_SPARE_FD
+
+
+def _forbid_files(walls: Walls, scratch: str, made: int) -> None:
+    rules = landlock.ruleset(walls.landlock_abi, ["/"], [], [scratch]) if made < 0 else made
     landlock.enforce(rules)
     os.close(rules)
 

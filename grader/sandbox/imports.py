@@ -1,4 +1,4 @@
-"""Importing a harness: a folder of modules that knows the lab, under a name that no submission uses."""
+"""Importing a harness, and beside it the questions of a lab."""
 
 from __future__ import annotations
 
@@ -7,22 +7,30 @@ import contextlib
 import importlib.util
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from types import ModuleType
 
 from . import worker
 
-_NAME = "_imugrade_harness"
+_NAMES = ("grader.harness", "grader.questions")
+"""What the two packages are called while they are imported: as their sources call each other. A submission finds neither."""
 
 
 def load_harness(
-    folder: str, search: Sequence[str], *, warm: Sequence[str] = (), thorough: bool = False
+    folders: Sequence[str], search: Sequence[str], *, warm: Sequence[str] = (), thorough: bool = False
 ) -> worker.Answer:
-    """Import the folder as a package, let it warm up, import the modules `warm` where they are, and return its `answer`."""
+    """Import the harness, and a lab's questions if there are any, let it warm up, and return its `answer`.
+
+    Parameters
+    ----------
+    folders : of the harness, then of the questions
+    search : `sys.path` from now on
+    warm : modules to be imported where they are
+    """
     sys.path[:] = search
-    harness = _import(folder)
-    harness.warm_up(thorough)
+    harness, *questions = _imported(dict(zip(_NAMES, folders, strict=False)))
+    harness.warm_up(thorough, *questions)
     for name in warm:
         with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
             importlib.import_module(name)
@@ -41,32 +49,35 @@ class _Loader(SourceFileLoader):
 
 
 class _Finder:
-    """Finds the harness's modules, one folder of them."""
+    """Finds the packages and their modules, each in its own folder."""
 
-    def __init__(self, folder: str) -> None:
-        self._folder = folder
+    def __init__(self, folders: Mapping[str, str]) -> None:
+        self._folders = folders
 
     def find_spec(self, name: str, path: object = None, target: object = None) -> ModuleSpec | None:
         package, _, module = name.rpartition(".")
-        file = os.path.join(self._folder, f"{module}.py")
-        if package != _NAME or not os.path.isfile(file):
+        if name in self._folders:
+            return _spec(name, os.path.join(self._folders[name], "__init__.py"), [self._folders[name]])
+        if package not in self._folders:
             return None
-        return importlib.util.spec_from_file_location(name, file, loader=_Loader(name, file))
+        file = os.path.join(self._folders[package], f"{module}.py")
+        return _spec(name, file) if os.path.isfile(file) else None
 
 
-def _import(folder: str) -> ModuleType:
-    file = os.path.join(folder, "__init__.py")
-    spec = importlib.util.spec_from_file_location(
-        _NAME, file, loader=_Loader(_NAME, file), submodule_search_locations=[folder]
-    )
-    if spec is None or spec.loader is None:
-        raise ImportError(f"{folder} is not a package")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[_NAME] = module
-    finder = _Finder(folder)
+def _spec(name: str, file: str, folders: list[str] | None = None) -> ModuleSpec | None:
+    loader = _Loader(name, file)
+    return importlib.util.spec_from_file_location(name, file, loader=loader, submodule_search_locations=folders)
+
+
+def _imported(folders: Mapping[str, str]) -> list[ModuleType]:
+    """Import the packages; what stands for the package above them goes again."""
+    above = ModuleType(_NAMES[0].partition(".")[0])
+    above.__path__ = []
+    sys.modules[above.__name__] = above
+    finder = _Finder(folders)
     sys.meta_path.insert(0, finder)
     try:
-        spec.loader.exec_module(module)
+        return [importlib.import_module(name) for name in folders]
     finally:
         sys.meta_path.remove(finder)
-    return module
+        del sys.modules[above.__name__]

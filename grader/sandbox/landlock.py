@@ -10,9 +10,10 @@ import ctypes
 import os
 import stat
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from . import linux
+from .rootfs import DEVICES
 
 _EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = 1 << 0, 1 << 1, 1 << 2, 1 << 3
 _MAKE_CHAR, _MAKE_SOCK, _MAKE_FIFO, _MAKE_BLOCK = 1 << 6, 1 << 9, 1 << 10, 1 << 11
@@ -36,8 +37,8 @@ def abi() -> int:
         return 0
 
 
-def ruleset(version: int, readable: Iterable[str], writable: Sequence[str], devices: Sequence[str] = ()) -> int:
-    """Make a ruleset for `enforce` that allows reading below some paths and everything harmless below others.
+def ruleset(version: int, readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> int:
+    """Make a ruleset for `enforce`: reading below some paths, listing names below others, everything harmless below more.
 
     Returns
     -------
@@ -51,9 +52,11 @@ def ruleset(version: int, readable: Iterable[str], writable: Sequence[str], devi
     rules = linux.syscall("landlock_create_ruleset", ctypes.c_char_p(attributes), len(attributes), 0)
     for path in readable:
         _allow(rules, path, _READ & known)
+    for path in listed:
+        _allow(rules, path, _READ_DIR & known)
     for path in writable:
         _allow(rules, path, _SCRATCH & known)
-    for path in devices:
+    for path in DEVICES:
         _allow(rules, path, (_READ_FILE | _WRITE_FILE | _TRUNCATE) & known)
     return rules
 

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from grader.errors import GraderError
+from grader.ground.errors import GraderError
 
 from . import bubblewrap, namespaces, rootfs, surroundings, wire
 from .paths import empty
@@ -34,6 +34,7 @@ _WORKER_WITHIN_S = 60.0
 _END_WITHIN_S = 30.0
 _MAX_MESSAGE = 1 << 20
 _SCRATCH_FOLDERS = 4
+_PACKAGES = "packages"  # on the rung without a root of its own: links to the packages that are shown
 _KILLED = (-signal.SIGKILL, signal.SIGKILL, 128 + signal.SIGKILL)  # itself; what serve and bwrap make of their child's
 _UCRED = struct.Struct("3i")
 
@@ -77,49 +78,54 @@ class Zygote:
 
     def _start(self, contents: Contents) -> tuple[socket.socket, subprocess.Popen[bytes]]:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        process: subprocess.Popen[bytes] | None = None
         try:
-            needed = [
-                *surroundings.visible(contents.readable),
-                *surroundings.code(),
-                *map(str, [contents.harness, *contents.harness.rglob("*.py")]),
-            ]
-            uid = _harmless_uid(self.rung, needed)
-            plan = self._plan(contents, uid)
+            uid = {} if self.rung == "full" else _harmless_uid(_needed(contents))
+            scratch, cache = self._folders(uid)
             command = [sys.executable, "-B", "-s", surroundings.zygote(), str(theirs.fileno())]
             if self.rung == "bubblewrap":
-                command = bubblewrap.command(plan, theirs.fileno())
+                command = bubblewrap.command(self._plan(contents, uid, scratch, cache), theirs.fileno())
             process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=self._log,
                 stderr=self._log,
-                env=surroundings.environment(plan.scratch[0], plan.cache),
+                env=surroundings.environment(scratch[0], cache),
                 cwd="/",
                 pass_fds=(theirs.fileno(),),
                 start_new_session=True,
                 **uid,
             )
+            # Made while Python starts: what to show takes as long to find out.
+            message = self._plan(contents, uid, scratch, cache).packed()
         except BaseException:
             ours.close()
+            if process is not None:
+                process.kill()
+                process.wait()
             self._discard()
             raise
         finally:
             theirs.close()
         ours.settimeout(_WALLS_WITHIN_S)
         with contextlib.suppress(OSError):
-            ours.send(plan.to_json())
+            ours.send(message)
         return ours, process
 
-    def _plan(self, contents: Contents, uid: dict[str, Any]) -> Plan:
-        scratch, cache = self._folders(uid)
+    def _plan(self, contents: Contents, uid: dict[str, Any], scratch: tuple[str, ...], cache: str) -> Plan:
         visible = surroundings.visible(contents.readable)
+        search = surroundings.search(visible)
+        if self._folder is not None:
+            search = surroundings.search_by_links(visible, os.path.join(self._folder, _PACKAGES))
+            visible = (*visible, os.path.join(self._folder, _PACKAGES))
         return Plan(
             rung=self.rung,
             harness=str(contents.harness.resolve()),
+            questions=str(contents.questions.resolve()) if contents.questions else "",
             visible=visible,
             hidden=surroundings.hidden(),
             code=surroundings.code(),
-            search=surroundings.search(visible),
+            search=search,
             warm=contents.warm,
             thorough=contents.thorough,
             fonts=tuple(path for path in surroundings.font_lists() if not uid or _open_to_all(path)),
@@ -139,14 +145,14 @@ class Zygote:
         os.chmod(self._folder, 0o711)
         folders = [self._folder + name for name in names]
         cache = self._folder + rootfs.CACHE
+        surroundings.link_packages(os.path.join(self._folder, _PACKAGES))
         for path in (*folders, cache):
             os.mkdir(path, 0o700)
         with contextlib.suppress(OSError):
             for font_list in surroundings.font_lists():
                 shutil.copyfile(font_list, os.path.join(cache, os.path.basename(font_list)))
         if uid:
-            for path in (self._folder, *folders, cache, *(entry.path for entry in os.scandir(cache))):
-                os.chown(path, uid["user"], uid["group"])
+            _give_away(self._folder, uid["user"], uid["group"])
         return tuple(folders), cache
 
     def _await_walls(self) -> None:
@@ -348,11 +354,24 @@ def _wait_for(pidfd: int, seconds: float) -> None:
     poll.poll(seconds * 1000)
 
 
-def _harmless_uid(rung: str, needed: Sequence[str]) -> dict[str, Any]:
+def _needed(contents: Contents) -> list[str]:
+    shown = surroundings.visible(contents.readable)
+    folders = [contents.harness, *([contents.questions] if contents.questions else [])]
+    own = [str(path) for folder in folders for path in (folder, *folder.rglob("*.py"))]
+    return [*shown, *surroundings.code(), *own]
+
+
+def _harmless_uid(needed: Sequence[str]) -> dict[str, Any]:
     """On the lower rungs, root becomes a plain user at once, unless root alone can read what the box needs."""
-    if rung == "full" or not namespaces.may_drop_root() or not all(_open_to_all(path) for path in needed):
+    if not namespaces.may_drop_root() or not all(_open_to_all(path) for path in needed):
         return {}
     return {"user": namespaces.DROPPED_ID, "group": namespaces.DROPPED_ID, "extra_groups": []}
+
+
+def _give_away(folder: str, user: int, group: int) -> None:
+    for top, folders, files in os.walk(folder):
+        for path in (top, *(os.path.join(top, name) for name in (*folders, *files))):
+            os.chown(path, user, group, follow_symlinks=False)
 
 
 def _open_to_all(path: str) -> bool:

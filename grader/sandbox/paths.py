@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
+from typing import NamedTuple
 
 Link = tuple[str, str]  # where it is, what it says
+
+
+class Step(NamedTuple):
+    """One step of making a root: "show" a place, "hide" one, or repeat a "link" to `target`."""
+
+    kind: str
+    place: str
+    target: str = ""
 
 
 def is_below(path: str, folders: Iterable[str]) -> bool:
@@ -43,19 +52,48 @@ def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
     return None, links
 
 
-def around(visible: Sequence[str], hidden: Sequence[str]) -> list[str]:
-    """The visible paths without the hidden ones: a folder that holds a hidden one is replaced by its other children."""
-    kept: list[str] = []
-    waiting = list(visible)
+def arranged(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> list[Step]:
+    """How a root is made that shows `visible` but for `hidden`, outer folders first.
+
+    What is visible below something hidden is shown in its place. Paths that do not exist below `root` are left out.
+    """
+    wanted = [("hide", path) for path in hidden] + [("show", path) for path in visible]
+    done: dict[str, str] = {}
+    steps: dict[Step, None] = {}
+    followed = [(kind, *follow(path, root)) for kind, path in wanted]
+    for kind, place, links in sorted(followed, key=lambda found: (found[1] or "").count("/")):
+        if kind == "show":
+            steps.update({Step("link", *link): None for link in links if _kind_over(link[0], done) != "show"})
+        if place is not None and place not in done and (kind == "show") != (_kind_over(place, done) == "show"):
+            done[place] = kind
+            steps[Step(kind, place)] = None
+    return list(steps)
+
+
+def _kind_over(path: str, done: Mapping[str, str]) -> str:
+    """What was done with the path itself, or with the nearest folder that it lies in."""
+    while path not in done and path != "/":
+        path = os.path.dirname(path)
+    return done.get(path, "")
+
+
+def around(steps: Iterable[Step]) -> tuple[list[str], list[str]]:
+    """The places that are shown whole, and the folders of which some children are: for walls that can only add."""
+    steps = list(steps)
+    hidden = [step.place for step in steps if step.kind == "hide"]
+    whole: list[str] = []
+    split: list[str] = []
+    waiting = [step.place for step in steps if step.kind == "show"]
     while waiting:
         path = waiting.pop()
-        if is_below(path, hidden):
+        if path in hidden:
             continue
         if any(is_below(secret, [path]) for secret in hidden):
+            split.append(path)
             waiting.extend(entry.path for entry in os.scandir(path))
         else:
-            kept.append(path)
-    return sorted(kept)
+            whole.append(path)
+    return sorted(whole), sorted(split)
 
 
 def empty(folder: str) -> None:

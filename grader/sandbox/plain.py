@@ -15,13 +15,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
 from typing import Any
 
-from grader.errors import GraderError
+from grader.ground.errors import GraderError
 
 from . import surroundings, wire
 from .paths import empty
+from .plan import Contents
 from .printed import Printed
 from .process import is_main_thread
 
@@ -31,14 +31,14 @@ _READY_WITHIN_S = 300.0
 class PlainProcess:
     """A worker without walls; see `process.Process`."""
 
-    def __init__(self, harness: Path, printed: Printed) -> None:
+    def __init__(self, contents: Contents, printed: Printed) -> None:
         self._code: int | None = None
         self._cpu_s = self._before_s = 0.0
         self._place = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
         self.line, theirs = socket.socketpair()
         try:
             with theirs:
-                self._popen = self._start(harness, theirs, printed)
+                self._popen = self._start(contents, theirs, printed)
             self._started = time.monotonic()
             self._await_hello(printed)
             self._before_s = self._clock()
@@ -46,9 +46,10 @@ class PlainProcess:
             self._discard()
             raise
 
-    def _start(self, harness: Path, theirs: socket.socket, printed: Printed) -> subprocess.Popen[bytes]:
+    def _start(self, contents: Contents, theirs: socket.socket, printed: Printed) -> subprocess.Popen[bytes]:
         search = surroundings.search_without_walls()
-        plan = {"harness": str(harness), "search": search, "end_with_parent": is_main_thread()}
+        folders = [str(folder) for folder in (contents.harness, contents.questions) if folder]
+        plan = {"folders": folders, "search": search, "end_with_parent": is_main_thread()}
         inherited: dict[str, Any] = {"pass_fds": (theirs.fileno(),), "start_new_session": True}
         if sys.platform == "win32":
             inherited = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}

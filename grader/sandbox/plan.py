@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ class Contents:
     ----------
     harness
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
+    questions
+        The package folder of a lab's questions, if it has one; the harness gets it as the second argument of `warm_up`.
     readable
         Further paths that the box shows read-only.
     warm
@@ -27,6 +30,7 @@ class Contents:
     """
 
     harness: Path
+    questions: Path | None = None
     readable: tuple[Path, ...] = ()
     warm: tuple[str, ...] = ()
     thorough: bool = False
@@ -40,10 +44,10 @@ class Plan:
     ----------
     rung
         One of `RUNGS`.
-    harness
-        The folder that is imported as a package.
+    harness, questions
+        The folders that are imported as packages; no questions are "".
     visible, hidden
-        What can be read in the box, and the folders below that which cannot.
+        What can be read in the box, and what below that cannot.
     code
         The sandbox's own modules that run in the box.
     search
@@ -64,6 +68,7 @@ class Plan:
 
     rung: str
     harness: str
+    questions: str
     visible: tuple[str, ...]
     hidden: tuple[str, ...]
     code: tuple[str, ...]
@@ -76,11 +81,12 @@ class Plan:
     decoy: str
     end_with_parent: bool
 
-    def to_json(self) -> bytes:
-        return json.dumps(asdict(self)).encode()
+    def packed(self) -> bytes:
+        """As one message, which has to fit into a socket's buffer: a machine may have thousands of packages."""
+        return zlib.compress(json.dumps(asdict(self)).encode(), 1)
 
     @classmethod
-    def from_json(cls, text: bytes) -> Plan:
-        values = json.loads(text).items()
+    def unpacked(cls, message: bytes) -> Plan:
+        values = json.loads(zlib.decompress(message)).items()
         fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in values}
         return cls(**fields)

@@ -8,6 +8,8 @@ import tempfile
 from typing import Any
 
 MAX_BYTES = 256 << 10
+PLACE_AT, PLACE_BYTES = MAX_BYTES, 1 << 10
+"""Room behind what is printed, in which a worker writes down where it is, for the case that it does not come back."""
 
 
 class Printed:
@@ -31,16 +33,22 @@ class Printed:
         size = max(0, min(os.lseek(self.fd, 0, os.SEEK_CUR), MAX_BYTES))
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
+    def place(self) -> str:
+        """What the worker wrote down last of where it is; it may be anything."""
+        if self._file.closed or not hasattr(os, "pread"):
+            return ""
+        return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")
+
     def close(self) -> None:
         self._file.close()
 
 
 def _sealed_memory() -> Any:
-    """A memory file of exactly `MAX_BYTES`: writes beyond its end fail."""
+    """A memory file of one size: writes beyond its end fail."""
     import fcntl  # noqa: PLC0415 - not on every system
 
     fd = os.memfd_create("printed", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-    os.ftruncate(fd, MAX_BYTES)
+    os.ftruncate(fd, PLACE_AT + PLACE_BYTES)
     fcntl.fcntl(fd, fcntl.F_ADD_SEALS, fcntl.F_SEAL_GROW | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_SEAL)
     return os.fdopen(fd, "r+b", buffering=0)
 

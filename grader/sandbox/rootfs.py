@@ -7,16 +7,18 @@ of ours: Python itself may live below /tmp or /root.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from . import linux
-from .paths import follow, is_below
+from .paths import arranged
+from .plan import Plan
 
 OLD = "/old"
 SCRATCH = "/box"
 CACHE = "/cache"  # the zygote's: matplotlib's list of fonts; read-only before the first worker
 SANDBOX = "/sandbox"
 HARNESS = "/harness"
+QUESTIONS = "/questions"
 DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
 
 _READ_ONLY = linux.MS_RDONLY | linux.MS_NOSUID | linux.MS_NODEV
@@ -33,7 +35,7 @@ def enter_new_root() -> None:
     os.chdir("/")
 
 
-def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], harness: str) -> None:
+def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], folders: Mapping[str, str]) -> None:
     """Bind what a box may see and leave the host behind.
 
     Parameters
@@ -41,22 +43,28 @@ def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], 
     visible
         Absolute paths of the host, shown read-only at the same place; those that do not exist are left out.
     hidden
-        Folders below them that appear empty.
+        Files and folders below them that appear empty.
     code
         Modules of the sandbox, copied to `SANDBOX`.
-    harness
-        The harness's folder, copied to `HARNESS`: root's own copy of it may be readable by root alone.
+    folders
+        What is copied to a place of its own, `HARNESS` and `QUESTIONS`: root's own copy of it may be readable by root alone.
     """
     _show_all(visible, hidden)
     for device in DEVICES:
         _bind(OLD + device, device, linux.MS_NOSUID | linux.MS_NOEXEC)
     for path in code:
         _write(f"{SANDBOX}/{os.path.basename(path)}", _read(OLD + path))
-    _copy_folder(OLD + harness, HARNESS)
+    for place, folder in folders.items():
+        _copy_folder(OLD + folder, place)
     _write("/etc/passwd", b"student:x:1000:1000::/box:/bin/false\n")
     _write("/etc/group", b"student:x:1000:\n")
     os.mkdir(SCRATCH, 0o755)
     _mount_cache()
+
+
+def copies(plan: Plan) -> Mapping[str, str]:
+    """The folders that are shown at a place of their own, by that place."""
+    return {HARNESS: plan.harness, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 
 def close_root() -> None:
@@ -87,18 +95,17 @@ def mount_scratch() -> None:
 
 
 def _show_all(visible: Sequence[str], hidden: Sequence[str]) -> None:
-    shown: list[str] = []
-    for path in sorted(visible, key=lambda p: p.count("/")):
-        place, links = follow(path, OLD)
-        for here, target in links:
-            _link(target, here)
-        if place is not None and not is_below(place, shown):
+    steps = arranged(visible, hidden, OLD)
+    for kind, place, target in steps:
+        if kind == "link":
+            _link(target, place)
+        elif kind == "show":
             _bind(OLD + place, place, _READ_ONLY)
-            shown.append(place)
-    for path in hidden:
-        place, _ = follow(path, OLD)
-        if place is not None and is_below(place, shown):
-            linux.mount("tmpfs", place, "tmpfs", _READ_ONLY | linux.MS_NOEXEC, "size=4k,mode=755")
+        else:
+            _cover(place)
+    for step in steps:
+        if step.kind == "hide":
+            linux.mount_setattr(step.place, _READ_ONLY | linux.MS_NOEXEC, recursive=False)
 
 
 def _link(target: str, here: str) -> None:
@@ -106,6 +113,14 @@ def _link(target: str, here: str) -> None:
     if not os.path.lexists(here):
         os.makedirs(os.path.dirname(here), exist_ok=True)
         os.symlink(target, here)
+
+
+def _cover(place: str) -> None:
+    """An empty folder over a folder, nothing over a file."""
+    if os.path.isdir(place):
+        linux.mount("tmpfs", place, "tmpfs", options="size=4k,mode=755")
+    else:
+        linux.mount(OLD + "/dev/null", place, flags=linux.MS_BIND)
 
 
 def _bind(source: str, target: str, attributes: int) -> None:

@@ -39,7 +39,7 @@ class _GraderGoneError(Exception):
 def main(control_fd: int) -> Callable[[], None] | None:
     """Serve until the grader hangs up; in a forked worker, return what it has to do."""
     control = socket.socket(fileno=_move_up(control_fd))
-    plan = Plan.from_json(control.recv(_MAX_MESSAGE))
+    plan = Plan.unpacked(control.recv(_MAX_MESSAGE))
     try:
         return _live(control, plan)
     except _GraderGoneError:
@@ -99,14 +99,15 @@ def _enter(plan: Plan, control: socket.socket) -> confine.Walls:
     version = landlock.abi()
     if not version:
         raise OSError("the kernel has no Landlock")
-    readable = ("/",) if plan.rung == "bubblewrap" else _shown_in_place(plan)
-    return confine.Walls(plan.rung, machine(), version, readable, _open_proc(), os.getpid())
+    readable, listed = (["/"], []) if plan.rung == "bubblewrap" else _shown_in_place(plan)
+    rules = ((scratch, _move_up(landlock.ruleset(version, readable, listed, [scratch]))) for scratch in plan.scratch)
+    return confine.Walls(plan.rung, machine(), version, tuple(rules), _open_proc(), os.getpid())
 
 
-def _shown_in_place(plan: Plan) -> tuple[str, ...]:
-    """What Landlock lets through where the host's own root stays the root."""
-    visible = {os.path.realpath(path) for path in plan.visible}
-    return (*paths.around(sorted(visible), plan.hidden), *plan.code, plan.harness)
+def _shown_in_place(plan: Plan) -> tuple[list[str], list[str]]:
+    """What Landlock lets through where the host's own root stays the root, and of which folders the names only."""
+    whole, split = paths.around(paths.arranged(plan.visible, plan.hidden))
+    return [*whole, *plan.code, *rootfs.copies(plan).values()], split
 
 
 def _open_proc() -> int:
@@ -136,12 +137,12 @@ def _enter_full(plan: Plan, control: socket.socket) -> confine.Walls:
         with open(f"{rootfs.CACHE}/{name}", "xb") as file:
             file.write(data)
     _become_first(control)
-    return confine.Walls("full", machine(), landlock.abi(), ("/",), proc, 0)
+    return confine.Walls("full", machine(), landlock.abi(), (), proc, 0)
 
 
 def _build_root(plan: Plan) -> None:
     rootfs.enter_new_root()
-    rootfs.furnish(plan.visible, plan.hidden, plan.code, plan.harness)
+    rootfs.furnish(plan.visible, plan.hidden, plan.code, rootfs.copies(plan))
     rootfs.close_root()
 
 
@@ -207,10 +208,12 @@ def _own_pid_namespace(walls: confine.Walls) -> int:
 def _warm_up(plan: Plan) -> Any:
     """Import everything once, freeze it, and return the harness's `answer`."""
     gc.disable()  # nearly all of what imports make stays: to look for the rest takes a tenth of their time
+    sys.path[:] = plan.search  # packages may lie where only the grader's own environment says
     from .imports import load_harness  # noqa: PLC0415 - it pulls numpy, which must come after the walls
 
-    folder = rootfs.HARNESS if plan.rung in ("full", "bubblewrap") else plan.harness
-    harness = load_harness(folder, plan.search, warm=plan.warm, thorough=plan.thorough)
+    copies = rootfs.copies(plan)
+    folders = list(copies if plan.rung in ("full", "bubblewrap") else copies.values())
+    harness = load_harness(folders, plan.search, warm=plan.warm, thorough=plan.thorough)
     gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
     gc.enable()
     gc.set_threshold(*_COLLECT)

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import glob
-import importlib.util
 import os
 import sys
 import sysconfig
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
+from . import libraries, packages
 from .paths import is_below
 
-_PACKAGE_FOLDERS = ("site-packages", "dist-packages")
-_SYSTEM = (
-    "/lib",
-    "/lib32",
-    "/lib64",
-    "/usr/lib",
-    "/usr/lib32",
-    "/usr/lib64",
-    "/usr/local/lib",
+SYSTEM = (
     "/etc/ld.so.cache",
-    "/etc/fonts",
-    "/usr/share/fonts",
+    "/usr/lib/locale",
     "/usr/local/share/fonts",
-    "/usr/share/fontconfig",
+    "/usr/share/fonts",
     "/usr/share/zoneinfo",
-    "/nix/store",
-    "/gnu/store",
 )
+_BESIDE_THE_MODULES = ("lib-dynload", "__pycache__")
 _MODULES_OF_THE_BOX = (
     "arrays",
     "confine",
@@ -53,25 +45,54 @@ _HERE = Path(__file__).resolve().parent
 
 
 def visible(extra: Sequence[Path] = ()) -> tuple[str, ...]:
-    """Paths that a box shows read-only. Never a whole prefix: /usr/src or /opt/lab/submissions may lie in one."""
-    prefixes = {sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix}
-    libraries = {os.path.join(prefix, name) for prefix in prefixes for name in ("lib", "lib64")}
-    standard = {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
-    asked = {os.path.abspath(path) for path in extra}
-    return tuple(sorted({*_SYSTEM, *libraries, *standard, *_packages(), *asked}))
+    """Paths that a box shows read-only: what is known to be needed, entry by entry, and never a prefix or /usr/lib."""
+    return _shown(tuple(os.path.abspath(path) for path in extra), packages.folders())
 
 
-def _packages() -> set[str]:
-    """Folders of installed packages, also a user's own or one of PYTHONPATH, which `-s` and a bare environment hide."""
-    spec = importlib.util.find_spec("numpy")
-    numpy = {str(Path(spec.origin).parents[1])} if spec and spec.origin else set()
-    return numpy | {os.path.abspath(path) for path in sys.path if os.path.basename(path) in _PACKAGE_FOLDERS}
+@lru_cache(maxsize=8)
+def _shown(asked: tuple[str, ...], folders: tuple[str, ...]) -> tuple[str, ...]:
+    standard, installed = _standard(), packages.shown(folders)
+    shown = {*standard, *installed.entries, *asked}
+    objects = [*installed.shared_objects, *_extension_modules(standard)]
+    return tuple(sorted({*SYSTEM, *shown, *libraries.needed_by(sys.executable, objects, list(shown))}))
+
+
+def _standard() -> tuple[str, ...]:
+    """The standard library: its folder, or two where modules in C have their own, or an archive."""
+    folders = {os.path.dirname(path) for path in sys.path if os.path.basename(path) == "lib-dynload"}
+    archives = {path for path in sys.path if path.endswith(".zip") and os.path.basename(path).startswith("python")}
+    return tuple(sorted({sysconfig.get_path("stdlib"), os.path.dirname(os.__file__), *folders, *archives}))
+
+
+def _extension_modules(standard: Sequence[str]) -> list[str]:
+    found = (glob.glob(os.path.join(glob.escape(folder), "lib-dynload", "*.so")) for folder in standard)
+    return [path for paths in found for path in paths]
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """This interpreter's `sys.path` as far as a box shows it."""
-    real = [os.path.realpath(path) for path in shown]
-    return tuple(path for path in sys.path if path and os.path.exists(path) and is_below(os.path.realpath(path), real))
+    """This interpreter's `sys.path` as far as a box shows it: of folders of packages the packages, of others all or nothing."""
+    return (*_search_whole(shown), *packages.folders())
+
+
+def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
+    """The same with a folder that `link_packages` made: one that is not shown whole cannot be searched on every rung."""
+    return (*_search_whole(shown), links)
+
+
+def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
+    real, folders = [os.path.realpath(path) for path in shown], packages.folders()
+    others = (path for path in sys.path if path and os.path.abspath(path) not in folders)
+    return tuple(path for path in others if os.path.exists(path) and is_below(os.path.realpath(path), real))
+
+
+def link_packages(folder: str) -> None:
+    """Make a folder of links to the entries that a box shows of the package folders; the first of a name counts."""
+    os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
+    for path in packages.shown(packages.folders()).entries:
+        parent, name = os.path.split(path)
+        compiled = os.path.basename(parent) == "__pycache__"
+        with contextlib.suppress(FileExistsError):
+            os.symlink(path, os.path.join(folder, "__pycache__", name) if compiled else os.path.join(folder, name))
 
 
 def search_without_walls() -> tuple[str, ...]:
@@ -80,14 +101,30 @@ def search_without_walls() -> tuple[str, ...]:
     return tuple(
         path
         for path in map(os.path.abspath, filter(None, sys.path))
-        if os.path.normcase(os.path.realpath(path)) != source or os.path.basename(path) in _PACKAGE_FOLDERS
+        if os.path.normcase(os.path.realpath(path)) != source or os.path.basename(path) in packages.FOLDER_NAMES
     )
 
 
 def hidden() -> tuple[str, ...]:
-    """The grader and the reference solution, which may be installed among the packages that a box shows."""
+    """What a box shows empty: this copy of the grader and of the reference, and what lies beside the standard library.
+
+    Packages are installed below that library, too; those that a box shows stand in `visible` one by one.
+    """
     grader = _HERE.parent
-    return str(grader), str(grader.parent / "reference")
+    beside = (path for folder in _standard() for path in _strangers(folder))
+    return str(grader), str(grader.parent / "reference"), *beside
+
+
+def _strangers(folder: str) -> list[str]:
+    """Entries of a folder of the standard library that are no part of it."""
+    with contextlib.suppress(OSError):
+        return sorted(entry.path for entry in os.scandir(folder) if not _is_standard(entry.name))
+    return []
+
+
+def _is_standard(name: str) -> bool:
+    module = name.partition(".")[0]
+    return module in sys.stdlib_module_names or name in _BESIDE_THE_MODULES or name.startswith("_sysconfigdata")
 
 
 def decoy() -> str:

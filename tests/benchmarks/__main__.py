@@ -24,9 +24,10 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from grader import rubric, traces
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
 from grader.intake import read_submission
-from grader.marking import Marker
+from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Worker
 from tests.benchmarks import cold, guard
 from tests.benchmarks.measuring import PLAIN_PYTEST, cost
@@ -61,8 +62,8 @@ def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]
         finally:
             asked.append((op, dict(fields or {}), dict(arrays or {}), self.cpu_s - before))
 
-    with Marker(rubric.load(), traces.shipped()) as marker:
-        submission = read_submission(sample)
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+        submission = read_submission(sample, LAB.files)
         marker.mark(submission)
         with mock.patch.object(Worker, "ask", noting):
             started = time.process_time()
@@ -76,6 +77,8 @@ def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]
             counts["simulations"].append((fields["duration_s"], fields["timestep"] or 0.002))
         elif op == "noise":
             counts["noise"].append(len(arrays["qpos"]) * fields["reads"])
+        elif op == "noise_twins":
+            counts["noise"] += [fields["reads"]] * len(fields["twins"])
         elif op == "default_bias":
             counts["noise"] += [fields["reads"]] * fields["instances"]
         elif op == "filter":
@@ -132,8 +135,8 @@ def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> 
 
 def memory(sample: Path) -> float:
     """MB that a marker with its zygote holds for itself alone, after one submission."""
-    with Marker(rubric.load(), traces.shipped()) as marker:
-        marker.mark(read_submission(sample))
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+        marker.mark(read_submission(sample, LAB.files))
         zygote = marker._box._zygote
         pids = [os.getpid()] + ([zygote.pid, *_children(zygote.pid)] if zygote else [])
         return sum(_private_kb(pid) for pid in pids) / 1024

@@ -2,7 +2,7 @@
 
 The checks themselves are run, over reads that are drawn here instead of in the box: 20,000 sound models, of which none may lose
 anything, and 2,000 of each fault. A rate of none in 20,000 bounds the true one by 1.5e-4 (95 %); that it is below 1e-9 follows from
-the formulas in `grader.statistics`, whose normal tails the small rates rest on.
+the formulas in `grader.labs.imu.statistics`, whose normal tails the small rates rest on.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from grader import traces
-from grader.answers import NoiseRun
-from grader.checks import check_noise_model as checks
-from grader.student import Student
-from grader.traces import Traces
-from grader.verdicts import Lost, Skipped
+from grader.engine import traces
+from grader.engine.findings import Lost, Skipped
+from grader.engine.traces import Traces
+from grader.labs.imu.answers import NoiseRun
+from grader.labs.imu.checks import check_noise_model as checks
+from grader.labs.imu.student import Student
 
 Array = NDArray[np.float64]
 Draw = Callable[[np.random.Generator, tuple[int, ...]], Array]
@@ -67,6 +67,8 @@ LAWS: Mapping[str, Law] = {
     "bias off by a fifth of sigma": Law(_normal, "given_bias", offset=0.2),
     "correlation of 0.2 between two axes": Law(_correlated, "axes_and_sensors_independent"),
     "correlation of 0.3 with the read before": Law(_remembering, "white_and_gaussian"),
+    "normal law clipped at two sigma": Law(lambda r, s: np.clip(_normal(r, s), -2, 2), "white_and_gaussian"),
+    "normal law clipped at three sigma": Law(lambda r, s: np.clip(_normal(r, s), -3, 3), "white_and_gaussian"),
     "uniform law": Law(lambda r, s: r.uniform(-(3**0.5), 3**0.5, s), "white_and_gaussian"),
     "Laplace law": Law(lambda r, s: r.laplace(0, 0.5**0.5, s), "white_and_gaussian"),
     "two-point law": Law(lambda r, s: r.choice([-1.0, 1.0], s), "white_and_gaussian"),
@@ -98,6 +100,15 @@ class Model:
             for clean, bias, std, part in zip(self._clean, biases, stds, (unit[..., :3], unit[..., 3:]), strict=True)
         ]
         return NoiseRun(parts[0], parts[1], np.zeros((0, 4)), None, None)
+
+    def noise_twins(self, *, reads: int, stds: list[tuple[float, float]], biases: Array, **_: Any) -> NoiseRun:
+        """Reads that no seed repeats: what is told apart by chance is told by statistics."""
+        runs = [
+            self.noise("", reads=reads, stds=std, biases=(accel, gyro))
+            for std, (accel, gyro) in zip(stds, biases, strict=True)
+        ]
+        accel, gyro = (np.array([getattr(run, name)[0] for run in runs]) for name in ("accel", "gyro"))
+        return NoiseRun(accel, gyro, np.zeros((0, 4)), None, None)
 
     def default_bias(self, *, instances: int, reads: int, **_: Any) -> NoiseRun:
         parts = [

@@ -35,18 +35,19 @@ def stamped(file: Path, sample: str) -> None:
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         if event != "import":
             return
-        if arguments[0] == "grader.lab_box":
+        if arguments[0] == "grader.engine.lab_box":
             stamp("started")
-        elif arguments[0] == "grader.report.terminal" and "grader.marking" in sys.modules:
-            from grader import marking, plugin
+        elif arguments[0] == "grader.report.terminal" and "grader.engine.marking" in sys.modules:
+            from grader.engine import examination, marking
             from grader.sandbox import launch
 
             after(launch.Zygote, "await_ready", "ready")
-            after(plugin.Session, "run", "judged")
+            after(examination.Session, "run", "judged")
             after(marking.Marker, "mark", "gathered")
 
     sys.addaudithook(hook)
-    from grader import cli, opening
+    from grader import cli
+    from grader.commands import opening
 
     after(opening, "found", "found")
     after(opening, "waiting", "imported")

@@ -146,8 +146,8 @@ ENCODINGS: list[Broken] = [
 # ---------------------------------------------------------------- packages, back ends
 
 MACHINE = [
-    Broken("pandas-in-the-filter", edit(tidy(), "filters.py", ("import mujoco\n", "import mujoco\nimport pandas as pd\n")), keeps=but("filtering", "visualization"), costs="filtering", names=("missing-package", "does-not-import", "raises")),
-    Broken("seaborn-in-the-reader", edit(listy(), "imu_reader.py", ("import mujoco\n", "import mujoco\nimport seaborn as sns\n")), keeps=("noise_model", "filtering"), costs="sensor_access", names=("missing-package", "does-not-import", "raises")),
+    Broken("pandas-in-the-filter", edit(tidy(), "filters.py", ("import mujoco\n", "import mujoco\nimport pandas as pd\n")), keeps=ALL),
+    Broken("seaborn-in-the-reader", edit(listy(), "imu_reader.py", ("import mujoco\n", "import mujoco\nimport seaborn as sns\n")), keeps=ALL),
     Broken("tk-back-end", edit(tidy(), "imu_reader.py", ("import matplotlib.pyplot as plt\n", 'import matplotlib\n\nmatplotlib.use("TkAgg")\nimport matplotlib.pyplot as plt\n')), keeps=ALL),
     Broken("qt-back-end-switched", edit(looping(), "imu_reader.py", ("import mujoco\n", 'import mujoco\n\nplt.switch_backend("Qt5Agg")\n')), keeps=ALL),
     Broken("back-end-in-rc-parameters", edit(tidy(), "imu_reader.py", ("import mujoco\n", 'import mujoco\n\nplt.rcParams["backend"] = "macosx"\n')), keeps=ALL),
@@ -194,12 +194,10 @@ def ended(place: str, ending: str) -> Broken:
     return Broken(f"{ending}-in-{place}", files, keeps=but(criterion), costs=criterion, names=ENDING_NAMES[ending])
 
 
-def ended_at_import(path: str, ending: str, keeps: tuple[str, ...], costs: str) -> Broken:
-    """The ending before the first definition: nothing of the file is there."""
-    text = tidy()[path]
-    names = (*ENDING_NAMES[ending], "does-not-import", "name-missing")
-    files = {**tidy(), path: ENDINGS[ending].format(i="") + "\n" + text}
-    return Broken(f"{ending}-when-{path[:-3].replace('_', '-')}-is-imported", files, keeps=keeps, costs=costs, names=names)
+def ended_at_import(path: str, ending: str) -> Broken:
+    """The ending before the first definition: it is stepped over, and the whole file counts."""
+    files = {**tidy(), path: ENDINGS[ending].format(i="") + "\n" + tidy()[path]}
+    return Broken(f"{ending}-when-{path[:-3].replace('_', '-')}-is-imported", files, keeps=ALL)
 
 
 def ended_below(path: str, ending: str) -> Broken:
@@ -209,14 +207,9 @@ def ended_below(path: str, ending: str) -> Broken:
     return Broken(f"{ending}-below-{path[:-3].replace('_', '-')}", files, keeps=keeps)
 
 
-IMPORTS = {
-    "imu_reader.py": (("noise_model", "filtering"), "sensor_access"),
-    "noisy_imu.py": (but("noise_model"), "noise_model"),
-    "filters.py": (but("filtering", "visualization"), "filtering"),
-}
 ENDED = [ended(place, ending) for place in PLACES for ending in ENDINGS]
-ENDED += [ended_at_import(path, ending, *IMPORTS[path]) for path in IMPORTS for ending in ("loop", "exit", "segfault", "sys-exit")]
-ENDED += [ended_below(path, ending) for path in IMPORTS for ending in ("sys-exit", "flood")]
+ENDED += [ended_at_import(path, ending) for path in tidy() for ending in ("loop", "exit", "segfault", "sys-exit")]
+ENDED += [ended_below(path, ending) for path in tidy() for ending in ("sys-exit", "flood")]
 
 # ---------------------------------------------------------------- answers of the wrong kind
 

@@ -64,8 +64,8 @@ def kept(main: str = "") -> dict[str, str]:
 MATCHES = ("data_collection.matches_truth",)
 
 COLLECT_FAULTS = [
-    fault("gravity-added-to-the-rows", "gravity-removed", tidied((TIDY_STORE, TIDY_STORE + "        acceleration[i, 2] += 9.81\n")), loses=MATCHES),
-    fault("rates-stored-in-degrees", "wrong-units", listed((LIST_READ, LIST_READ + "        gyro = np.degrees(gyro)\n")), loses=MATCHES),
+    fault("gravity-added-to-the-rows", "rows-altered", tidied((TIDY_STORE, TIDY_STORE + "        acceleration[i, 2] += 9.81\n")), loses=MATCHES),
+    fault("rates-stored-in-degrees", "rows-altered", listed((LIST_READ, LIST_READ + "        gyro = np.degrees(gyro)\n")), loses=MATCHES),
     fault("velocities-not-reset", "no-reset", tidied((RESET, "    data.qpos[:] = model.qpos0\n    data.time = 0\n")), loses=("data_collection.starts_from_reset",)),
     fault("lists-at-module-level", "keeps-old-rows", kept()),
     fault("lists-at-module-level-recorded-before", "keeps-old-rows", kept("""\
@@ -129,9 +129,10 @@ for seconds in (0.8, 0.4):
                                                      ('plt.plot(imu_data["time"], imu_data["angular_velocity"])', 'plt.plot(imu_data["Time"], imu_data["Angular Velocity"])'))),
     fault("stored-the-wrong-way-round", "channels-swapped", sheet(("accelerations[i] = accel", "accelerations[i] = gyro"), ("angular_velocities[i] = gyro", "angular_velocities[i] = accel"))),
     fault("unpacked-the-wrong-way-round", "channels-swapped", listed(("acc, gyro = get_imu_readings(", "gyro, acc = get_imu_readings("))),
+    fault("standing-by-heart", "nothing-simulated", sheet((SHEET_STEP, ""), (SHEET_STORE, "        accelerations[i], angular_velocities[i] = (0.0, 0.0, -9.81), (0.0, 0.0, 0.0)\n        times[i] = (i + 1) * dt\n")), reason="no step is made, and every row is what a robot at rest reads"),
     fault("last-tenth-never-filled", "rows-left-zero", tidied(("for i in range(n_steps):", "for i in range(n_steps - n_steps // 10):"), ("np.empty(n_steps)", "np.zeros(n_steps)"),
                                                               ("acceleration = np.empty((n_steps, 3))", "acceleration = np.zeros((n_steps, 3))"), ("angular_velocity = np.empty((n_steps, 3))", "angular_velocity = np.zeros((n_steps, 3))"))),
-    fault("first-row-never-filled", "rows-left-zero", sheet(("for i in range(n_steps):", "for i in range(1, n_steps):")), also=("read-before-step",), reason="the same numbers as reading before the step"),
+    fault("first-row-never-filled", "first-row-empty", sheet(("for i in range(n_steps):", "for i in range(1, n_steps):")), also=("rows-left-zero",), reason="the same numbers as reading before the step, after one step less"),
     fault("arrays-twice-too-long", "rows-left-zero", sheet(("times = np.zeros(n_steps)", "times = np.zeros(2 * n_steps)"), ("accelerations = np.zeros((n_steps, 3))", "accelerations = np.zeros((2 * n_steps, 3))"),
                                                            ("angular_velocities = np.zeros((n_steps, 3))", "angular_velocities = np.zeros((2 * n_steps, 3))"))),
     fault("own-timestep", "modifies-model", tidied((RESET, "    model.opt.timestep = 0.001\n" + RESET), ("    n_steps = int(round(duration_seconds / model.opt.timestep))", "    n_steps = int(round(duration_seconds / 0.001))"))),

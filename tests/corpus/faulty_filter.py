@@ -113,7 +113,7 @@ FILTER_FAULTS = [
     fault("mean-over-axes", "axes-mixed", increment((STEP, "self.state = self.state + self.alpha * (np.mean(x) - self.state)"))),
     fault("only-z-filtered", "axes-mixed", sheet((RETURN, "        out = measurement.copy()\n        out[2] = self.value[2]\n        return out\n"))),
     fault("axes-rolled", "axes-mixed", increment((STEP, "self.state = np.roll(self.state, 1) + self.alpha * (x - np.roll(self.state, 1))"))),
-    fault("moving-average", "other-low-pass", lab(low_pass=MOVING_AVERAGE), loses=("filtering.follows_recursion",), reason="a sound low-pass filter that is not the sheet's recursion"),
+    fault("moving-average", "moving-average", lab(low_pass=MOVING_AVERAGE), also=("other-low-pass",), loses=("filtering.follows_recursion",), reason="a sound low-pass filter that is not the sheet's recursion"),
     fault("two-stages", "other-low-pass", lab(low_pass=TWO_STAGES), loses=("filtering.follows_recursion",)),
     fault("input-minus-low-pass", "high-pass", sheet((RETURN, "        return measurement - self.value\n"))),
     fault("difference-filter", "high-pass", increment(("return self.state.copy()", "return x - self.state"))),
@@ -126,4 +126,8 @@ FILTER_FAULTS = [
     fault("filter-exits", "kills-its-process", increment((STEP, "import os\n            os._exit(3)"))),
     fault("filter-under-another-name", "name-missing", edit(verbatim(), "filters.py", ("class LowPassFilter:", "class LowPass:"), ("accel_filter = LowPassFilter(", "accel_filter = LowPass("), ("gyro_filter = LowPassFilter(", "gyro_filter = LowPass("))),
     fault("method-under-another-name", "name-missing", lab(low_pass=FILTER_LFILTER.replace("def update", "def filter"), compare=lab()["filters.py"].split("from noisy_imu import NoisyIMU\n\n\n", 1)[1].split("\n\n\n", 1)[1].replace("low_pass.update", "low_pass.filter")), also=("raises",)),
+    fault("state-stays-the-first-sample", "state-not-kept", increment((STEP, "return self.alpha * x + (1 - self.alpha) * self.state")), reason="what is returned is never stored"),
+    fault("three-quarters-of-the-measurement", "does-not-filter", sheet((RECURSION, "self.value = 0.75 * measurement"))),
+    fault("state-of-three-decimals", "output-rounded", sheet((RECURSION, "self.value = np.round(self.alpha * measurement + (1 - self.alpha) * self.value, 3)")), loses=("filtering.follows_recursion",)),
+    fault("output-of-one-decimal", "output-rounded", increment(("return self.state.copy()", "return np.around(self.state, 1)")), loses=("filtering.follows_recursion",)),
 ]

@@ -9,7 +9,7 @@ from importlib import resources
 from tests.corpus.faults import Faulty
 from tests.corpus.pieces import NOISE_GENERATOR, edit, lab, verbatim
 
-STARTER = resources.files("grader.kit").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
+STARTER = resources.files("grader.labs.imu").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
 
 
 def sheet(*changes: tuple[str, str]) -> dict[str, str]:
@@ -122,4 +122,9 @@ NOISE_FAULTS = [
     fault("rejects-for-ever", "never-returns", tidy((READ, READ + "        while self.rng.normal() < 1e9:\n            pass\n"))),
     fault("noise-recurses", "kills-its-process", tidy((READ, READ + "        import os\n        os.abort()\n"))),
     fault("class-under-another-name", "name-missing", lab(noise=NOISE_GENERATOR.replace("class NoisyIMU", "class NoisyImu")) | {"filters.py": lab()["filters.py"].replace("NoisyIMU", "NoisyImu"), "noisy_imu.py": lab(noise=NOISE_GENERATOR)["noisy_imu.py"].replace("NoisyIMU", "NoisyImu")}),
+    fault("bias-walks-in-the-sheet", "bias-drifts", sheet((READ, READ + "        self.accel_bias = self.accel_bias + np.random.normal(0, 0.002, 3)\n        self.gyro_bias = self.gyro_bias + np.random.normal(0, 0.0002, 3)\n")), never=("bias-redrawn", "noise-accumulates"), loses=("noise_model.default_bias",)),
+    fault("noise-for-a-rate-of-five-hundred", "noise-density", both("np.random.normal(0, self.accel_noise_std * 500 ** 0.5, 3)", "np.random.normal(0, self.gyro_noise_std * 500 ** 0.5, 3)"), never=("variance-as-std", "std-ignored"), loses=("noise_model.noise_size",)),
+    fault("half-of-the-noise-before", "noise-correlated", tidy((LAST_OF_INIT, LAST_OF_INIT + "        self.before = np.zeros(6)\n"), (READ, READ + "        self.before = 0.5 * self.before + self.rng.standard_normal(6)\n"), (TIDY_ACCEL, "self.accel_noise_std * self.before[:3]"), (TIDY_GYRO, "self.gyro_noise_std * self.before[3:]")), never=("noise-accumulates", "bias-drifts"), loses=("noise_model.white_and_gaussian",)),
+    fault("noise-within-two-and-a-half", "noise-clipped", both("np.clip(np.random.normal(0, self.accel_noise_std, 3), -2.5 * self.accel_noise_std, 2.5 * self.accel_noise_std)", "np.clip(np.random.normal(0, self.gyro_noise_std, 3), -2.5 * self.gyro_noise_std, 2.5 * self.gyro_noise_std)"), never=("not-gaussian",), loses=("noise_model.white_and_gaussian",)),
+    fault("bias-from-z-to-x", "bias-axes-exchanged", sheet((ACCEL_LINE, ACCEL_LINE.replace("self.accel_bias", "np.flip(self.accel_bias)")), (GYRO_LINE, GYRO_LINE.replace("self.gyro_bias", "np.flip(self.gyro_bias)"))), never=("bias-argument-ignored",), loses=("noise_model.given_bias",)),
 ]

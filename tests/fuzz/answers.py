@@ -22,12 +22,13 @@ from unittest import mock
 
 import numpy as np
 
-from grader import rubric, traces
-from grader.errors import Crashed, Malformed
+from grader.engine import rubric, traces
+from grader.engine.examination import Examination
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.ground.errors import Crashed, Malformed
 from grader.intake import Submission, read_submission
-from grader.marking import Marker
-from grader.plugin import Examination
-from grader.results import Result
+from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
@@ -46,7 +47,7 @@ def _key(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -
 
 def submission(files: Files) -> Submission:
     with tempfile.TemporaryDirectory() as scratch:
-        return read_submission(write(files, Path(scratch) / "fuzzed"))
+        return read_submission(write(files, Path(scratch) / "fuzzed"), LAB.files)
 
 
 def recorded(files: Files) -> Answers:
@@ -59,7 +60,7 @@ def recorded(files: Files) -> Answers:
         answers[_key(op, fields or {}, arrays or {})] = frame
         return frame
 
-    with mock.patch.object(Worker, "ask", recording), Marker(rubric.load(), traces.shipped()) as marker:
+    with mock.patch.object(Worker, "ask", recording), Marker(rubric.load(LAB), traces.shipped()) as marker:
         marker.mark(submission(files))
     return answers
 
@@ -80,6 +81,9 @@ class _Replay:
 
     def close(self) -> None:
         """Nothing to close."""
+
+    def place(self) -> str:
+        return ""
 
     def ask(self, op: str, fields: Any = None, arrays: Any = None, **limits: Any) -> Frame:
         key = _key(op, fields or {}, arrays or {})
@@ -122,7 +126,7 @@ class Bench:
                 self.troubles.append("".join(traceback.format_exception(ended)[-3:]))
 
         with mock.patch.object(Box, "__init__", no_box), mock.patch.object(Examination, "end", noting):
-            self._marker = Marker(rubric.load(), traces.shipped())
+            self._marker = Marker(rubric.load(LAB), traces.shipped())
             yield self
 
     def mark(self, seed: int) -> Result:

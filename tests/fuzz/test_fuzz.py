@@ -14,11 +14,12 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from grader import rubric
-from grader.errors import RequestError
-from grader.inside import notebooks
+from grader.engine import rubric
+from grader.ground.errors import RequestError
+from grader.harness import notebooks
 from grader.intake.archives import gather_archive
 from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
+from grader.labs.imu.lab import LAB
 from grader.sandbox import wire
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Link, notebook, tarred, zipped
@@ -110,7 +111,7 @@ def test_bytes_that_begin_like_an_archive_are_no_trouble(start: bytes, rest: byt
 
 # --- the rubric ----------------------------------------------------------------------------------------------------------
 
-RUBRIC = (Path(rubric.__file__).parents[1] / "rubric.yaml").read_bytes()
+RUBRIC = rubric.shipped(LAB).read_bytes()
 
 
 def check_rubric(text: bytes) -> None:
@@ -119,7 +120,7 @@ def check_rubric(text: bytes) -> None:
         path.write_bytes(text)
         told = ""
         try:
-            rubric.load(path)
+            rubric.load(LAB, path)
         except RequestError as refusal:
             told = str(refusal)
         assert all("rubric.yaml" in line and line.isprintable() for line in told.split("\n") if told)

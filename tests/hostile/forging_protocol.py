@@ -61,8 +61,8 @@ SHIPPED = [
     Program("ships-sitecustomize", "forgery", {**PASSES, "sitecustomize.py": PATCH, "usercustomize.py": PATCH, "evil.pth": "import sitecustomize\n"}, PASSES, "filtering"),
     Program("shadows-numpy", "forgery", {**PASSES, "numpy.py": "from math import *\nallclose = array_equal = lambda *a, **k: True\n", "numpy/__init__.py": "zeros = lambda *a: 0\n"}, PASSES, "filtering"),
     Program("shadows-the-standard-library", "forgery", {**PASSES, "json.py": "dumps = lambda *a, **k: '{}'\n", "struct.py": "", "random.py": "", "socket.py": "", "inspect.py": "", "traceback.py": ""}, PASSES, "filtering"),
-    Program("shadows-the-grader", "forgery", {**PASSES, "grader/__init__.py": PATCH, "grader/checks/__init__.py": "", "grader/compare.py": "same = lambda *a: True\n", "_imugrade_harness/__init__.py": "answer = lambda *a: ({'passed': True}, {})\n", "_imugrade_harness.py": ""}, PASSES, "filtering"),
-    Program("shadows-the-traces", "forgery", {**READS, "reference/__init__.py": "", "public.npz": b"PK\x03\x04", "public.json": "{}", "grader/data/public.json": "{}"}, READS, "sensor_access"),
+    Program("shadows-the-grader", "forgery", {**PASSES, "grader/__init__.py": PATCH, "grader/checks/__init__.py": "", "grader/labs/imu/compare.py": "same = lambda *a: True\n", "_imugrade_harness/__init__.py": "answer = lambda *a: ({'passed': True}, {})\n", "_imugrade_harness.py": ""}, PASSES, "filtering"),
+    Program("shadows-the-traces", "forgery", {**READS, "reference/__init__.py": "", "public.npz": b"PK\x03\x04", "public.json": "{}", "grader/labs/imu/public.json": "{}"}, READS, "sensor_access"),
     Program("ships-its-own-rubric", "forgery", {**PASSES, "rubric.yaml": "criteria: []\n", ".imugrade/rubric.yaml": "criteria: []\n", "imugrade.toml": "points = 100\n"}, PASSES, "filtering"),
     Program("ships-its-own-result", "forgery", {**PASSES, "result.json": FULL_MARKS, "report.html": "<h1>100 / 100</h1>", "gradebook.csv": "submission,total\nme,100\n", "results.sqlite": b"SQLite format 3\0"}, PASSES, "filtering"),
     low_pass("writes-its-own-result", f"""
@@ -132,9 +132,9 @@ EXITS = {
     "raises-generator-exit": "raise GeneratorExit",
     "raises-skip": "import unittest; raise unittest.SkipTest('skipped')",
     "raises-an-exit-of-pytest": "exec('import pytest') if False else None; raise type('Exit', (BaseException,), {'returncode': 0, '__module__': '_pytest.outcomes'})('done')",
-    "raises-a-verdict-of-the-grader": "raise type('Told', (AssertionError,), {'keeps': 1.0, 'outcome': 'passed', '__module__': 'grader.verdicts'})('earned')",
+    "raises-a-verdict-of-the-grader": "raise type('Told', (AssertionError,), {'keeps': 1.0, 'outcome': 'passed', '__module__': 'grader.engine.findings'})('earned')",
     "raises-a-missing-key": "raise KeyError('not_judged')",
-    "raises-an-error-of-the-grader": "raise type('GraderError', (Exception,), {'__module__': 'grader.errors'})('the grader failed')",
+    "raises-an-error-of-the-grader": "raise type('GraderError', (Exception,), {'__module__': 'grader.ground.errors'})('the grader failed')",
 }
 ENDS = [
     Program(name, "forgery", last(PASSES, FILTER, in_method("LowPassFilter", "update", code)), last(PASSES, FILTER, in_method("LowPassFilter", "update", "raise RuntimeError")), "filtering")
@@ -340,7 +340,7 @@ def simulate_and_collect(model, data, duration_seconds=5.0):
 
 def _recorded() -> str:
     """The public traces of the tumbling robot, which every student has."""
-    from grader import traces
+    from grader.engine import traces
 
     scenario = traces.shipped()["tumbling"]
     return json.dumps({key: scenario[key].round(4).tolist() for key in ("time", "acceleration", "angular_velocity")})

@@ -12,12 +12,13 @@ from functools import cache
 from pathlib import Path
 from types import TracebackType
 
-from grader import rubric, traces
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.engine.rubric import Limits, Rubric
+from grader.engine.traces import Traces
 from grader.intake import read_submission
-from grader.marking import Marker
-from grader.results import Result
-from grader.rubric import Limits, Rubric
-from grader.traces import Traces
+from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, Link, write
 from tests.hostile import outputs
@@ -44,7 +45,7 @@ class Verdict:
 
 @cache
 def small_rubric() -> Rubric:
-    return replace(rubric.load(), limits=LIMITS)
+    return replace(rubric.load(LAB), limits=LIMITS)
 
 
 @cache
@@ -85,13 +86,13 @@ class Court:
     def _mark(self, files: Files, program: Program) -> Result:
         with tempfile.TemporaryDirectory() as scratch:
             path = write(self._bait.fill(files), Path(scratch) / program.folder, program.as_)
-            return self._marker(program.hidden).mark(read_submission(path), only=program.only)
+            return self._marker(program.hidden).mark(read_submission(path, LAB.files), only=program.only)
 
     def _neighbour(self) -> Mapping[str, float | None]:
         """What a sound submission scores after all that went before; two criteria stand for all of them."""
         found: dict[str, float | None] = {}
         with tempfile.TemporaryDirectory() as scratch:
-            submission = read_submission(write(tidy(), Path(scratch) / "neighbour"))
+            submission = read_submission(write(tidy(), Path(scratch) / "neighbour"), LAB.files)
             for only in ("sensor_access", "filtering"):
                 result = self._markers[False].mark(submission, only=only)
                 found |= {check.id: check.points for criterion in result.criteria for check in criterion.checks}

@@ -9,37 +9,37 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from html.parser import HTMLParser
+from pathlib import Path
 from xml.etree import ElementTree
 
 from rich.console import Console
 
-from grader.evidence import unpacked
-from grader.formats import github, moodle
-from grader.formats.classroom50 import Identity, classroom50
-from grader.formats.gradebook import gradebook
-from grader.formats.gradescope import gradescope
-from grader.formats.gradescope_csv import gradescope_csv
-from grader.formats.junit import junit
-from grader.formats.places import Places
-from grader.formats.prairielearn import prairielearn
+from grader.engine.evidence import unpacked
+from grader.engine.results import Result, to_json
+from grader.ground.errors import GraderError
+from grader.labs.imu.lab import LAB
 from grader.people.standing import HandIn, Person, Standing
+from grader.platforms import registry
+from grader.platforms.platform import Handed, Platform
 from grader.report import terminal
 from grader.report.pages import index_page, report_page
-from grader.results import Result, to_json
 from tests import made_up
 from tests.hostile.bait import SECRET
 
-_IDENTITY = Identity.of(
-    {
-        "CLASSROOM": "cs",
-        "ASSIGNMENT": "imu",
-        "SUBMISSION_TAG": "submit/2026-11-01T10-00-00Z-abc1234",
-        "COMMIT_URL": "https://example.org/c",
-        "RELEASE_URL": "https://example.org/r",
-        "OWNER": "alice",
-    }
-)
+ENVIRONMENT = {
+    "CLASSROOM": "cs",
+    "ASSIGNMENT": "imu",
+    "SUBMISSION_TAG": "submit/2026-11-01T10-00-00Z-abc1234",
+    "COMMIT_URL": "https://example.org/c",
+    "RELEASE_URL": "https://example.org/r",
+    "OWNER": "alice",
+}
+TEMPLATES = {  # what a platform exports to be filled in, with a row for the person 1
+    "canvas": b"Student,ID,SIS Login ID,Section,Lab (7)\r\nAlice,1,,A,\r\n",
+    "moodle": b"Identifier,Grade,Last modified (grade),Feedback comments\r\nParticipant 1,,,\r\n",
+}
 _JOINERS = "\u200c\u200d"
 _COMMAND = re.compile(r"::(error|warning|notice) ([a-z]+=[^:,]*,?)+::[^\n]*")
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -47,7 +47,8 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 def _on_terminal(result: Result) -> str:
     out = io.StringIO()
-    terminal.show(result, Console(file=out, width=100, highlight=False, markup=False, emoji=False))
+    screen = Console(file=out, width=100, highlight=False, markup=False, emoji=False)
+    terminal.show(result, screen, LAB)
     return out.getvalue()
 
 
@@ -57,53 +58,70 @@ def _standing(result: Result) -> Standing:
     return Standing("one", result, HandIn((person,), submitted=result.submission))
 
 
+def _responses(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
+    """What a job on the platform writes."""
+    handed = Handed(LAB, made_up.submission("one"), Path(), ENVIRONMENT)
+    if platform.respond is not None:
+        respond = platform.respond
+        yield platform.name, lambda result: respond(result, handed)
+    if platform.aside is not None:
+        aside = platform.aside.text
+        yield f"{platform.name} aside", lambda result: aside(result, handed)
+
+
+def _gradebooks(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
+    """What the platform is given of a class."""
+    if platform.write is not None:
+        yield platform.gradebook, partial(_written, platform.write)
+    if platform.fill is not None:
+        yield platform.gradebook, partial(_filled, platform)
+
+
+def _written(write: Callable[[Mapping[str, Standing]], bytes], result: Result) -> str:
+    return write({"one": _standing(result)}).decode("utf-8-sig")
+
+
+def _filled(platform: Platform, result: Result) -> str:
+    assert platform.fill is not None
+    standing = Standing("one", result, HandIn((Person("Alice", "1", platform.name),)))
+    filled = platform.fill(TEMPLATES[platform.name], "template.csv", None, {"one": standing})
+    assert filled.placed == {"one"}
+    return filled.data.decode("utf-8-sig")
+
+
 WRITERS: Mapping[str, Callable[[Result], str]] = {
     "result.json": to_json,
     "report.html": lambda result: report_page(_standing(result), unpacked(result.evidence.charts)),
     "index.html": lambda result: index_page({"one": _standing(result)}, {"one": result.evidence.fingerprint}),
-    "gradebook.csv": lambda result: gradebook({"one": _standing(result)}),
-    "gradescope.csv": lambda result: gradescope_csv({"one": _standing(result)}),
-    "moodle comment": lambda result: moodle.comment(_standing(result)),
     "the terminal": _on_terminal,
-    "github commands": lambda result: github.commands(result, Places()),
-    "github summary": github.summary,
-    "gradescope": lambda result: gradescope(result, hidden=False, visibility="visible"),
-    "classroom50": lambda result: classroom50(result, _IDENTITY, "2026-11-01T10:00:00Z"),
-    "junit": junit,
-    "prairielearn": lambda result: prairielearn(result, hidden=False),
+    **{
+        name: write
+        for platform in registry.platforms(*registry.DEEDS)
+        for name, write in (*_responses(platform), *_gradebooks(platform))
+    },
 }
 
 
 def troubles(result: Result) -> list[str]:
     """What is wrong with the outputs of one result; empty if nothing is."""
-    unjudged = result.status == "incomplete"  # not every platform has a word for that
-    writers = {
-        name: write
-        for name, write in WRITERS.items()
-        if not unjudged or name in ("result.json", "report.html", "index.html")
-    }
-    return [f"{name}: {problem}" for name, write in writers.items() for problem in problems(name, write(result))]
+    return [f"{name}: {problem}" for name, write in WRITERS.items() for problem in _in_output(name, write, result)]
+
+
+def _in_output(name: str, write: Callable[[Result], str], result: Result) -> Iterator[str]:
+    try:
+        text = write(result)
+    except GraderError:
+        if result.status != "incomplete":  # not every platform has a word for that
+            raise
+    else:
+        yield from problems(name, text)
 
 
 def problems(name: str, text: str) -> Iterator[str]:
     if SECRET in text:
         yield "it holds what the decoys hold"
     yield from _raw(text)
-    look = {
-        "result.json": _in_json,
-        "gradescope": _in_json,
-        "classroom50": _in_json,
-        "prairielearn": _in_json,
-        "report.html": _in_page,
-        "index.html": _in_index,
-        "moodle comment": _in_page,
-        "gradebook.csv": _in_csv,
-        "gradescope.csv": _in_csv,
-        "github commands": _in_commands,
-        "junit": _in_xml,
-    }.get(name)
-    if look is not None:
-        yield from look(text)
+    yield from LOOKS[name](text)
 
 
 def _raw(text: str) -> Iterator[str]:
@@ -168,6 +186,14 @@ def _in_csv(text: str) -> Iterator[str]:
                 yield f"a formula {cell[:40]!r}"
 
 
+def _in_worksheet(text: str) -> Iterator[str]:
+    """Moodle reads its cells as HTML."""
+    yield from _in_csv(text)
+    for row in csv.reader(io.StringIO(text)):
+        for cell in row:
+            yield from _in_page(cell)
+
+
 def _in_commands(text: str) -> Iterator[str]:
     for line in text.splitlines():
         if not _COMMAND.fullmatch(line):
@@ -188,3 +214,27 @@ def _in_xml(text: str) -> Iterator[str]:
         "system-out",
     }:
         yield f"elements {sorted(more)}"
+
+
+def _plain(_: str) -> Iterator[str]:
+    """Text in which no character does anything that `_raw` has not looked for."""
+    yield from ()
+
+
+LOOKS: Mapping[str, Callable[[str], Iterator[str]]] = {
+    "result.json": _in_json,
+    "report.html": _in_page,
+    "index.html": _in_index,
+    "the terminal": _plain,
+    "gradebook.csv": _in_csv,
+    "gradescope": _in_json,
+    "gradescope.csv": _in_csv,
+    "canvas.csv": _in_csv,
+    "moodle.csv": _in_worksheet,
+    "github": _in_commands,
+    "github aside": _plain,
+    "classroom50": _in_json,
+    "junit": _in_xml,
+    "prairielearn": _in_json,
+    "json": _in_json,
+}

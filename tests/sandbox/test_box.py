@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.errors import Crashed, GraderError, Malformed, TimedOut
+from grader.ground.errors import Crashed, GraderError, Malformed, TimedOut
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
+from grader.sandbox.printed import PLACE_AT
 
 from .conftest import HARNESS, run
 
@@ -135,6 +136,14 @@ def test_printed_text_is_kept_in_order_even_after_a_crash(worker: Worker) -> Non
 def test_a_flood_of_text_is_capped_and_no_error_of_the_student(worker: Worker) -> None:
     assert run(worker, "for _ in range(3000): print('x' * 999)\nresult = 'done'") == {"result": "done"}
     assert len(worker.printed()) == 256 << 10
+
+
+def test_where_a_worker_was_can_be_read_after_its_end_and_is_no_printed_text(worker: Worker) -> None:
+    source = f"import os\nprint('one')\nos.pwrite(1, b'here', {PLACE_AT})\nos._exit(1)"
+    with pytest.raises(Crashed):
+        run(worker, source)
+    assert worker.place().startswith("here")
+    assert worker.printed() == "one\n"
 
 
 def test_undecodable_output_is_replaced(anyone: Worker) -> None:

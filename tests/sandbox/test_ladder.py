@@ -9,13 +9,14 @@ import signal
 import subprocess
 import sys
 import time
+import venv
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from grader.errors import GraderError
+from grader.ground.errors import GraderError
 from grader.sandbox import ladder
 from grader.sandbox.box import Box
 from grader.sandbox.ladder import Rung
@@ -154,6 +155,19 @@ def test_a_plain_user_has_the_same_walls() -> None:
     lines = out.stdout.splitlines()
     assert lines, out.stderr
     assert all(line.endswith(f" {PLAIN_UID} True") for line in lines)
+
+
+def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, rungs: dict[str, Rung]) -> None:
+    """A Python that has no package of its own, and finds them by PYTHONPATH."""
+    import numpy as np
+
+    venv.create(tmp_path, symlinks=True)
+    environment = {**os.environ, "PYTHONPATH": str(Path(np.__file__).parents[1])}
+    command = [tmp_path / "bin/python", "-m", "tests.sandbox.smoke"]
+    out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=environment)
+    assert out.returncode == 0, out.stderr
+    held = [line.split()[0] for line in out.stdout.splitlines() if line.endswith(" True")]
+    assert held == [name for name, rung in rungs.items() if rung.usable and name != "none"]
 
 
 def _can_be_used_by_all(program: Path) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import grader
-from grader.errors import NoAnswer
+from grader.ground.errors import NoAnswer
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
 
@@ -94,7 +94,7 @@ def test_the_grader_itself_cannot_be_read(walled: Worker, name: str) -> None:
 
 
 def test_the_graders_source_tree_cannot_be_imported(walled: Worker) -> None:
-    assert run(walled, "import grader.results")["error"] in {"ModuleNotFoundError", "PermissionError"}
+    assert run(walled, "import grader.engine.results")["error"] in {"ModuleNotFoundError", "PermissionError"}
 
 
 def test_a_grader_among_the_packages_cannot_be_read(

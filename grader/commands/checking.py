@@ -1,0 +1,98 @@
+"""One submission on one's own machine: checked once, or again whenever a file in it is saved."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+
+from grader.engine.conversation import Listener
+from grader.engine.lab_box import open_box_for
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.engine.rubric import Rubric
+from grader.engine.traces import Traces
+from grader.intake import Submission, read_submission
+from grader.intake.names import is_litter
+from grader.sandbox.box import Box
+
+PAUSE_S = 0.2
+
+
+def _nothing() -> None:
+    pass
+
+
+def check(
+    submission: Submission,
+    rubric: Rubric,
+    traces: Traces,
+    box: Box,
+    *,
+    only: str | None = None,
+    waiting: Callable[[str], None] | None = None,
+    listen: Listener | None = None,
+) -> Result:
+    """Mark one submission once, in a box that may still be warming up; `waiting` is told what is waited for."""
+    with Marker(rubric, traces, box=box) as marker:
+        return marker.mark(submission, only=only, waiting=waiting, listen=listen)
+
+
+def check_on_save(
+    path: Path,
+    rubric: Rubric,
+    traces: Traces,
+    *,
+    only: str | None = None,
+    rung: str | None = None,
+    written: Collection[Path] = (),
+    begins: Callable[[], None] = _nothing,
+    waits: Callable[[], None] = _nothing,
+    listen: Listener | None = None,
+) -> Iterator[Result]:
+    """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
+
+    Parameters
+    ----------
+    written : what is written of each result: it may lie in the folder, and is no change of the student's
+    begins, waits : called before each marking, and again and again between two
+    listen : hears what the student's code prints
+    """
+    with Marker(
+        rubric, traces, box=open_box_for(rubric.lab, read_submission(path, rubric.lab.files).files, rung)
+    ) as marker:
+        for _ in saves(path, written, waits):
+            begins()
+            yield marker.mark(read_submission(path, rubric.lab.files), only=only, listen=listen)
+
+
+def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
+    """Once at the start, then each time that a file under `path` has changed that is not one of `written`."""
+    ours = {os.path.realpath(each) for each in written}
+    seen: object = None
+    while True:
+        now = frozenset(stamp for stamp in _stamps(path) if os.path.realpath(stamp[0]) not in ours)
+        if now != seen:
+            seen = now
+            yield
+        else:
+            waits()
+            time.sleep(PAUSE_S)
+
+
+def _stamps(path: Path) -> frozenset[tuple[str, int, int]]:
+    """Names, times and sizes of the files; what Python, editors and other tools leave behind does not count."""
+    stamps = set()
+    for folder, subfolders, names in os.walk(path):
+        subfolders[:] = [name for name in subfolders if not name.startswith(".") and not is_litter([name])]
+        stamps |= {_stamp(Path(folder, name)) for name in names if not name.startswith(".")}
+    return frozenset(stamps or {_stamp(path)})
+
+
+def _stamp(path: Path) -> tuple[str, int, int]:
+    try:
+        status = path.lstat()
+    except OSError:  # an editor is just replacing it
+        return str(path), 0, 0
+    return str(path), status.st_mtime_ns, status.st_size

@@ -1,0 +1,23 @@
+"""What the Tab key offers: criteria, and whatever `imugrade explain` explains. Nothing is read before it is pressed."""
+
+from __future__ import annotations
+
+from grader.labs.imu.lab import LAB
+
+
+def criteria(incomplete: str) -> list[str]:
+    """The criteria and extensions."""
+    return _beginning(incomplete, list(LAB.titles))
+
+
+def explained(incomplete: str) -> list[str]:
+    """Every mistake, criterion, extension and check."""
+    from grader.engine import rubric  # noqa: PLC0415
+    from grader.engine.feedback import catalogue  # noqa: PLC0415
+
+    checks = [weight.id for weight in rubric.load(LAB).checks]
+    return _beginning(incomplete, [*catalogue(LAB), *LAB.titles, *checks])
+
+
+def _beginning(incomplete: str, words: list[str]) -> list[str]:
+    return [word for word in words if word.startswith(incomplete)]

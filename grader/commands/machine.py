@@ -1,0 +1,77 @@
+"""What this machine can isolate, and which versions are in use: `imugrade doctor`."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from dataclasses import dataclass
+
+from grader import __version__
+from grader.engine.traces import rehearse
+from grader.ground.errors import GraderError, RequestError
+from grader.sandbox import one_copy
+from grader.sandbox.ladder import probe
+
+_PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line: a name, whether it is as it should be (None: neither), and what was found."""
+
+    name: str
+    good: bool | None
+    text: str
+
+
+def examine() -> list[tuple[str, list[Finding]]]:
+    """All findings under their headings. Walls and recordings are tried out, not looked up."""
+    return [("Isolation", _isolation()), ("Versions", _versions()), ("Traces", [_reference()])]
+
+
+def _isolation() -> list[Finding]:
+    rungs = probe()
+    best = next((rung.name for rung in rungs if rung.usable), "none")
+    use = {"none": "no isolation: fine for your own code, `grade` asks for --trust-submissions"}
+    rows = [Finding(rung.name, rung.usable, rung.reason or "works here") for rung in rungs if rung.name != "none"]
+    rows.append(Finding("in use", best != "none", use.get(best, best)))
+    return rows if best == "none" else [*rows, _one_copy(best)]
+
+
+def _one_copy(rung: str) -> Finding:
+    """Whether a submission could read the solution of a second install, of a checkout, or of this one."""
+    try:
+        search = one_copy.search(rung)
+    except GraderError as error:
+        return Finding("hidden", False, f"could not be looked at from inside: {error}")
+    if not search.found:
+        return Finding(
+            "hidden", True, f"the {search.opened:,} files that code in the box can open hold nothing of ours"
+        )
+    return Finding(
+        "hidden", False, f"code in the box can open {len(search.found)} files of ours, {search.found[0]} first"
+    )
+
+
+def _versions() -> list[Finding]:
+    rows = [Finding("imugrade", None, __version__), Finding("Python", None, platform.python_version())]
+    rows += [Finding(name, *_version(name)) for name in _PACKAGES]
+    return [*rows, Finding("system", None, platform.platform())]
+
+
+def _version(package: str) -> tuple[bool | None, str]:
+    try:
+        return None, importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return False, f"not installed; pip install {package}"
+
+
+def _reference() -> Finding:
+    """Whether a secret gives hidden scenarios here: tried with one that is thrown away."""
+    try:
+        recorded = rehearse()
+    except (GraderError, RequestError, OSError) as problem:
+        return Finding("reference", False, str(problem))
+    if recorded is None:
+        return Finding("reference", None, "not installed: the public traces only, no --seed")
+    return Finding("reference", True, f"recorded {len(recorded.scenarios)} scenarios from a throw-away secret")

@@ -1,0 +1,42 @@
+"""The first lines of a check, told before anything is run: what was found, and what waits besides the public checks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from grader.ground.text import printable
+
+if TYPE_CHECKING:  # these lines come before anything slow is imported
+    from grader.engine.lab import Lab
+    from grader.engine.rubric import Rubric
+    from grader.engine.traces import Traces
+    from grader.intake import Submission
+OTHERS = "another robot of the same kind, its sensors in another order, other numbers"
+
+
+def found(lab: Lab, submission: Submission) -> str:
+    """Which of the sheet's files are there, and which are not."""
+    asked_for = (*lab.files, *lab.pictures)
+    there = [name for name in asked_for if name in submission.files]
+    absent = [name for name in asked_for if name not in submission.files]
+    said = [f"{', '.join(there)} found"] if there else []
+    said += [f"no {', no '.join(absent)}"] if absent else []
+    if not any(part.attempted_in(submission.files) for part in (*lab.parts, *lab.bonuses)):
+        said += ["nor anything else that the lab asks for: is this the right folder?"]
+    return f"{printable(submission.name, 120)}: {'; '.join(said)}"
+
+
+def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
+    """How many public checks are run now, and what else there is.
+
+    Parameters
+    ----------
+    secret : whether this machine has the instructor's; elsewhere nobody knows whether there is one
+    """
+    count = sum(len(part.checks) for part in rubric.criteria if only in (None, part.id))
+    count += sum(len(part.checks) for part in rubric.extensions if part.file in submission.files or only == part.id)
+    public = f"{count} public check{'s' * (count != 1)}."
+    if not secret:
+        return f"{public} Your instructor may grade with hidden scenarios: {OTHERS}."
+    hidden = len(traces.scenarios.keys() - rubric.lab.same_for_all)
+    return f"{public} {hidden} hidden scenarios wait: {OTHERS}; imugrade grade uses them."

@@ -1,0 +1,47 @@
+"""What a student's own code printed during a check, by the part that was being checked. Each part is checked in many calls, so
+equal lines are counted in place of being repeated."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from rich.text import Text
+
+from grader.engine.lab import Lab
+from grader.ground.text import printable
+
+_MOST_LINES, _LONGEST = 30, 300
+
+
+class Prints:
+    """Lines by part, each counted."""
+
+    def __init__(self) -> None:
+        self._lines: dict[str, Counter[str]] = {}
+
+    def hear(self, part: str, text: str) -> None:
+        """Take what was printed while a part was checked."""
+        lines = [printable(line, _LONGEST) for line in text.splitlines() if line.strip()]
+        self._lines.setdefault(part, Counter()).update(lines)
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._lines.clear()
+
+    def told(self, lab: Lab) -> list[Text]:
+        """What was printed, in the order in which it was first printed."""
+        lines = [Text(), Text("Printed by your code")]
+        for part, counted in self._lines.items():
+            if counted:
+                lines += [
+                    Text(),
+                    Text(f"While checking: {lab.titles.get(part, 'extensions')}", "bold"),
+                    *_first(counted),
+                ]
+        return lines if len(lines) > 2 else [Text(), Text("Your code printed nothing.")]
+
+
+def _first(counted: Counter[str]) -> list[Text]:
+    shown = [f"  {line}{f'  (×{count})' if count > 1 else ''}" for line, count in counted.items()]
+    more = len(shown) - _MOST_LINES
+    return [Text(line) for line in shown[:_MOST_LINES]] + ([Text(f"  … {more} more lines")] if more > 0 else [])

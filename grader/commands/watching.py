@@ -1,0 +1,67 @@
+"""What `imugrade check --watch` shows: what is going on, then the top of the last result, as much as the terminal holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rich.console import Console
+from rich.text import Text
+
+from grader.report.terminal import show_line
+
+Lines = Callable[[], list[Text]]
+
+
+class View:
+    """The screen of a watching check; in a pipe, one result after the other.
+
+    Parameters
+    ----------
+    name
+        What is watched.
+    command
+        What shows the whole result.
+    """
+
+    def __init__(self, console: Console, name: str, command: str) -> None:
+        self._console, self._name, self._command = console, name, command
+        self._lines: Lines = list
+        self._status, self._size = "", console.size
+
+    def tell(self, status: str) -> None:
+        """Say what is going on; what was shown stays."""
+        self._status = status
+        if self._console.is_terminal:
+            self._paint()
+        else:
+            show_line(self._heading(), self._console)
+
+    def show(self, lines: Lines, status: str) -> None:
+        """Show a result, which is set again whenever the terminal gets another size."""
+        self._lines = lines
+        self.tell(status)
+        if not self._console.is_terminal:
+            for line in lines():
+                show_line(line, self._console)
+
+    def refit(self) -> None:
+        """Set the lines again if the terminal has another size now."""
+        if self._console.size != self._size:
+            self._paint()
+
+    def _paint(self) -> None:
+        self._size = self._console.size
+        with self._console:  # written at once, or it would flicker
+            self._console.clear()
+            for line in [self._heading(), Text(), *self._top()]:
+                show_line(line, self._console)
+
+    def _heading(self) -> Text:
+        return Text.assemble((self._name, "bold"), "  ", self._status)
+
+    def _top(self) -> list[Text]:
+        lines = self._lines()
+        room = max(1, self._size.height - 3)  # heading and blank line above, the cursor's line below
+        if len(lines) <= room:
+            return lines
+        return [*lines[: room - 1], Text(f"… {len(lines) - room + 1} more lines: {self._command}", "bright_black")]

@@ -1,0 +1,237 @@
+"""Many submissions on a running Dask cluster: one at a time for each of its worker processes.
+
+A worker that is lost takes nothing with it: Dask gives its submission to another. What travels is plain data, the bytes of
+a submission there and the text of its result back; rubric and traces go once to every worker.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import pickle
+import queue
+import uuid
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from grader.course.pool import KILLED, Backlog, OpenMarker, Task, Unmarked, words
+from grader.engine.evidence import Evidence
+from grader.engine.results import Result, from_dict
+from grader.ground.errors import GraderError, RequestError
+from grader.ground.text import printable
+from grader.intake import Submission
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+    from grader.course.cluster_worker import Seat
+
+ANSWERS_WITHIN_S = 5.0
+LOOK_EVERY_S = 5.0
+PATIENCE_S = 120.0
+"""How long a cluster may be without any worker: a job that was ended is replaced in that time, or not soon."""
+_FETCHED_WITHIN_S = 60.0
+_SETTINGS = {
+    "distributed.admin.large-graph-warning-threshold": "1 GiB"
+}  # a submission with many pictures is no mistake
+
+
+def mark_all(
+    submissions: Iterator[Submission], open_marker: OpenMarker, address: str
+) -> Generator[tuple[Submission, Result | Unmarked], None, None]:
+    """Mark every submission on a cluster and yield each as it is done, in no particular order.
+
+    Parameters
+    ----------
+    submissions
+        Taken as workers are free, so that a class need not fit into memory.
+    open_marker
+        Makes a marker; called in each worker process, so it must be picklable.
+    address
+        Of the Dask scheduler, as "tcp://host:8786" or "tls://host:8786". Certificates are those of Dask's configuration.
+
+    Raises
+    ------
+    RequestError
+        If no cluster answers there, or one of its workers cannot mark this class.
+    GraderError
+        If the cluster is lost, or has no worker for `PATIENCE_S`.
+    """
+    first = next(submissions, None)
+    if first is None:  # all on record: no cluster is needed
+        return
+    with _connected(address) as client, _seats(client, open_marker, address) as run:
+        yield from _Errands(client, run, address, chain([first], submissions)).run()
+
+
+@contextmanager
+def _or_lost(address: str) -> Iterator[None]:
+    """Whatever goes wrong between us and the scheduler means that the cluster is lost."""
+    try:
+        yield
+    except Exception as problem:
+        raise _lost(address) from problem
+
+
+def _lost(address: str) -> GraderError:
+    return GraderError(
+        f"the cluster at {address} was lost; the same command goes on where this one ended, here or elsewhere"
+    )
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[Client]:
+    try:
+        import dask  # noqa: PLC0415 - an extra
+        from distributed import Client  # noqa: PLC0415
+    except ImportError:
+        raise RequestError("--cluster needs Dask; install it with: pip install 'imugrade[cluster]'") from None
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is told here, in one line
+    try:
+        asyncio.run(_find_scheduler(address))
+    except _NoSchedulerError as problem:
+        raise RequestError(f"--cluster {printable(address)}: no Dask scheduler answers there ({problem})") from None
+    with dask.config.set(_SETTINGS):
+        with _or_lost(address):
+            client = Client(address, timeout=ANSWERS_WITHIN_S, set_as_default=False)
+        try:
+            yield client
+        finally:
+            with suppress(Exception):  # the scheduler may be gone; what came of the run is told, not this
+                client.close()
+
+
+class _NoSchedulerError(Exception):
+    """Why the address is not the one of a scheduler."""
+
+
+async def _find_scheduler(address: str) -> None:
+    """Ask who is there; a client would wait for ever for one that takes the connection and is silent."""
+    from distributed import Security, rpc  # noqa: PLC0415
+
+    try:
+        options = Security().get_connection_args("client")
+        async with rpc(address, connection_args=options) as other:
+            identity = await asyncio.wait_for(other.identity(), ANSWERS_WITHIN_S)
+    except asyncio.TimeoutError:  # before Python 3.11 this is no OSError
+        raise _NoSchedulerError(f"nothing came within {ANSWERS_WITHIN_S:g} s") from None
+    except (OSError, ValueError, TypeError, RuntimeError) as problem:
+        raise _NoSchedulerError(printable(str(problem), 200)) from problem
+    if identity["type"] != "Scheduler":
+        raise _NoSchedulerError(f"it is a {printable(identity['type'], 40)}")
+
+
+@contextmanager
+def _seats(client: Client, open_marker: OpenMarker, address: str) -> Iterator[str]:
+    """A seat for this run in every worker, and the name of the run; markers are closed at its end."""
+    from grader.course.cluster_worker import Seat, versions  # noqa: PLC0415
+
+    with _or_lost(address):
+        staffed = bool(client.nthreads())
+    if not staffed:
+        raise RequestError(
+            f"--cluster {printable(address)}: it has no worker; start some with: dask worker {printable(address)} --nthreads 1"
+        )
+    run = f"imugrade-{uuid.uuid4().hex}"
+    try:
+        _set_up(client, Seat(run, versions(), pickle.dumps(open_marker)), address)
+        yield run
+    finally:
+        with suppress(Exception):  # the cluster may be gone, and the seats with it
+            client.unregister_worker_plugin(run)
+
+
+def _set_up(client: Client, seat: Seat, address: str) -> None:
+    try:
+        client.register_plugin(seat)
+    except RequestError as problem:
+        raise RequestError(f"--cluster {printable(address)}: {problem}") from None
+    except Exception as problem:
+        reason = printable(words(problem), 300)
+        raise RequestError(
+            f"--cluster {printable(address)}: a worker cannot mark ({reason}); install the same imugrade[cluster] there"
+        ) from None
+
+
+class _Errands:
+    """Submissions that are out on the cluster, and those that wait.
+
+    No more are out than there are workers: when a worker dies, Dask suspects every task that it had been given.
+    """
+
+    def __init__(self, client: Client, run: str, address: str, submissions: Iterator[Submission]) -> None:
+        self._client, self._run, self._address = client, run, address
+        self._backlog = Backlog(submissions)
+        self._out: dict[Future[Any], Task] = {}
+        self._done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+        self._sent = 0
+
+    def run(self) -> Iterator[tuple[Submission, Result | Unmarked]]:
+        while self._hand_out():
+            future = self._next_done()
+            task = self._out.pop(future)
+            outcome = self._outcome(future, task)
+            if outcome is not None:
+                yield task.submission, outcome
+
+    def _hand_out(self) -> bool:
+        """Give every idle worker something to do; False when nothing is left to wait for."""
+        at_once = max(1, self._workers())
+        while len(self._out) < at_once and (task := self._backlog.next()) is not None:
+            self._send(task)
+        return bool(self._out)
+
+    def _send(self, task: Task) -> None:
+        from grader.course.cluster_worker import mark  # noqa: PLC0415
+
+        self._sent += 1
+        plain = {**vars(task.submission), "files": dict(task.submission.files), "above": dict(task.submission.above)}
+        with _or_lost(self._address):
+            future = self._client.submit(mark, self._run, plain, key=f"{self._run}-{self._sent}", pure=False)
+        self._out[future] = task
+        future.add_done_callback(self._done.put)
+
+    def _next_done(self) -> Future[Any]:
+        without_s = 0.0
+        while True:
+            try:
+                return self._done.get(timeout=LOOK_EVERY_S)
+            except queue.Empty:
+                without_s = 0.0 if self._workers() else without_s + LOOK_EVERY_S
+            if without_s >= PATIENCE_S:
+                raise GraderError(
+                    f"the cluster at {self._address} has had no worker for {PATIENCE_S:g} s; "
+                    "start some, then the same command goes on where this one ended"
+                )
+
+    def _workers(self) -> int:
+        with _or_lost(self._address):
+            return len(self._client.nthreads())
+
+    def _outcome(self, future: Future[Any], task: Task) -> Result | Unmarked | None:
+        """What came of a task; None if it is to be tried again."""
+        from distributed import KilledWorker  # noqa: PLC0415
+
+        if future.cancelled():
+            raise _lost(self._address)
+        try:
+            answer = future.result(timeout=_FETCHED_WITHIN_S)
+        except (RequestError, GraderError):
+            raise
+        except KilledWorker:
+            return Unmarked(KILLED)  # Dask has tried it on several
+        except Exception as problem:
+            return self._backlog.failed(task, words(problem))
+        if "trouble" in answer:
+            return self._backlog.failed(task, answer["trouble"])
+        return _result(answer)
+
+
+def _result(answer: Mapping[str, Any]) -> Result:
+    evidence = Evidence(answer["charts"], tuple(answer["fingerprint"]))
+    return replace(from_dict(json.loads(answer["record"])), evidence=evidence)

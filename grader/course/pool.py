@@ -1,0 +1,336 @@
+"""Many submissions: one warm marker a core, each in a process of its own.
+
+A marker that dies takes nothing with it but the submission that it was marking, which is given to a fresh one; a
+submission that two markers could not mark is handed back unmarked with the reason, never lost and never a zero. A marker
+that takes more time or memory than any sound work is ended; a submission on which two of them were is handed back as stopped.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+from grader.engine.results import Result
+from grader.ground.errors import RequestError
+
+if TYPE_CHECKING:
+    from grader.intake import Submission
+
+ATTEMPTS = 2
+_LOOK_EVERY_S = 0.5
+KILLED = "the marking process was killed"
+
+
+class Marking(Protocol):
+    """What is needed of a marker."""
+
+    def mark(self, submission: Submission) -> Result: ...
+
+
+OpenMarker = Callable[[], AbstractContextManager[Marking]]
+
+
+@dataclass(frozen=True)
+class Unmarked:
+    """Why a submission could not be marked: a fault of the grader."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """Why the marking of a submission was ended: what it makes a marker do takes more than a class can wait for."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a marker may take for one submission: many times what sound work takes, on a machine that is busy."""
+
+    wall_s: float = 600.0
+    memory_bytes: int = 3 << 30
+
+
+_BOUNDS = Bounds()
+Outcome: TypeAlias = "Result | Unmarked | Stopped"
+
+
+@dataclass
+class Task:
+    """A submission that is to be marked, and why that failed so far; `stopped` where a marker had to be ended."""
+
+    submission: Submission
+    reasons: list[str] = field(default_factory=list)
+    stopped: str = ""
+
+
+class Backlog:
+    """What is still to be marked: first what failed once, then the submissions, taken one at a time."""
+
+    def __init__(self, submissions: Iterator[Submission]) -> None:
+        self._submissions = submissions
+        self._again: deque[Task] = deque()
+
+    def next(self) -> Task | None:
+        """The next task; None when there is none at present."""
+        if self._again:
+            return self._again.popleft()
+        submission = next(self._submissions, None)
+        return None if submission is None else Task(submission)
+
+    def failed(self, task: Task, reason: str) -> Unmarked | None:
+        """Take a task back, which has failed; the end of it if that was once too often."""
+        task.reasons.append(reason)
+        if len(task.reasons) < ATTEMPTS:
+            self._again.append(task)
+            return None
+        return Unmarked(reason)
+
+
+def mark_all(
+    submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds = _BOUNDS
+) -> Generator[tuple[Submission, Outcome], None, None]:
+    """Mark every submission and yield each as it is done, in no particular order.
+
+    Parameters
+    ----------
+    submissions
+        Taken one at a time, so that a class need not fit into memory.
+    open_marker
+        Makes a marker; called in each worker process, so it must be picklable.
+    jobs
+        How many worker processes there are at most; started as there is work for them.
+    bounds
+        Where a marker is ended that does not answer.
+
+    Raises
+    ------
+    GraderError, RequestError
+        If a marker cannot be opened at all.
+    """
+    pool = _Pool(submissions, open_marker, jobs, bounds)
+    try:
+        yield from pool.run()
+        pool.close()
+    except BaseException:
+        pool.abandon()
+        raise
+
+
+class _Pool:
+    """Desks at work, and those that wait for work."""
+
+    def __init__(self, submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds) -> None:
+        self._bounds = bounds
+        self._strangers = set(multiprocessing.active_children())
+        self._desks: list[_Desk] = []
+        self._backlog = Backlog(submissions)
+        self._open_marker = open_marker
+        self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that was not needed so far
+        self._busy: dict[Future[Result], tuple[_Desk, Task]] = {}
+
+    def run(self) -> Iterator[tuple[Submission, Outcome]]:
+        while self._hand_out():
+            done, waiting = wait(self._busy, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
+            for future in waiting:
+                self._busy[future][0].stop_beyond(self._bounds)
+            for future in done:
+                desk, task = self._busy.pop(future)
+                outcome = self._outcome(future, desk, task)
+                if outcome is not None:
+                    yield task.submission, outcome
+
+    def close(self) -> None:
+        for desk in self._idle:
+            if desk is not None:
+                desk.close()
+
+    def abandon(self) -> None:
+        """End every process at once: what they are doing may take minutes."""
+        for worker in set(multiprocessing.active_children()) - self._strangers:
+            worker.kill()
+        for desk in self._desks:
+            desk.dismiss(wait=True)
+
+    def _hand_out(self) -> bool:
+        """Give every idle desk something to do; False when nothing is left to wait for."""
+        while self._idle and (task := self._backlog.next()) is not None:
+            desk = self._idle.popleft() or self._new_desk()
+            self._busy[desk.mark(task.submission)] = (desk, task)
+        return bool(self._busy)
+
+    def _new_desk(self) -> _Desk:
+        self._desks = [desk for desk in self._desks if not desk.dismissed] + [_Desk(self._open_marker)]
+        return self._desks[-1]
+
+    def _outcome(self, future: Future[Result], desk: _Desk, task: Task) -> Outcome | None:
+        """What came of a task; None if it is to be tried again."""
+        problem = future.exception()
+        if problem is None:
+            self._idle.appendleft(desk)
+            return future.result()
+        desk.check_opened()
+        desk.dismiss()
+        self._idle.append(None)
+        killed = desk.stopped or KILLED
+        task.stopped = desk.stopped or task.stopped
+        unmarked = self._backlog.failed(task, killed if isinstance(problem, BrokenProcessPool) else words(problem))
+        return Stopped(task.stopped) if unmarked and task.stopped else unmarked
+
+
+def words(problem: BaseException) -> str:
+    """What failed, on one line."""
+    return " ".join(f"{type(problem).__name__}: {problem}".split())
+
+
+class _Desk:
+    """One worker process with one marker. A pool of one each, so that it is known whose submission broke it."""
+
+    def __init__(self, open_marker: OpenMarker) -> None:
+        self.dismissed = False
+        self.stopped = ""
+        self._began: float | None = None
+        context = multiprocessing.get_context("spawn")
+        in_main = threading.current_thread() is threading.main_thread()
+        begin = partial(begin_process, os.getcwd(), in_main)
+        with interrupts_ignored(), started_beside_no_student():
+            self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=begin)
+            self._opened = self._executor.submit(_open, open_marker)
+
+    def mark(self, submission: Submission) -> Future[Result]:
+        self._began = None
+        try:
+            return self._executor.submit(_mark, submission)
+        except BrokenProcessPool as problem:  # it died while it was idle
+            future: Future[Result] = Future()
+            future.set_exception(problem)
+            return future
+
+    def stop_beyond(self, bounds: Bounds) -> None:
+        """End the process if what it is doing takes too much; its time counts from the first look after it was opened."""
+        if self.stopped or not self._opened.done() or self._opened.exception() is not None:
+            return
+        self._began = self._began or time.monotonic()
+        pid = self._opened.result()
+        if time.monotonic() - self._began > bounds.wall_s:
+            self.stopped = f"no end within {bounds.wall_s:g} s"
+        elif _memory_of(pid) > bounds.memory_bytes:
+            self.stopped = f"more than {bounds.memory_bytes / 2**30:g} GB of memory"
+        if self.stopped:
+            with suppress(OSError):  # it has just ended
+                os.kill(pid, getattr(signal, "SIGKILL", signal.SIGTERM))  # Windows ends a process with either
+
+    def check_opened(self) -> None:
+        """Raise what opening the marker raised: then no submission is to blame."""
+        problem = self._opened.exception()
+        if problem is not None and not isinstance(problem, BrokenProcessPool):
+            raise problem
+
+    def dismiss(self, *, wait: bool = False) -> None:
+        self.dismissed = True
+        if sys.version_info < (3, 11, 5):  # or they wait for ever for a process that is gone to read what it was sent
+            with suppress(OSError):  # the executor's own thread may be closing it just now
+                self._executor._call_queue._reader.close()  # type: ignore[attr-defined] # as later versions do: cpython#94777
+        self._executor.shutdown(wait, cancel_futures=True)
+
+    def close(self) -> None:
+        with suppress(BrokenProcessPool):  # then it is gone already, and so is everything that it had started
+            self._executor.submit(_close).result()
+        self._executor.shutdown()
+
+
+def _memory_of(pid: int) -> int:
+    """What a process holds in memory, where the system tells (Linux)."""
+    with suppress(OSError, ValueError, IndexError), open(f"/proc/{pid}/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    return 0
+
+
+@contextmanager
+def interrupts_ignored() -> Iterator[None]:
+    """A process started in here is deaf to Ctrl-C: the terminal sends it to all, and one process is to answer it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def started_beside_no_student() -> Iterator[None]:
+    """A new Python first looks for its modules in the folder that it is started in: not for a `signal.py` of a student's."""
+    before = os.getcwd()
+    os.chdir(os.path.dirname(os.__file__))
+    try:
+        yield
+    finally:
+        os.chdir(before)
+
+
+# What follows runs in the worker process.
+
+_open_marker: AbstractContextManager[Marking] | None = None
+_marker: Marking | None = None
+
+
+def begin_process(folder: str, in_main: bool) -> None:
+    """What a process of ours does first: go back to the folder that it is to work in, and see to its own end."""
+    os.chdir(folder)
+    leave_with_parent(in_main)
+
+
+def leave_with_parent(in_main: bool) -> None:
+    """From its first moment: a worker whose run was killed would wait for work for ever, with both ends of its own queue.
+
+    A thread cannot see to it while a long operation in C is going on, so the kernel is asked where it can be. What it waits for
+    is the end of the thread that started this process, so only the main one will do.
+    """
+    parent = multiprocessing.parent_process()
+
+    def wait() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    if sys.platform == "linux" and in_main:
+        from grader.sandbox.namespaces import die_with_parent  # noqa: PLC0415 - of Linux only
+
+        die_with_parent()
+        if parent is not None and os.getppid() != parent.pid:
+            os._exit(1)  # it ended before it could take this process along
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def _open(open_marker: OpenMarker) -> int:
+    """Open the marker; the process that it is in."""
+    global _open_marker, _marker  # noqa: PLW0603 - the process has one marker, made once
+    _open_marker = open_marker()
+    _marker = _open_marker.__enter__()
+    return os.getpid()
+
+
+def _mark(submission: Submission) -> Result:
+    if _marker is None:
+        raise RequestError("no marker could be opened")
+    return _marker.mark(submission)
+
+
+def _close() -> None:
+    if _open_marker is not None:
+        _open_marker.__exit__(None, None, None)

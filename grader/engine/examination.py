@@ -1,0 +1,291 @@
+"""pytest meets the rubric: how a function becomes a check, and how its end becomes a result.
+
+A check is a function that returns when all is earned and raises a finding otherwise (`findings`). Any other exception is a
+fault of the grader: the check is then not judged, and never counted as zero.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+from grader.engine import withheld
+from grader.engine.conversation import Conversation, Missing
+from grader.engine.feedback import Told, catalogue, story, told
+from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.lab import Lab
+from grader.engine.traces import Traces
+from grader.ground.errors import GraderError, NoAnswer, RequestError
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a check is: its id, the sentence that a student reads, and the step of the sheet that it belongs to."""
+
+    id: str
+    title: str
+    lab_step: int | None
+
+    @property
+    def criterion(self) -> str:
+        return self.id.split(".")[0]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """How one check ended; `told` is None where the grader failed to judge.
+
+    `ours` tells whether it failed for a reason that no answer can have: the box or the request.
+    """
+
+    check: Check
+    told: Told | None
+    trouble: str
+    duration_s: float
+    ours: bool = False
+
+
+Need = Callable[[Any, Any], None]
+"""What a check needs of the student and the truth before it can ask anything: it raises `Skipped` with the reason."""
+
+
+def check(
+    check_id: str, *, lab_step: int | None = None, needs: Need | None = None
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Make a function the check `check_id`; its docstring is the sentence that the student reads.
+
+    Parameters
+    ----------
+    needs : the thing itself, where the check asks for its form: points for form alone are for nobody
+    """
+
+    def mark(function: Callable[..., None]) -> Callable[..., None]:
+        assert function.__doc__, f"{check_id} has no sentence"
+        title = " ".join(function.__doc__.strip().split("\n\n")[0].split()).rstrip(".")
+
+        @functools.wraps(function)
+        def asked(student: Any, truth: Any) -> None:
+            if needs is not None:
+                needs(student, truth)
+            function(student, truth)
+
+        asked.check = Check(check_id, title, lab_step)  # type: ignore[attr-defined]
+        return asked
+
+    return mark
+
+
+class Examination:
+    """One submission under examination: which checks it gets, and how each of them ended."""
+
+    def __init__(self, lab: Lab, student: Conversation, truth: Traces, only: str | None) -> None:
+        self.student, self.truth, self._only = student, truth, only
+        self._lab, self._mistakes = lab, catalogue(lab)
+        self._attempted = {bonus.id for bonus in lab.bonuses if bonus.attempted_in(student.files)}
+        self._stories: dict[str, str] = {}
+        self._lost: set[str] = set()
+        self._alone = False
+        self.judgements: dict[str, Judgement] = {}
+
+    def wants(self, this: Check) -> bool:
+        """Whether the check is asked for; nothing is asked about an extension that was not attempted."""
+        asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
+        return asked_about and self._only in (None, this.criterion)
+
+    def begin(self, this: Check) -> None:
+        """Put stand-ins in the place of parts whose own checks are over and lost."""
+        self.student.turn_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
+        if self._alone:
+            return
+        turn = _turn(self._lab, this.criterion)
+        before = [part for part in self._lab.parts if part.needed and _turn(self._lab, part.id) < turn]
+        self.student.replace_broken([name for part in before if part.id in self._lost for name in part.names])
+
+    def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
+        """Write down how a check ended; one that was interrupted is as if it had not begun."""
+        if isinstance(ended, KeyboardInterrupt):
+            return
+        verdict, trouble = None, ""
+        if ended is None:
+            verdict = Told("passed", 1.0, "")
+        elif isinstance(ended, Lost | Skipped | Raised | Missing | NoAnswer):
+            same = story(ended, this.criterion)
+            verdict = self._told(ended, self._stories.get(same) if same else None)
+            if same:
+                self._stories.setdefault(same, this.title)
+        else:
+            trouble = f"{type(ended).__name__}: {ended}"
+        if verdict is None or verdict.keeps < 1.0:
+            self._lost.add(this.criterion)
+        ours = isinstance(ended, GraderError | RequestError)
+        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
+
+    def _told(self, finding: BaseException, earlier: str | None) -> Told:
+        """What was missing was found out before any data was shown, and is told as it is."""
+        hidden = self.truth.name != "public" and earlier is None
+        if hidden and isinstance(finding, Lost | Skipped | Raised | NoAnswer):
+            return withheld.told(finding, self._mistakes)
+        return told(finding, earlier, self._mistakes)
+
+    def lost_beside_standins(self, criterion: str) -> bool:
+        """Whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
+        part = self._lab.part(criterion)
+        needed = part is not None and part.needed and criterion in self._lab.examined
+        return bool(needed and self.student.broken) and criterion in self._lost
+
+    @contextmanager
+    def alone(self, criterion: str) -> Iterator[None]:
+        """Examine a part once more, beside the submission's own; that counts if a check ends better and none worse."""
+        beside = {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
+        stories, titles = self._stories, {each.check.title for each in beside.values()}
+        self._stories = {same: title for same, title in stories.items() if title not in titles}
+        self._lost.discard(criterion)
+        with self.student.without_standins() as answers:
+            self._alone = True
+            try:
+                yield
+            finally:
+                self._alone = False
+        gains = [_kept(self.judgements[id_]) - _kept(each) for id_, each in beside.items()]
+        if min(gains) >= 0 < max(gains):
+            self.student.remember(answers)
+        else:
+            self.judgements |= beside
+            self._stories = stories
+            self._lost.add(criterion)
+
+
+def _kept(judgement: Judgement) -> float:
+    return -1.0 if judgement.told is None else judgement.told.keeps
+
+
+def _turn(lab: Lab, criterion: str) -> int:
+    return lab.examined.index(criterion) if criterion in lab.examined else len(lab.examined)
+
+
+def _check(item: pytest.Item) -> Check:
+    return item.function.check  # type: ignore[attr-defined,no-any-return]
+
+
+def _run(items: list[pytest.Item]) -> None:
+    for item, following in itertools.zip_longest(items, items[1:]):
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+
+
+class Session:
+    """The pytest plugin: one session over the checks, collected once, whose items every submission runs through.
+
+    As pytest-xdist does, items are run by calling `pytest_runtest_protocol`; fixtures are made anew each time.
+    """
+
+    def __init__(self, lab: Lab) -> None:
+        self._lab = lab
+        self._items: list[pytest.Item] = []
+        self._examination: Examination | None = None
+
+    @property
+    def checks(self) -> dict[str, Check]:
+        """Every check that there is, by id."""
+        return {_check(item).id: _check(item) for item in self._items}
+
+    def run(self, examination: Examination) -> None:
+        """Run the checks that a submission gets, part by part in the lab's order."""
+        self._examination = examination
+        wanted = [item for item in self._items if examination.wants(_check(item))]
+        for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
+            own = list(items)
+            _run(own)
+            if examination.lost_beside_standins(criterion):
+                with examination.alone(criterion):
+                    _run(own)
+
+    @property
+    def _now(self) -> Examination:
+        assert self._examination is not None, "checks run for a submission only"
+        return self._examination
+
+    @pytest.fixture
+    def student(self) -> Conversation:
+        """The submission under examination."""
+        return self._now.student
+
+    @pytest.fixture
+    def truth(self) -> Traces:
+        """The ground truth."""
+        return self._now.truth
+
+    def pytest_collection_finish(self, session: pytest.Session) -> None:
+        self._items = sorted(session.items, key=lambda item: _turn(self._lab, _check(item).criterion))
+
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        self._now.begin(_check(item))
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Iterator[None]:
+        started = time.perf_counter()
+        ended: BaseException | None = None
+        try:
+            with np.errstate(all="ignore"), warnings.catch_warnings():
+                # a student's numbers may overflow in a check; that is no news to anyone
+                warnings.simplefilter("ignore")
+                yield
+        except BaseException as error:
+            ended = error
+            raise
+        finally:
+            self._now.end(_check(item), ended, time.perf_counter() - started)
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
+        """Only whether it failed: pytest's own report quotes source for every frame, half a second for each lost check."""
+        failed = call.excinfo is not None
+        told = repr(call.excinfo.value)[:300] if call.excinfo is not None else None
+        outcome: Literal["passed", "failed"] = "failed" if failed else "passed"
+        return pytest.TestReport(item.nodeid, item.location, {}, outcome, told, call.when)  # type: ignore[arg-type] # never "collect"
+
+
+@functools.cache
+def session(lab: Lab) -> Session:
+    """The process's one quiet pytest session over a lab's checks, free of whatever configuration or plugins the machine has.
+
+    Raises
+    ------
+    GraderError
+        If pytest cannot collect the checks.
+    """
+    collected, folder = Session(lab), lab.folder / "checks"
+    switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
+                    "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
+                    "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip
+    options = [
+        "-c",
+        str(folder / "pytest.ini"),
+        "--rootdir",
+        str(folder),
+        "--noconftest",
+        "--assert=plain",
+        "--collect-only",
+    ]
+    options += [word for name in switched_off for word in ("-p", f"no:{name}")]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # one that shuffles tests is common
+        code = int(pytest.main([*options, str(folder)], plugins=[collected]))
+    if code == pytest.ExitCode.INTERRUPTED:
+        raise KeyboardInterrupt  # pytest has swallowed it
+    if code != 0:
+        raise GraderError(f"the pytest session over the checks ended with code {code}")
+    return collected
+
+
+def known_checks(lab: Lab) -> dict[str, Check]:
+    """Every check of a lab that exists as a pytest check, by id."""
+    return session(lab).checks

@@ -1,0 +1,114 @@
+"""What a check says: nothing when all is earned, otherwise a finding with numbers in it. Words are made in `feedback`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from grader.ground.text import printable
+
+
+@dataclass(frozen=True)
+class Fault:
+    """An exception of the student's: what, and where in their own file."""
+
+    type: str
+    message: str
+    file: str | None
+    line: int | None
+    text: str | None
+    name: str | None = None
+    path: str | None = None
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any] | None) -> Fault | None:
+        if not facts:
+            return None
+        return cls(**{key: facts.get(key) for key in cls.__dataclass_fields__})  # type: ignore[arg-type]
+
+    @property
+    def where(self) -> str:
+        """``imu_reader.py, line 12``, as it can be shown; empty where no line of the student's was running."""
+        if not self.file:
+            return ""
+        file = printable(self.file.replace(":cell ", ", cell "), 120)
+        return f"{file}, line {self.line}" if self.line else file
+
+    @property
+    def lines(self) -> list[str]:
+        """The line itself, as it can be shown; below one that is no Python, a caret."""
+        return [printable(line, 160) for line in (self.text or "").split("\n")[:2] if line.strip()]
+
+
+@dataclass(frozen=True)
+class Size:
+    """What is wrong and by how much, for where the data itself is hidden.
+
+    Attributes
+    ----------
+    what : a sentence's beginning that stands in our code: never text or a name of the student's
+    value, unit : how large the error is; only its power of ten is told, as code could put more into a number
+    """
+
+    what: str
+    value: float | None = None
+    unit: str = ""
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return self.what
+        if not math.isfinite(self.value) or not 1e-12 < abs(self.value) < 1e12:
+            return f"{self.what}, beyond all measure"
+        power = math.floor(math.log10(abs(self.value)))
+        return f"{self.what} by {_power(power)} to {_power(power + 1)} {self.unit}".rstrip()
+
+
+def _power(exponent: int) -> str:
+    return f"{10.0**exponent:g}"
+
+
+class Lost(AssertionError):  # noqa: N818 - an outcome
+    """Points are lost, all of them or a part.
+
+    Parameters
+    ----------
+    expected, got : what was expected and what came: number, unit and place
+    mistakes : ids of the mistakes that the measurement shows; empty where it shows none
+    keeps : share of the points that is earned all the same, 0 to 1
+    hint : words for `Try` where the measurement says more than the names of the mistakes, or names none
+    off : the size of the error, which is said in place of the data where the scenario is hidden
+    """
+
+    def __init__(
+        self,
+        expected: str,
+        got: str,
+        *,
+        mistakes: Sequence[str] = (),
+        keeps: float = 0.0,
+        hint: str = "",
+        off: Size | None = None,
+    ) -> None:
+        super().__init__(f"expected {expected}; got {got}")
+        self.expected, self.got, self.off = expected, got, off
+        self.mistakes, self.keeps, self.hint = tuple(mistakes), keeps, hint
+
+
+class Skipped(Exception):  # noqa: N818 - an outcome
+    """Cannot be judged because something that it needs is missing; `reason` completes "Needs …"."""
+
+
+class Raised(Exception):  # noqa: N818 - an outcome
+    """The student's code raised on valid input."""
+
+    def __init__(self, fault: Fault, doing: str) -> None:
+        super().__init__(f"{fault.type}: {fault.message}")
+        self.fault, self.doing = fault, doing
+
+
+def raised(fault: Fault | None, doing: str) -> None:
+    """Stop the check if the student's code raised while `doing` (``reading the sensors``)."""
+    if fault is not None:
+        raise Raised(fault, doing)

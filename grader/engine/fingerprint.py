@@ -1,0 +1,86 @@
+"""The fingerprint of a submission's code: hashes that stay the same where names, layout and comments were changed.
+
+References
+----------
+Schleimer, S., Wilkerson, D. S., Aiken, A. (2003). Winnowing: local algorithms for document fingerprinting. SIGMOD, 76-85.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import keyword
+import re
+import zlib
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from grader.engine.lab import Lab
+
+GRAM, WINDOW = 20, 12
+"""Tokens. A run of GRAM + WINDOW - 1 = 31 equal tokens, some three lines, leaves a common hash; one of fewer than 20 none."""
+_MOST_BYTES = 400_000
+_TOKEN = re.compile(
+    r"#[^\n]*|[rRbBfFuU]{0,2}(?:\"\"\".*?(?:\"\"\"|\Z)|'''.*?(?:'''|\Z)|\"(?:\\.|[^\"\\\n])*\"?|'(?:\\.|[^'\\\n])*'?)"
+    r"|\.?\w+|[^\w\s]",
+    re.DOTALL,
+)
+"""A string that does not end is one, too: if it were none, each quotation mark in it would be tried as the start of another."""
+
+
+def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
+    """Hashes of all Python files and notebook cells, sorted, each once.
+
+    Parameters
+    ----------
+    files : relative path -> content
+    """
+    found: set[int] = set()
+    for source in _sources(files):
+        found |= _winnowed(source)
+    return tuple(sorted(found))
+
+
+@functools.cache
+def of_the_sheet(lab: Lab) -> frozenset[int]:
+    """The fingerprint of the sheet's own code, which anyone may hand in."""
+    text = (lab.folder / "sheet.txt").read_bytes()
+    return frozenset(fingerprint({"sheet.py": text}))
+
+
+def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
+    left = _MOST_BYTES
+    for path in sorted(files):
+        content = files[path]
+        if path.endswith((".py", ".ipynb")) and len(content) <= left:
+            left -= len(content)
+            text = content.decode("utf-8", "replace")
+            yield _cells(text) if path.endswith(".ipynb") else text
+
+
+def _cells(text: str) -> str:
+    try:
+        cells = [cell["source"] for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+        return "\n".join("".join(source) for source in cells)
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return ""  # not a notebook
+
+
+def _winnowed(source: str) -> set[int]:
+    """The smallest hash of every window of WINDOW neighbouring grams of GRAM tokens."""
+    tokens = [_normal(token) for token in _TOKEN.findall(source) if not token.startswith("#")]
+    if len(tokens) < GRAM:
+        return set()
+    codes = np.array([zlib.crc32(token.encode("utf-8", "replace")) for token in tokens], dtype=np.uint64)
+    powers = np.array([pow(6364136223846793005, k, 2**64) for k in range(GRAM)], dtype=np.uint64)
+    hashes = np.lib.stride_tricks.sliding_window_view(codes, GRAM) @ powers >> np.uint64(32)
+    width = min(WINDOW, len(hashes))
+    return set(np.lib.stride_tricks.sliding_window_view(hashes, width).min(axis=1).tolist())
+
+
+def _normal(token: str) -> str:
+    """Names are alike and strings are alike; attributes, numbers, keywords and operators count."""
+    if '"' in token or "'" in token:
+        return "'"
+    return "n" if token.isidentifier() and not keyword.iskeyword(token) else token

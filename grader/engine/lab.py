@@ -1,0 +1,150 @@
+"""What a lab is to an engine that knows none: its parts, names and files, and the few functions that only a lab can give.
+
+Everything that lists parts, names, files or pictures derives it from one `Lab`; a rubric holds the lab that it is for.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from grader.engine.conversation import Conversation
+    from grader.engine.evidence import Chart
+    from grader.engine.traces import Traces
+    from grader.sandbox.wire import Frame
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is graded as one: a criterion, or a bonus.
+
+    Attributes
+    ----------
+    id, title
+        As the rubric and every page call it.
+    names
+        What a submission must define for it; a finding points to the first where it has no line of its own.
+    home
+        The file that the lab expects the names in.
+    needed
+        Whether other parts build on its names: it is then examined before those that nothing builds on, and sound stand-ins
+        take the place of its names once its own checks are over and lost.
+    pictures
+        The pictures that are handed in for it.
+    """
+
+    id: str
+    title: str
+    names: tuple[str, ...]
+    home: str
+    needed: bool = True
+    pictures: tuple[str, ...] = ()
+
+    def attempted_in(self, files: Mapping[str, bytes]) -> bool:
+        """Whether a submission hands in its file, or defines one of its names elsewhere, as far as its text tells; nothing runs."""
+        names = "|".join(self.names)
+        pattern = rf"\b(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
+        defines = re.compile(pattern.encode())
+        return self.home in files or any(
+            defines.search(content) for path, content in files.items() if path.endswith((".py", ".ipynb"))
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Lab:
+    """One lab, as one value.
+
+    Attributes
+    ----------
+    module
+        The module that holds this value as `LAB`: how another process finds it.
+    id, label, title
+        ``imu``, ``Lab 04-01``, ``Reading IMU data in MuJoCo``.
+    parts, bonuses
+        What earns points, in the sheet's order, and what advanced students may add.
+    model
+        The file that the sheet loads, if it loads one, by the path that it names.
+    points_to
+        Checks whose findings point to another name than the first of their part.
+    libraries
+        What some submissions import and what takes longer to import than the rest of their work: a class shares it.
+    recorder
+        The program that records ground truth, as ``python -m`` names it; it may be missing where only public truth is used.
+    same_for_all
+        Scenarios in which no secret changes a number.
+    student, charts, checked
+        Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
+    """
+
+    module: str
+    id: str
+    label: str
+    title: str
+    parts: tuple[Part, ...]
+    bonuses: tuple[Part, ...]
+    student: Callable[..., Conversation]
+    charts: Callable[[Any, Traces], tuple[Chart, ...]]
+    checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
+    model: str = ""
+    points_to: Mapping[str, str] = field(default_factory=dict)
+    libraries: tuple[str, ...] = ()
+    recorder: str = ""
+    same_for_all: frozenset[str] = frozenset()
+
+    def __reduce__(self) -> tuple[Callable[[str], Lab], tuple[str]]:
+        """It travels by its name: another process, on another machine perhaps, has it in another folder."""
+        return lab_of, (self.module,)
+
+    @cached_property
+    def folder(self) -> Path:
+        """Where its checks, mistakes, stand-ins and starter files lie."""
+        return Path(str(importlib.import_module(self.module).__file__)).parent
+
+    @cached_property
+    def homes(self) -> Mapping[str, str]:
+        """Every name that the lab asks for, with the file that it is expected in."""
+        return {name: part.home for part in (*self.parts, *self.bonuses) for name in part.names}
+
+    @cached_property
+    def files(self) -> tuple[str, ...]:
+        """The files that are asked for, in the sheet's order."""
+        return tuple(dict.fromkeys(part.home for part in self.parts))
+
+    @cached_property
+    def pictures(self) -> tuple[str, ...]:
+        return tuple(picture for part in self.parts for picture in part.pictures)
+
+    @cached_property
+    def examined(self) -> tuple[str, ...]:
+        """The parts in the order in which they are examined; bonuses come after them."""
+        return tuple(part.id for part in sorted(self.parts, key=lambda part: not part.needed))
+
+    @cached_property
+    def titles(self) -> Mapping[str, str]:
+        return {part.id: part.title for part in (*self.parts, *self.bonuses)}
+
+    def part(self, id_: str) -> Part | None:
+        """The part or bonus with this id, if there is one."""
+        return next((part for part in (*self.parts, *self.bonuses) if part.id == id_), None)
+
+    def name_of(self, check_id: str) -> str:
+        """The name that the lab asks for and that this check is about."""
+        part = self.part(check_id.partition(".")[0])
+        return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
+
+    def standin(self, name: str, furniture: Mapping[str, Any]) -> str:
+        """The text of the sound stand-in for a name, where the box is furnished so."""
+        text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
+        return text.replace("IMU_SENSORS", repr(tuple(furniture.get("imu", ()))))
+
+
+def lab_of(module: str) -> Lab:
+    """The lab that a module holds."""
+    lab: Lab = importlib.import_module(module).LAB
+    return lab

@@ -1,0 +1,39 @@
+"""The box that a lab's questions are asked in: a sandbox with the harness, and the libraries that all submissions share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from grader.engine.lab import Lab
+from grader.sandbox.box import Box
+from grader.sandbox.plan import Contents
+
+HARNESS = Path(__file__).parent.parent / "harness"
+
+
+def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
+    """Those of a lab's libraries that the code of one submission can mean: it holds the first and the last part of the name."""
+    code = b"\n".join(content for path, content in files.items() if path.endswith((".py", ".ipynb")))
+    return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
+
+
+def open_box(
+    lab: Lab, rung: str | None = None, *, libraries: Sequence[str] | None = None, thorough: bool = True
+) -> Box:
+    """A box for many submissions, which warms up while the caller goes on.
+
+    Parameters
+    ----------
+    rung : the best that this machine allows if None
+    libraries : imported once for all submissions, the lab's if None; any other is imported by the submission that wants it, with
+        the same marks
+    thorough : also use each part once beforehand, so that no submission pays for a first time
+    """
+    warm = lab.libraries if libraries is None else tuple(libraries)
+    return Box(Contents(HARNESS, lab.folder / "box", warm=warm, thorough=thorough), rung=rung)
+
+
+def open_box_for(lab: Lab, files: Mapping[str, bytes], rung: str | None = None) -> Box:
+    """A box for one submission, ready sooner: nothing is done beforehand that it can do without."""
+    return open_box(lab, rung, libraries=libraries_of(lab, files), thorough=False)

@@ -1,0 +1,259 @@
+"""One submission: a conversation with the box and a pytest session make a `Result`."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cache, cached_property
+from importlib.metadata import version
+from types import TracebackType
+from typing import Any
+
+from grader import __version__
+from grader.engine.conversation import SEED, Conversation, Listener
+from grader.engine.evidence import Evidence, packed
+from grader.engine.examination import Check, Examination, Judgement, known_checks, session
+from grader.engine.feedback import NOT_UNDERSTOOD
+from grader.engine.fingerprint import fingerprint
+from grader.engine.lab_box import open_box
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
+from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
+from grader.engine.traces import Traces, match_robot
+from grader.ground.text import printable
+from grader.intake import Submission
+from grader.sandbox.box import Box
+
+
+class Stopped(KeyboardInterrupt):
+    """An interrupt in the midst of a submission, with what was judged until then; the points of the rest are open."""
+
+    def __init__(self, result: Result) -> None:
+        super().__init__()
+        self.result = result
+
+
+class Marker:
+    """A warm marker: one zygote, the rubric and the truth. One per process.
+
+    Parameters
+    ----------
+    rubric, traces : what is asked, and what is true
+    rung : of the box; the best that this machine allows if None
+    box : one that was opened before, and is closed with the marker
+
+    Raises
+    ------
+    RubricError
+        Where rubric and checks do not match, or the traces are of another robot than the rubric names.
+    GraderError
+        Where no box can be opened.
+    """
+
+    def __init__(self, rubric: Rubric, traces: Traces, *, rung: str | None = None, box: Box | None = None) -> None:
+        self._lab, self._rubric, self._traces = rubric.lab, rubric, traces
+        match_robot(rubric.model, traces)
+        self._box = box or open_box(rubric.lab, rung)  # it warms up while the checks are collected
+        try:
+            self._checks: Mapping[str, Check] = known_checks(rubric.lab)
+            match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})
+        except BaseException:
+            self._box.close()
+            raise
+
+    @property
+    def isolation(self) -> str:
+        return self._box.rung
+
+    def __enter__(self) -> Marker:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._box.close()
+
+    def mark(
+        self,
+        submission: Submission,
+        *,
+        only: str | None = None,
+        waiting: Callable[[str], None] | None = None,
+        listen: Listener | None = None,
+    ) -> Result:
+        """Grade one submission; never raises for what a student did.
+
+        Parameters
+        ----------
+        only : the one criterion or extension to examine
+        waiting : is told what is waited for, where it takes long
+        listen : hears what the student's code prints, on public scenarios alone: hidden data could be printed
+
+        Raises
+        ------
+        Stopped
+            When it is interrupted; it tells what was judged until then.
+        """
+        started = time.perf_counter()
+        if submission.status != "ready":
+            return self._result(submission, submission.status, {}, [], started, only)
+        student = self._student(submission.files, submission.above, waiting)
+        student.listen = listen if self._traces.name == "public" else None
+        examination = Examination(self._lab, student, self._traces, only)
+        try:
+            self._run(examination)
+        except KeyboardInterrupt:
+            session.cache_clear()  # pytest goes on with no session that was interrupted: the next one is collected anew
+            so_far = self._result(submission, "graded", examination.judgements, student.notes, started, only)
+            raise Stopped(_as_far_as_it_came(so_far)) from None
+        judgements = self._understood(examination.judgements, student)
+        result = self._result(submission, "graded", judgements, student.notes, started, only)
+        return replace(result, evidence=self._evidence(student))
+
+    def _student(
+        self, files: Mapping[str, bytes], above: Mapping[str, int], waiting: Callable[[str], None] | None = None
+    ) -> Conversation:
+        return self._lab.student(
+            self._box,
+            self._lab,
+            files,
+            truth=self._traces,
+            above=above,
+            call_cpu_s=self._rubric.limits.call_cpu_s,
+            submission_cpu_s=self._rubric.limits.submission_cpu_s,
+            waiting=waiting,
+        )
+
+    def _run(self, examination: Examination) -> None:
+        try:
+            session(self._lab).run(examination)
+        finally:
+            examination.student.close()
+
+    def _understood(self, judgements: Mapping[str, Judgement], student: Conversation) -> Mapping[str, Judgement]:
+        """Where judging stumbled, ask whether it stumbles over sound code, too: if not, that check alone is lost, and told."""
+        odd = {id_: each for id_, each in judgements.items() if each.told is None and not each.ours}
+        bonuses = {bonus.id for bonus in self._lab.bonuses}
+        lost = {}
+        for id_, each in odd.items():
+            control = self._control.get(id_)
+            if each.check.criterion in bonuses or (control is not None and control.told is not None):
+                student.note(f"{id_}: its answer could not be understood; please look at it")
+                lost[id_] = replace(each, told=NOT_UNDERSTOOD)
+        return {**judgements, **lost}
+
+    @cached_property
+    def _control(self) -> Mapping[str, Judgement]:
+        """How the checks end for the sheet's own code."""
+        sheet = {self._lab.files[0]: (self._lab.folder / "sheet.txt").read_bytes()}
+        examination = Examination(self._lab, self._student(sheet, {}), self._traces, None)
+        self._run(examination)
+        return examination.judgements
+
+    def _evidence(self, student: Conversation) -> Evidence:
+        """It decides nothing: where it cannot be gathered, the marks stand without it."""
+        try:
+            return Evidence(packed(self._lab.charts(student, self._traces)), fingerprint(student.files))
+        except Exception:  # numbers of a student's that nobody has thought of
+            return Evidence()
+
+    def _result(
+        self, submission: Submission, status: Status, judgements: Mapping[str, Judgement], notes: list[str], started: float,
+        only: str | None,
+    ) -> Result:  # fmt: skip
+        criteria = tuple(self._criterion(c, judgements, status) for c in self._rubric.criteria if only in (None, c.id))
+        extensions = tuple(
+            self._extension(e, submission, judgements, status) for e in self._rubric.extensions if only in (None, e.id)
+        )
+        parts: tuple[CriterionResult | ExtensionResult, ...] = (*criteria, *extensions)
+        unjudged = any(check.outcome == "not_judged" for part in parts for check in part.checks)
+        return Result(
+            submission=submission.name,
+            status="incomplete" if unjudged else status,
+            criteria=criteria,
+            extensions=extensions,
+            extra_credit_cap=self._rubric.extra_credit_cap,
+            lab=LabName(self._lab.label, self._lab.title),
+            notes=(*submission.notes, *notes),
+            provenance=self._provenance(submission),
+            duration_s=round(time.perf_counter() - started, 4),
+        )
+
+    def _criterion(self, criterion: Criterion, judgements: Mapping[str, Judgement], status: Status) -> CriterionResult:
+        rows = tuple(self._row(weight, judgements.get(weight.id), status) for weight in criterion.checks)
+        return CriterionResult(criterion.id, criterion.title, criterion.points, rows)
+
+    def _extension(
+        self, extension: Extension, submission: Submission, judgements: Mapping[str, Judgement], status: Status
+    ) -> ExtensionResult:
+        """An extension that was not attempted has no rows: nothing was asked about it."""
+        bonus = self._lab.part(extension.id)
+        attempted = status not in _NOTHING and bonus is not None and bonus.attempted_in(submission.files)
+        weights = extension.checks if attempted else ()
+        rows = tuple(self._row(weight, judgements.get(weight.id), status) for weight in weights)
+        return ExtensionResult(extension.id, attempted, extension.points, rows)
+
+    def _row(self, weight: CheckWeight, judgement: Judgement | None, status: Status) -> CheckResult:
+        check = self._checks[weight.id]
+        head: dict[str, Any] = {
+            "id": weight.id,
+            "title": check.title,
+            "max_points": weight.max_points,
+            "lab_step": check.lab_step,
+        }
+        if judgement is None and status in ("empty", "unreadable"):
+            return CheckResult(outcome="skipped", points=0.0, message=_NOTHING[status], **head)
+        if judgement is None or judgement.told is None:
+            trouble = judgement.trouble if judgement else "the check did not run"
+            message = f"Not judged, through a fault of the grader: {printable(trouble, 300)}"
+            return CheckResult(outcome="not_judged", points=None, message=message, **head)
+        told = judgement.told
+        return CheckResult(
+            outcome=told.outcome,
+            points=round(weight.max_points * told.keeps, 2),
+            message=told.message,
+            hint=told.hint,
+            misconceptions=told.mistakes,
+            duration_s=round(judgement.duration_s, 4),
+            **head,
+        )
+
+    def _provenance(self, submission: Submission) -> dict[str, Any]:
+        return {
+            "grader": __version__,
+            "rubric_sha256": self._rubric.sha256,
+            "traces_sha256": self._traces.sha256,
+            "submission_sha256": submission.sha256,
+            "python": platform.python_version(),
+            "mujoco": _version("mujoco"),
+            "numpy": _version("numpy"),
+            "isolation": self._box.rung,
+            "seed": SEED,
+        }
+
+
+def _as_far_as_it_came(result: Result) -> Result:
+    """What was not judged for being stopped is no fault of the grader."""
+
+    def reached(check: CheckResult) -> CheckResult:
+        return replace(check, message="the check was stopped before them") if check.outcome == "not_judged" else check
+
+    criteria = tuple(replace(part, checks=tuple(map(reached, part.checks))) for part in result.criteria)
+    extensions = tuple(replace(part, checks=tuple(map(reached, part.checks))) for part in result.extensions)
+    return replace(result, status="graded", criteria=criteria, extensions=extensions)
+
+
+@cache
+def _version(package: str) -> str:
+    """Of what the workers import; this process does without mujoco, which is slow to import."""
+    return version(package)
+
+
+_NOTHING = {
+    "empty": "Nothing recognisable was handed in: no Python file and no notebook was found.",
+    "unreadable": "The archive could not be read.",
+}

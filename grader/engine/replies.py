@@ -1,0 +1,319 @@
+"""What the box may answer to a question. Whatever else comes is `Malformed`: the student's loss, never the grader's fault.
+
+The frame around an answer was checked already (`sandbox.wire`). Here its content is held against what was asked: which
+fields there are, of which kind and size, and whether the arrays that they name are there in the shape that the question
+calls for. So no check ever meets a value that the harness could not have sent, whoever sent it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from grader.ground.errors import Malformed
+from grader.sandbox.wire import Frame
+
+MAX_NUMBERS = 600_000
+"""Of one array that a student's function returned: a hundred times what the lab asks for."""
+MAX_CURVES = 240
+"""Of all figures of one answer."""
+_TEXT = 2000
+_SHORT = 200
+_NAMES = 64  # that the grader asks for
+_STATEMENTS = 40  # that are told to have been stepped over
+_DEPTH = 6
+_WHOLE = 1_000_000_000
+_COORDINATE = 1e12
+_MOST_PIXELS = 640 * 640
+
+
+class Wrong(Exception):  # noqa: N818 - it never leaves this module
+    """Where an answer is not what it should be."""
+
+
+Asked = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """An answer with the question's fields and arrays.
+
+    Each array is named once, as the harness does: what is made of the arrays of an answer is then no larger than what was sent.
+    """
+
+    frame: Frame
+    fields: Mapping[str, Any]
+    asked: Asked
+    named: set[str] = field(default_factory=set)
+
+    def array(self, name: Any, *shape: int | None) -> np.ndarray:
+        """The array of that name, of numbers, in that shape (None: any length; no shape: any)."""
+        if not isinstance(name, str) or name not in self.frame.arrays:
+            raise Wrong("an array that is not there")
+        if name in self.named:
+            raise Wrong(f"array {name!r} in two places")
+        self.named.add(name)
+        array = self.frame.arrays[name]
+        if array.dtype != np.float64 or array.size > MAX_NUMBERS:
+            raise Wrong(f"array {name!r} is of {array.dtype} and has {array.size} elements")
+        if shape and not _fits(array.shape, shape):
+            raise Wrong(f"array {name!r} has shape {array.shape}")
+        return array
+
+    def part(self, name: str, kind: Callable[[Any], Any]) -> Any:
+        """One field of the answer, which has to be there."""
+        return part_of(self.frame.fields, name, kind)
+
+    @property
+    def faulty(self) -> bool:
+        """Whether the student's code raised: then the answer may break off."""
+        return self.frame.fields.get("error") is not None
+
+
+Rule = Callable[[Answer], None]
+
+
+def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rules: Mapping[str, Rule]) -> Frame:
+    """The frame, if it is an answer to the question `op` with these fields and arrays.
+
+    Parameters
+    ----------
+    rules : of the lab's own questions, in each of which the student's code may have raised
+
+    Raises
+    ------
+    Malformed
+        If it is not.
+    """
+    answer = Answer(frame, fields, arrays)
+    try:
+        if op not in _WITHOUT_FAULT:
+            maybe(fault)(frame.fields.get("error"))
+        {**_RULES, **rules}[op](answer)
+    except Wrong as wrong:
+        raise Malformed(f"what came back is no answer to {op!r}: {wrong}") from None
+    return frame
+
+
+def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(shape) == len(wanted) and all(w in (None, n) for n, w in zip(shape, wanted, strict=True))
+
+
+# --- kinds of values -----------------------------------------------------------------------------------------------------
+
+
+def text(limit: int) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        if not isinstance(value, str) or len(value) > limit:
+            raise Wrong("no text, or too much of it")
+
+    return rule
+
+
+def whole(value: Any) -> None:
+    if type(value) is not int or abs(value) > _WHOLE:
+        raise Wrong("no whole number, or too large a one")
+
+
+def number(value: Any) -> None:
+    if type(value) not in (int, float) or not abs(value) <= _COORDINATE:
+        raise Wrong("no number, or too large a one")
+
+
+def flag(value: Any) -> None:
+    if type(value) is not bool:
+        raise Wrong("neither true nor false")
+
+
+def maybe(kind: Callable[[Any], Any]) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        if value is not None:
+            kind(value)
+
+    return rule
+
+
+def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        if not isinstance(value, list) or len(value) > most or exactly not in (None, len(value)):
+            raise Wrong("no list, or one of another length")
+        for item in value:
+            kind(item)
+
+    return rule
+
+
+def part_of(record: Any, name: str, kind: Callable[[Any], Any]) -> Any:
+    if not isinstance(record, dict) or name not in record:
+        raise Wrong(f"{name!r} is missing")
+    try:
+        kind(record[name])
+    except Wrong as wrong:
+        raise Wrong(f"{name!r}: {wrong}") from None
+    return record[name]
+
+
+def mapping(value: Any) -> None:
+    if not isinstance(value, dict):
+        raise Wrong("no object")
+
+
+def record(**kinds: Callable[[Any], Any]) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        for name, kind in kinds.items():
+            part_of(value, name, kind)
+
+    return rule
+
+
+def every(*kinds: Callable[[Any], None]) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        for kind in kinds:
+            kind(value)
+
+    return rule
+
+
+short, long = text(_SHORT), text(_TEXT)
+fault = record(type=short, message=long, file=maybe(short), line=maybe(whole), text=maybe(long), name=maybe(short))
+_stepped_over = record(
+    type=short,
+    message=long,
+    path=long,
+    number=whole,
+    at=whole,
+    how=short,
+    defines=listed(short, _NAMES),
+    within=listed(short, _NAMES),
+)
+
+
+# --- what a student's function returned ----------------------------------------------------------------------------------
+
+
+def node(answer: Answer, depth: int = 0) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        kind = part_of(value, "kind", short)
+        if depth > _DEPTH:
+            raise Wrong("nested too deep")
+        if kind in ("array", "number") or (kind == "list" and "key" in value):
+            if answer.array(value.get("key")).ndim and kind == "number":
+                raise Wrong("a number of more than one number")
+        elif kind in ("tuple", "list"):
+            part_of(value, "items", listed(node(answer, depth + 1), 64))
+        elif kind in ("dict", "object"):
+            part_of(value, "type", short)
+            part_of(value, "items", listed(_member(answer, depth + 1), 64))
+        elif kind == "other":
+            part_of(value, "type", short)
+        elif kind not in ("none", "text", "too_large"):
+            raise Wrong("a value of no known kind")
+        if "key" in value and kind not in ("array", "number", "list"):
+            raise Wrong("numbers where there are none")
+
+    return rule
+
+
+def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
+    def rule(value: Any) -> None:
+        if not isinstance(value, list) or len(value) != 2:
+            raise Wrong("a member is a name and a value")
+        short(value[0])
+        node(answer, depth)(value[1])
+
+    return rule
+
+
+# --- questions that every lab's box answers ---------------------------------------------------------------------------
+
+
+def _submit(answer: Answer) -> None:
+    answer.part("paths", listed(long, 5000))
+
+
+def _outline(answer: Answer) -> None:
+    names = answer.part("names", mapping)
+    listed(long, 5000)(list(names))
+    for defined in names.values():
+        listed(short, _NAMES)(defined)
+
+
+def _load(answer: Answer) -> None:
+    answer.part("names", listed(short, _NAMES))
+    answer.part("unreadable", maybe(fault))
+    _run_script(answer)
+
+
+def _run_script(answer: Answer) -> None:
+    answer.part("stepped_over", listed(every(fault, _stepped_over), _STATEMENTS))
+    drawings(answer)
+
+
+def _image(answer: Answer) -> None:
+    if answer.part("readable", flag):
+        answer.part("size_px", listed(whole, 2, 2))
+        answer.part("colours", whole)
+        answer.part("ink", number)
+        _pixels(answer)
+    else:
+        answer.part("reason", short)
+
+
+def _pixels(answer: Answer) -> None:
+    """A small picture of 64 colours."""
+    preview, palette = (answer.frame.arrays.get(name) for name in ("preview", "palette"))
+    if preview is None or palette is None or not preview.dtype == palette.dtype == np.uint8:
+        raise Wrong("a picture without pixels")
+    if preview.ndim != 2 or not 0 < preview.size <= _MOST_PIXELS or palette.shape != (64, 3) or preview.max() >= 64:
+        raise Wrong(f"a picture of shape {preview.shape} and {palette.shape} colours")
+
+
+# --- figures -------------------------------------------------------------------------------------------------------------
+
+_entry = record(text=short, colour=short, style=short, marker=short, stroke=short)
+_placed = record(text=short, place=listed(number, 2, 2), colour=short)
+_AXES = {
+    "visible": flag, "position": listed(number, 4, 4), "xlabel": short, "ylabel": short, "title": short,
+    "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "y_limits": listed(number, 2, 2),
+}  # fmt: skip
+_CURVE = {
+    "label": short, "colour": short, "kind": short, "visible": flag, "n": whole, "style": short, "marker": short,
+    "stroke": short,
+}  # fmt: skip
+_FIGURE = {
+    "title": short, "xlabel": short, "ylabel": short, "texts": listed(short, 64),
+    "legends": listed(listed(_entry, 64), 8),
+}  # fmt: skip
+
+
+def drawings(answer: Answer) -> None:
+    answer.part("pictures", listed(long, 300))
+    answer.part("figures", listed(_figure, 16))
+    curves = [c for figure in answer.frame.fields["figures"] for axes in figure["axes"] for c in axes["curves"]]
+    if len(curves) > MAX_CURVES:
+        raise Wrong(f"{len(curves)} curves")
+    for curve in curves:
+        points(answer, curve)
+
+
+def _figure(figure: Any) -> None:
+    record(event=short, path=maybe(long), format=short, size_px=listed(whole, 2, 2))(figure)
+    unreadable = "unreadable" in figure
+    part_of(figure, "axes", listed(record(**_AXES, curves=listed(record(**_CURVE), 64)), 0 if unreadable else 24))
+    if not unreadable:
+        record(**_FIGURE)(figure)
+
+
+def points(answer: Answer, curve: Mapping[str, Any]) -> None:
+    x, y = (answer.array(curve.get(name), None) for name in ("x", "y"))
+    if len(x) != len(y):
+        raise Wrong("a curve with more of x than of y")
+
+
+_RULES: Mapping[str, Rule] = {
+    "submit": _submit, "outline": _outline, "load": _load, "run_script": _run_script, "image": _image,
+}  # fmt: skip
+_WITHOUT_FAULT = frozenset({"submit", "outline", "load", "image"})

@@ -1,0 +1,195 @@
+"""What a graded submission is: frozen records, and `result.json` written from them and read back.
+
+Points are rounded once, to two decimals, per check; a criterion's points are the sum of its checks', the score the sum of
+the criteria's (`CONTRACT`, section 4). A check that could not be judged has no points (`None`) and makes the result
+`incomplete`.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Literal
+
+from grader.engine.evidence import Evidence
+
+SCHEMA = "imugrade/result/v1"
+
+Outcome = Literal["passed", "partial", "failed", "error", "timeout", "crashed", "skipped", "not_judged"]
+Status = Literal["graded", "incomplete", "empty", "unreadable"]
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """One row: what one check found. `points` is None when the grader could not judge."""
+
+    id: str
+    title: str
+    outcome: Outcome
+    points: float | None
+    max_points: float
+    message: str = ""
+    hint: str = ""
+    lab_step: int | None = None
+    misconceptions: tuple[str, ...] = ()
+    duration_s: float = 0.0
+
+
+def _total(points: tuple[float | None, ...]) -> float:
+    """Sum of what was judged, free of binary dust: the parts are whole hundredths."""
+    return round(sum((p for p in points if p is not None), 0.0), 2)
+
+
+@dataclass(frozen=True)
+class CriterionResult:
+    id: str
+    title: str
+    max_points: float
+    checks: tuple[CheckResult, ...]
+
+    @property
+    def points(self) -> float:
+        return _total(tuple(check.points for check in self.checks))
+
+
+@dataclass(frozen=True)
+class ExtensionResult:
+    id: str
+    attempted: bool
+    max_points: float
+    checks: tuple[CheckResult, ...] = ()
+
+    @property
+    def points(self) -> float:
+        return _total(tuple(check.points for check in self.checks))
+
+
+@dataclass(frozen=True)
+class LabName:
+    """What a lab is called: ``Lab 04-01``, ``Reading IMU data in MuJoCo``."""
+
+    label: str = ""
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Everything that is said of one submission.
+
+    `extra_credit_cap` is None where extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` beside the
+    score, which stays the sum of the criteria. `lab` is what the lab is called.
+    `evidence` is shown beside the result and is no part of its record.
+    """
+
+    submission: str
+    status: Status
+    criteria: tuple[CriterionResult, ...]
+    extensions: tuple[ExtensionResult, ...] = ()
+    notes: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    duration_s: float = 0.0
+    extra_credit_cap: float | None = None
+    lab: LabName = LabName()
+    evidence: Evidence = field(default=Evidence(), compare=False, repr=False)
+
+    @property
+    def extra_credit(self) -> float:
+        """Points of the extensions together, up to the cap."""
+        if self.extra_credit_cap is None:
+            return 0.0
+        return min(self.extra_credit_cap, _total(tuple(extension.points for extension in self.extensions)))
+
+    @property
+    def total(self) -> float:
+        """What goes into a gradebook: score plus extra credit."""
+        return _total((self.score, self.extra_credit))
+
+    @property
+    def score(self) -> float:
+        return _total(tuple(criterion.points for criterion in self.criteria))
+
+    @property
+    def max_score(self) -> float:
+        return _total(tuple(criterion.max_points for criterion in self.criteria))
+
+    @property
+    def misconceptions(self) -> tuple[str, ...]:
+        """Ids in the order in which the checks found them, each once."""
+        parts: tuple[CriterionResult | ExtensionResult, ...] = (*self.criteria, *self.extensions)
+        return tuple(dict.fromkeys(m for part in parts for check in part.checks for m in check.misconceptions))
+
+    def renamed(self, submission: str) -> Result:
+        return replace(self, submission=submission)
+
+
+def to_dict(result: Result) -> dict[str, Any]:
+    """Plain data in the field order of the contract."""
+
+    def part(value: CriterionResult | ExtensionResult) -> dict[str, Any]:
+        head: dict[str, Any] = {"id": value.id}
+        head |= {"title": value.title} if isinstance(value, CriterionResult) else {"attempted": value.attempted}
+        checks = [{**asdict(check), "misconceptions": list(check.misconceptions)} for check in value.checks]
+        return {**head, "points": value.points, "max_points": value.max_points, "checks": checks}
+
+    return {
+        "schema": SCHEMA,
+        "lab": asdict(result.lab),
+        "submission": result.submission,
+        "status": result.status,
+        "score": result.score,
+        "max_score": result.max_score,
+        "criteria": [part(criterion) for criterion in result.criteria],
+        "extensions": [part(extension) for extension in result.extensions],
+        **_extra_credit(result),
+        "misconceptions": list(result.misconceptions),
+        "notes": list(result.notes),
+        "provenance": dict(result.provenance),
+        "duration_s": result.duration_s,
+    }
+
+
+def _extra_credit(result: Result) -> dict[str, Any]:
+    """The field is there only where the rubric gives extra credit: by default the record is what the contract shows."""
+    if result.extra_credit_cap is None:
+        return {}
+    return {"extra_credit": {"points": result.extra_credit, "cap": result.extra_credit_cap}}
+
+
+def to_json(result: Result) -> str:
+    """The text of `result.json`: UTF-8 safe, sorted as the contract lists the fields, ending in a newline."""
+    text = json.dumps(to_dict(result), indent=2, ensure_ascii=False, allow_nan=False)
+    shown = _UNSEEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
+    return shown.encode("utf-8", "replace").decode("utf-8") + "\n"
+
+
+_UNSEEN = re.compile(
+    "[\x7f-\x9f\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff]"
+)
+"""What a terminal or an editor obeys and does not show. In JSON it can be written as an escape, and reads the same."""
+
+
+def from_dict(record: Mapping[str, Any]) -> Result:
+    """The inverse of `to_dict`, for results read back from the store."""
+    if record.get("schema") != SCHEMA:
+        raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
+
+    def checks(rows: list[dict[str, Any]]) -> tuple[CheckResult, ...]:
+        return tuple(CheckResult(**{**row, "misconceptions": tuple(row["misconceptions"])}) for row in rows)
+
+    return Result(
+        submission=record["submission"],
+        status=record["status"],
+        criteria=tuple(
+            CriterionResult(c["id"], c["title"], c["max_points"], checks(c["checks"])) for c in record["criteria"]
+        ),
+        extensions=tuple(
+            ExtensionResult(e["id"], e["attempted"], e["max_points"], checks(e["checks"])) for e in record["extensions"]
+        ),
+        notes=tuple(record["notes"]),
+        provenance=record["provenance"],
+        duration_s=record["duration_s"],
+        lab=LabName(**record.get("lab", {})),
+        extra_credit_cap=record["extra_credit"]["cap"] if "extra_credit" in record else None,
+    )

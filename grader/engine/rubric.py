@@ -1,0 +1,393 @@
+"""The rubric: criteria, checks and their points, extensions and limits, read from `rubric.yaml` and proved whole.
+
+Every problem of a file is told at once, each with its line. The file is read as YAML nodes, not as values: nodes know
+their lines, keep duplicate keys apart and build no objects.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import math
+import os.path
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass
+from datetime import datetime
+from fractions import Fraction
+from pathlib import Path
+
+import yaml
+
+from grader.engine.lab import Lab
+from grader.engine.robot import Model
+from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
+from grader.ground.errors import RequestError
+from grader.ground.package_data import beside
+from grader.ground.text import printable
+
+__all__ = [
+    "CheckWeight",
+    "Criterion",
+    "Extension",
+    "LatePolicy",
+    "Limits",
+    "Model",
+    "Rubric",
+    "RubricError",
+    "load",
+    "match_checks",
+    "parse",
+    "shipped",
+]
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
+_FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
+
+
+@dataclass(frozen=True)
+class CheckWeight:
+    """One check of a criterion or an extension. `id` is whole (``filtering.passes_constant``), `line` its line."""
+
+    id: str
+    weight: float
+    max_points: float
+    line: int
+
+
+@dataclass(frozen=True)
+class Criterion:
+    id: str
+    title: str
+    points: float
+    checks: tuple[CheckWeight, ...]
+    line: int
+
+
+@dataclass(frozen=True)
+class Extension:
+    """One of the sheet's extensions: `points` 0 means that it is reported and earns nothing."""
+
+    id: str
+    title: str
+    file: str
+    points: float
+    checks: tuple[CheckWeight, ...]
+    line: int
+
+
+@dataclass(frozen=True)
+class Limits:
+    """CPU time in seconds for one call of the student's code, and for all calls of one submission."""
+
+    call_cpu_s: float
+    submission_cpu_s: float
+
+
+@dataclass(frozen=True)
+class LatePolicy:
+    """What lateness costs. It stands beside the marks and never changes them.
+
+    Attributes
+    ----------
+    due
+        When the lab is due, in UTC.
+    grace_minutes
+        Later than that counts from `due` on; up to that it is not late.
+    per_day
+        Points for each day begun after `due`.
+    cut_off_days
+        After so many days nothing counts; None: everything is taken.
+    extensions
+        Other dates for some submissions or people, by what an id, a name or an e-mail address is.
+    """
+
+    due: datetime
+    grace_minutes: float = 0.0
+    per_day: float = 0.0
+    cut_off_days: float | None = None
+    extensions: Mapping[str, datetime] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Rubric:
+    """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
+
+    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `sha256` is that
+    of all that marks depend on: a comment, the order of the lines or another late policy leaves it as it is.
+    """
+
+    lab: Lab
+    criteria: tuple[Criterion, ...]
+    extensions: tuple[Extension, ...]
+    limits: Limits
+    model: Model
+    sha256: str
+    source: str
+    extra_credit_cap: float | None = None
+    late: LatePolicy | None = None
+
+    @property
+    def parts(self) -> tuple[Criterion | Extension, ...]:
+        """All that holds checks: the criteria, then the extensions."""
+        return (*self.criteria, *self.extensions)
+
+    @property
+    def checks(self) -> tuple[CheckWeight, ...]:
+        """The checks of all criteria, then of all extensions."""
+        return tuple(check for part in self.parts for check in part.checks)
+
+    @property
+    def max_score(self) -> float:
+        return round(sum(criterion.points for criterion in self.criteria), 2)
+
+    def check(self, check_id: str) -> CheckWeight:
+        """The check with this id; KeyError if there is none."""
+        return {check.id: check for check in self.checks}[check_id]
+
+
+def shipped(lab: Lab) -> Path:
+    """The rubric of this installation. The sources have it at their top, where people look; a build puts it with the lab."""
+    built = lab.folder / "rubric.yaml"
+    return built if built.is_file() else beside("grader", "").parent / "rubric.yaml"
+
+
+def load(lab: Lab, path: Path | None = None) -> Rubric:
+    """Read and validate a rubric.
+
+    Parameters
+    ----------
+    lab
+        Whose parts it has to list.
+    path
+        The file; None takes the shipped one.
+
+    Raises
+    ------
+    RubricError
+        If it cannot be read or has problems; the message names all of them.
+    """
+    source = "rubric.yaml" if path is None else printable(str(path), 500)
+    file = shipped(lab) if path is None else path
+    if not os.path.isfile(file):  # answers False for every odd name, where opening a pipe would wait
+        raise RubricError(f"{source}: there is no such file; give the path of a rubric.yaml")
+    try:
+        with open(file, "rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise RubricError(f"{source}: cannot be read ({error.strerror}); check its permissions") from error
+    return parse(lab, data, source=source, folder=file.parent)
+
+
+def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | None = None) -> Rubric:
+    """Validate the bytes of a rubric.
+
+    Parameters
+    ----------
+    lab
+        Whose parts it has to list.
+    data
+        The file's bytes, UTF-8.
+    source
+        How the messages call the file.
+    folder
+        What a relative model path starts from; None is the working folder.
+
+    Raises
+    ------
+    RubricError
+        If there are problems, whatever the bytes are; the message names all of them.
+    """
+    reader = Reader(source)
+    root = reader.compose(data)
+    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), ("model", "extra_credit", "late"))
+    criteria = _criteria(reader, keys.get("criteria"), [part.id for part in lab.parts])
+    each, cap = _extra_credit(reader, keys.get("extra_credit"))
+    extensions = _extensions(reader, keys.get("extensions"), [bonus.id for bonus in lab.bonuses], each)
+    worth = round(sum(extension.points for extension in extensions), 2)
+    limits = _limits(reader, keys.get("limits"))
+    model = _model(reader, keys.get("model"), folder or Path())
+    late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
+    reader.stop_on_problems()
+    granted = (worth if cap is None else cap) if worth else None
+    digest = _digest(criteria, extensions, limits, model, granted)
+    return Rubric(lab, criteria, extensions, limits, model, digest, source, granted, late)
+
+
+def know_part(rubric: Rubric, only: str | None) -> None:
+    """Refuse a criterion or extension that the rubric does not have.
+
+    Raises
+    ------
+    RequestError
+        With the nearest name, or all of them.
+    """
+    known = [part.id for part in rubric.parts]
+    if only is None or only in known:
+        return
+    near = difflib.get_close_matches(only, known, 1)
+    guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+    raise RequestError(f"--only {printable(only)}: the rubric has no such criterion; {guess}")
+
+
+def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
+    """Prove that the checks of the rubric are those that exist.
+
+    Parameters
+    ----------
+    rubric
+        A loaded rubric.
+    known
+        Every pytest check: its id, and where it stands or what it is called.
+
+    Raises
+    ------
+    RubricError
+        One line for each check that stands on one side only.
+    """
+    problems = [
+        (check.line, f"there is no check {check.id}{guess_at(check.id, known)}; correct the name or remove the line")
+        for check in rubric.checks
+        if check.id not in known
+    ]
+    listed = {check.id for check in rubric.checks}
+    lines = {part.id: part.line for part in rubric.parts}
+    for check_id in sorted(set(known) - listed):
+        part, _, name = check_id.partition(".")
+        what = f"the check {check_id} ({printable(known[check_id], 100)}) has no weight under {part}"
+        problems.append((lines.get(part, 1), f"{what}; add the line `{name}: WEIGHT` to its checks"))
+    if problems:
+        refuse(rubric.source, problems)
+
+
+def _criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
+    criteria = []
+    for name, (item, keys) in reader.records(node, "criterion", ids, ("id", "title", "points", "checks"), ()).items():
+        title = reader.text(keys.get("title"), f"the title of {name}")
+        points = reader.points(keys.get("points"), f"the points of {name}")
+        checks = _checks(reader, keys.get("checks"), name, points)
+        criteria.append(Criterion(name, title, points or 0.0, checks, item.start_mark.line + 1))
+    if node is not None and criteria and not reader.problems and not any(c.points for c in criteria):
+        reader.say(node, "the criteria are worth 0 points together; give at least one of them points")
+    return tuple(criteria)
+
+
+def _extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float | None]:
+    """What each extension is worth where it names no points of its own, and the cap of all together, if there is one."""
+    if node is None:
+        return 0.0, None
+    keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
+    each = reader.points(keys.get("each"), "each")
+    return each or 0.0, reader.points(keys["cap"], "the cap of extra_credit") if "cap" in keys else None
+
+
+def _extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each: float) -> tuple[Extension, ...]:
+    extensions = []
+    for name, (item, keys) in reader.records(
+        node, "extension", ids, ("id", "title", "file"), ("points", "checks")
+    ).items():
+        title = reader.text(keys.get("title"), f"the title of {name}")
+        file = reader.text(keys.get("file"), f"the file of {name}", _FILE, "the name of a .py file")
+        own = reader.points(keys["points"], f"the points of {name}") if "points" in keys else each
+        points = own or 0.0
+        checks = _extension_checks(reader, keys.get("checks"), name, points)
+        if points and not checks:
+            reader.say(item, f"{name} has points but no checks to earn them; set its points to 0")
+        extensions.append(Extension(name, title, file, points, checks, item.start_mark.line + 1))
+    return tuple(extensions)
+
+
+def _extension_checks(reader: Reader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
+    """An extension may have no checks: `checks: []`, `{}`, nothing, or no such key."""
+    nothing = node is None or not node.value or node.tag == "tag:yaml.org,2002:null"
+    return () if nothing else _checks(reader, node, part, points)
+
+
+def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | None) -> tuple[CheckWeight, ...]:
+    if node is None:
+        return ()
+    if not isinstance(node, yaml.MappingNode) or not node.value:
+        reader.say(node, f"the checks of {part} must be `name: weight` lines; list at least one")
+        return ()
+    ids, weights, lines = [], [], []
+    before = len(reader.problems)
+    for name, (key, value) in reader.pairs(node, f"the checks of {part}").items():
+        if not _NAME.fullmatch(name):
+            reader.say(key, f"{quote(key)} is no name of a check; write the part after `{part}.` alone")
+        ids.append(f"{part}.{name}")
+        weights.append(reader.number(value, f"the weight of {printable(name, 60)}") or 0.0)
+        lines.append(key.start_mark.line + 1)
+    if len(reader.problems) == before and not any(weights):
+        reader.say(node, f"the weights of {part} sum to 0; give at least one check a weight")
+    shares = _shares(points or 0.0, weights)
+    return tuple(CheckWeight(*row) for row in zip(ids, weights, shares, lines, strict=True))
+
+
+def _shares(points: float, weights: Sequence[float]) -> list[float]:
+    """Points in proportion to the weights, in whole hundredths that sum to them (largest remainder; ties: first)."""
+    total = sum(map(Fraction, weights))
+    if not total:
+        return [0.0] * len(weights)
+    hundredths = round(points * 100)
+    exact = [hundredths * Fraction(weight) / total for weight in weights]
+    parts = [math.floor(share) for share in exact]
+    by_remainder = sorted(range(len(parts)), key=lambda i: parts[i] - exact[i])
+    for i in by_remainder[: hundredths - sum(parts)]:
+        parts[i] += 1
+    return [part / 100 for part in parts]
+
+
+def _limits(reader: Reader, node: yaml.Node | None) -> Limits:
+    keys = reader.fields(node, "limits", ("call_cpu_s", "submission_cpu_s"))
+    call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
+    submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
+    if call is not None and submission is not None and submission < call:
+        reader.say(keys["submission_cpu_s"], "submission_cpu_s is less than call_cpu_s; no call could use its time up")
+    return Limits(call or 0.0, submission or 0.0)
+
+
+def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | None:
+    if node is None:
+        return None
+    optional = ("grace_minutes", "per_day", "cut_off_days", "extensions")
+    keys = reader.fields(node, "late", ("due",), optional)
+    due = reader.stamp(keys.get("due"), "due")
+    grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)
+    cut_off = reader.number(keys.get("cut_off_days"), "cut_off_days")
+    per_day = reader.share(keys.get("per_day"), "per_day", of)
+    listed = keys.get("extensions")
+    extensions: dict[str, datetime] = {}
+    if isinstance(listed, yaml.MappingNode):
+        for who, (_, value) in reader.pairs(listed, "extensions").items():
+            until = reader.stamp(value, f"the extension of {printable(who, 60)}")
+            extensions |= {who: until} if until else {}
+    elif listed is not None:
+        reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
+    return None if due is None else LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions)
+
+
+def _digest(*meaning: object) -> str:
+    """SHA-256 of what marks depend on. Lines are left out, and numbers are written as Python writes them."""
+    plain = [_without_lines(part) for part in meaning]
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
+
+
+def _without_lines(value: object) -> object:
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: _without_lines(getattr(value, f.name)) for f in fields(value) if f.compare and f.name != "line"}
+    if isinstance(value, tuple):
+        return [_without_lines(item) for item in value]
+    return value.name if isinstance(value, Path) else value
+
+
+def _model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
+    keys = reader.fields(node, "model", (), ("path", "sensors"))
+    sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
+    names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
+    path = reader.text(keys.get("path"), "the model's path")
+    if path and not os.path.isfile(folder / path):
+        reader.say(keys["path"], f"there is no model {quote(keys['path'])}; the path is relative to this file")
+    found = {key: node.start_mark.line + 1 for key, node in {"model": node, **keys, **sensors}.items() if node}
+    given = {key: name for key, name in names.items() if name}
+    return Model(folder / path if path else None, **given, source=reader.source, lines=found)

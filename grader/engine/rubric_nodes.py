@@ -1,0 +1,227 @@
+"""YAML nodes to values, for a file that an instructor edits by hand.
+
+Nodes know their lines, keep duplicate keys apart and build no objects. What is wrong is collected, so that all of it
+can be told at once.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from typing import NoReturn
+
+import yaml
+
+from grader.ground.errors import RequestError
+from grader.ground.stamps import read_stamp
+from grader.ground.text import printable
+
+MAX_BYTES = 1_000_000
+MAX_EVENTS = 20_000  # the shipped file has about 300; PyYAML reads some 50,000 a second
+MAX_DEPTH = 10  # the shipped file has 4 levels; PyYAML's composer recurses
+MAX_SHOWN = 50  # problems told at once; the rest are counted
+LARGEST = 1000.0  # of a weight, of points and of the seconds of a call
+
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+
+
+class RubricError(RequestError):
+    """The rubric cannot be used. One line for each problem: ``rubric.yaml:LINE: what is wrong; what to do``."""
+
+
+def refuse(source: str, problems: Iterable[tuple[int, str]]) -> NoReturn:
+    lines = [f"{source}:{line}: {problem}" for line, problem in sorted(problems, key=lambda p: p[0])]
+    if len(lines) > MAX_SHOWN:
+        lines[MAX_SHOWN:] = [f"{source}: and {len(lines) - MAX_SHOWN} more problems; correct these first"]
+    raise RubricError("\n".join(lines))
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word that is spelt most like this one, or ""."""
+    return next(iter(difflib.get_close_matches(word[:100], list(known), n=1)), "")
+
+
+def guess_at(word: str, known: Iterable[str]) -> str:
+    """A did-you-mean, or nothing."""
+    guess = nearest(word, known)
+    return f" (did you mean {guess}?)" if guess else ""
+
+
+def quote(node: yaml.Node) -> str:
+    """What a scalar says, for a message."""
+    return f"'{printable(node.value, 60)}'" if isinstance(node, yaml.ScalarNode) else "a list or a mapping"
+
+
+class Reader:
+    """Nodes to values; what is wrong is collected with its line, and a place holder goes on."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.problems: list[tuple[int, str]] = []
+
+    def stop_on_problems(self) -> None:
+        if self.problems:
+            refuse(self.source, self.problems)
+
+    def say(self, node: yaml.Node, problem: str) -> None:
+        self.problems.append((node.start_mark.line + 1, problem))
+
+    def compose(self, data: bytes) -> yaml.Node:
+        """The root node, or RubricError: without a tree there is nothing to collect problems of."""
+        if len(data) > MAX_BYTES:
+            refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            refuse(self.source, [(data[: error.start].count(b"\n") + 1, "this is not UTF-8; save the file as UTF-8")])
+        try:
+            self._survey(text)
+            root = yaml.compose(text, Loader=yaml.SafeLoader)
+        except yaml.MarkedYAMLError as error:
+            refuse(self.source, [_syntax_problem(error)])
+        except yaml.reader.ReaderError as error:
+            line = text[: error.position].count("\n") + 1
+            refuse(self.source, [(line, f"the character U+{ord(text[error.position]):04X} is not text; remove it")])
+        except (ValueError, OverflowError):  # PyYAML's own: "\UFFFFFFFF", %YAML with thousands of digits
+            refuse(self.source, [(1, "the file is not YAML; start again from the shipped rubric.yaml")])
+        if root is None:
+            refuse(self.source, [(1, "the file is empty; start again from the shipped rubric.yaml")])
+        return root
+
+    def _survey(self, text: str) -> None:
+        """Refuse what would take the composer's time or stack: bombs of aliases, of depth and of number."""
+        depth = 0
+        for count, event in enumerate(yaml.parse(text, Loader=yaml.SafeLoader)):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            line = event.start_mark.line + 1 if event.start_mark else 1
+            if isinstance(event, yaml.NodeEvent) and event.anchor is not None:
+                refuse(self.source, [(line, "anchors and aliases (& and *) are not read; write the value out")])
+            if depth > MAX_DEPTH:
+                refuse(self.source, [(line, "this is nested too deeply; see the shipped rubric.yaml for the layout")])
+            if count > MAX_EVENTS:
+                refuse(self.source, [(line, "the file says far too much; start again from the shipped rubric.yaml")])
+
+    def fields(
+        self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
+    ) -> dict[str, yaml.Node]:
+        """The values of a mapping with these keys; `node` None says nothing, its absence has been told."""
+        if node is None:
+            return {}
+        if not isinstance(node, yaml.MappingNode):
+            self.say(node, f"{what} must be `key: value` lines with the keys {', '.join((*required, *optional))}")
+            return {}
+        keys = (*required, *optional)
+        given = self.pairs(node, what)
+        meant = {nearest(name, keys) for name in given}  # a misspelt key is not told as missing as well
+        for name, (key, _) in given.items():
+            if name not in keys:
+                self.say(key, f"unknown key {quote(key)} in {what}{guess_at(name, keys)}; correct or remove it")
+        for name in required:
+            if name not in meant:
+                self.say(node, f"{what} has no key `{name}`; add it")
+        return {name: value for name, (_, value) in given.items() if name in keys}
+
+    def pairs(self, node: yaml.MappingNode, what: str) -> dict[str, tuple[yaml.Node, yaml.Node]]:
+        """Key and value nodes by the key's text; a key that is no word or stands twice is told."""
+        found: dict[str, tuple[yaml.Node, yaml.Node]] = {}
+        for key, value in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                self.say(key, f"a key of {what} must be a word, not a list or a mapping; correct it")
+            elif key.value in found:
+                first = found[key.value][0].start_mark.line + 1
+                self.say(key, f"{quote(key)} stands twice in {what} (first on line {first}); remove one")
+            else:
+                found[key.value] = (key, value)
+        return found
+
+    def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
+        """A line of text, or "" if it is none."""
+        if node is None:
+            return ""
+        if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
+            self.say(node, f"{what} must be text, not {quote(node)}; write it in quotes")
+        elif len(node.value) > 200 or printable(node.value) != node.value:
+            self.say(node, f"{what} must be one line of at most 200 printable characters; shorten it")
+        elif pattern is not None and not pattern.fullmatch(node.value):
+            self.say(node, f"{what} must be {like}, not {quote(node)}; correct it")
+        else:
+            return str(node.value)
+        return ""
+
+    def number(self, node: yaml.Node | None, what: str, low: float = 0.0, high: float = LARGEST) -> float | None:
+        """A plain decimal number within the bounds, or None if it is none. (YAML 1.1: 012 is 10, 1:30 is 90.)"""
+        if node is None:
+            return None
+        plain = isinstance(node, yaml.ScalarNode) and node.style is None and _NUMBER.fullmatch(node.value)
+        value = float(node.value) if plain else math.nan
+        if low <= value <= high:
+            return value
+        self.say(node, f"{what} must be a number from {low:g} to {high:g}, not {quote(node)}; correct it")
+        return None
+
+    def points(self, node: yaml.Node | None, what: str) -> float | None:
+        """Points: a number of whole hundredths, as every sum of them is then exact to two decimals."""
+        value = self.number(node, what)
+        if node is not None and value is not None and round(value, 2) != value:
+            self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
+        return value
+
+    def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
+        """Points, or a percentage of so many points, to two decimals."""
+        if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
+            number = node.value[:-1].strip()
+            if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
+                return round(of * float(number) / 100, 2)
+            self.say(node, f"{what} must be a number of points or a percentage from 0 % to 100 %, not {quote(node)}")
+            return None
+        return self.points(node, what)
+
+    def stamp(self, node: yaml.Node | None, what: str) -> datetime | None:
+        """A date and time with its offset from UTC, which is what makes it one moment everywhere."""
+        when = read_stamp(node.value) if isinstance(node, yaml.ScalarNode) else None
+        if node is not None and when is None:
+            example = "2026-11-20T23:59+01:00"
+            self.say(
+                node, f"{what} must be a date and time with its offset from UTC, like {example}, not {quote(node)}"
+            )
+        return when
+
+    def records(
+        self, node: yaml.Node | None, what: str, known: Sequence[str], required: Sequence[str], optional: Sequence[str]
+    ) -> dict[str, tuple[yaml.Node, dict[str, yaml.Node]]]:
+        """The items of a list in the order of `known`: every id of it, each once."""
+        if node is None:
+            return {}
+        if not isinstance(node, yaml.SequenceNode):
+            self.say(node, f"this must be a list with one `- id: …` for each {what}; see the shipped rubric.yaml")
+            return {}
+        found: dict[str, tuple[yaml.Node, dict[str, yaml.Node]]] = {}
+        for item in node.value:
+            fields = self.fields(item, f"this {what}", required, optional)
+            name = self._known_id(fields.get("id"), what, known)
+            if name in found:
+                first = found[name][0].start_mark.line + 1
+                self.say(item, f"the {what} {name} stands twice (first on line {first}); remove one")
+            elif name:
+                found[name] = (item, fields)
+        for name in known:
+            if name not in found:
+                self.say(node, f"the {what} {name} is missing; add it")
+        return {name: found[name] for name in known if name in found}
+
+    def _known_id(self, node: yaml.Node | None, what: str, known: Sequence[str]) -> str:
+        """The id. A misspelt one is told and taken for what it must be, so that it is not told as missing as well."""
+        name = self.text(node, "an id")
+        if node is None or not name or name in known:
+            return name
+        self.say(node, f"unknown {what} {quote(node)}{guess_at(name, known)}; the ids are {', '.join(known)}")
+        return nearest(name, known)
+
+
+def _syntax_problem(error: yaml.MarkedYAMLError) -> tuple[int, str]:
+    mark = error.problem_mark or error.context_mark
+    what = printable(", ".join(filter(None, (error.context, error.problem))) or "this is not YAML", 150)
+    return (mark.line + 1 if mark else 1), f"YAML cannot be read here: {what}; correct the line or the one before"

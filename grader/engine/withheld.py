@@ -1,0 +1,64 @@
+"""The words of a hidden run: kind and size of an error, and nothing that code could have chosen after it had seen hidden data.
+
+They are made of our own sentences alone: those of this module and the catalogue's, and a power of ten. No text, name, number,
+shape, line, file or exit code of the student's gets here, so there is nothing to scrub.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from grader.engine.feedback import Mistake, Told, mistake_of
+from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.results import Outcome
+from grader.ground.errors import Crashed, NoAnswer, TimedOut
+
+_TOLD_TYPES = (
+    "IndexError",
+    "KeyError",
+    "TypeError",
+    "ValueError",
+    "AttributeError",
+    "NameError",
+    "ModuleNotFoundError",
+)
+_PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
+
+
+def told(finding: Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
+    """Words for what stopped a check."""
+    if isinstance(finding, Lost):
+        return _lost(finding, mistakes)
+    if isinstance(finding, Skipped):
+        return Told("skipped", 0.0, f"Needs {finding}.")
+    if isinstance(finding, Raised):
+        kind = finding.fault.type if finding.fault.type in _TOLD_TYPES else "an exception"
+        if kind == "TypeError" and not finding.fault.line:
+            kind += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
+        id_ = mistake_of(finding.fault)
+        message = f"Expected  no exception while {finding.doing}\nGot       {kind}"
+        return Told("error", 0.0, message, f"{mistakes[id_].hint} {_PUBLIC}", (id_,))
+    return _no_answer(finding, mistakes)
+
+
+def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
+    outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
+    kinds = [mistakes[id_].means for id_ in finding.mistakes]
+    got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or "it does not"
+    hint = " ".join(mistakes[id_].hint for id_ in finding.mistakes) or _PUBLIC
+    return Told(
+        outcome,
+        finding.keeps,
+        f"Expected  this to hold in the hidden scenarios, too\nGot       {got}",
+        hint,
+        finding.mistakes,
+    )
+
+
+def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
+    if isinstance(finding, TimedOut):
+        message = "Expected  an answer within the time limit\nGot       none"
+        return Told("timeout", 0.0, message, mistakes["never-returns"].hint, ("never-returns",))
+    named = ("kills-its-process",) if isinstance(finding, Crashed) else ()
+    hint = " ".join(mistakes[id_].hint for id_ in named)
+    return Told("crashed", 0.0, "Expected  an answer\nGot       none that can be read", hint, named)

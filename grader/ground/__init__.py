@@ -1,0 +1,1 @@
+"""What every room stands on: errors, text of strangers, files written whole, instants."""

@@ -1,0 +1,56 @@
+"""Files that are whole or absent: whoever reads one never sees half of it."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+from grader.ground.errors import RequestError
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write text as UTF-8, or bytes as they are, beside `path`, then move it into place in one step.
+
+    A device or pipe, such as ``/dev/stdout``, is written to: nothing takes its place.
+
+    Raises
+    ------
+    RequestError
+        If the folder cannot be made or written; names the path and the system's reason.
+    """
+    data = content.encode("utf-8", "replace") if isinstance(content, str) else content
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if _is_stream(path):
+            path.write_bytes(data)
+        else:
+            _replace(path, data)
+    except OSError as problem:
+        raise RequestError(f"{path}: cannot write it: {problem.strerror or problem}; choose another place") from problem
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether nothing can be moved to that place: it stands for a device, a pipe or an open file of this process."""
+    if path.parent in (Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")):
+        return True
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def _replace(path: Path, content: bytes) -> None:
+    handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}.")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        os.chmod(scratch, 0o666 & ~_umask())  # mkstemp makes private files; these are meant to be served
+        os.replace(scratch, path)
+    except BaseException:
+        Path(scratch).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    """The process's umask; there is no way to read it other than setting it."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask

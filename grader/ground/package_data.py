@@ -1,0 +1,19 @@
+"""What lies in the package beside its code, found in the same way from a wheel, an sdist's folder and a checkout."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+
+def beside(package: str, name: str) -> Path:
+    """A file or folder in the folder of a package.
+
+    Parameters
+    ----------
+    package
+        As `__package__` says it: a package that moves takes along what lies in it.
+    name
+        A path from there, with slashes.
+    """
+    return Path(str(files(package).joinpath(*name.split("/"))))

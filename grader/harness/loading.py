@@ -1,0 +1,364 @@
+"""Loading a submission: writing its files into the scratch folder and importing them, each with what it got wrong.
+
+What a file or a notebook defines counts, whatever its other lines do: statements that fail are stepped over, see `stepping`.
+Where the grader sends sound stand-ins for broken parts, they take the place of the student's own definitions.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import importlib.machinery
+import importlib.util
+import os
+import re
+import shlex
+import sys
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from . import drawing, faults, figures, notebooks, packages, stepping, world
+
+_FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
+_RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
+
+
+class _State:
+    """What this worker knows of its one submission."""
+
+    def __init__(self) -> None:
+        self.folder = ""
+        self.paths: list[str] = []
+        self.standins: dict[str, Any] = {}
+        self.modules: dict[str, types.ModuleType] = {}
+        self.unreadable: dict[str, dict[str, Any]] = {}
+        self.stepper: stepping.Stepper
+        self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
+        self.required: tuple[str, ...] = ()  # the modules that others import from
+        self.furniture: dict[str, Any] = {}
+        self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
+
+
+STATE = _State()
+
+
+def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Take the submission's files, the robot and the stand-ins; nothing of the student's runs yet.
+
+    Answers with the paths of all files, those among them that a notebook writes with ``%%writefile``.
+    """
+    skipped = {(path, number): why for path, number, why in fields["skipped"]}
+    STATE.stepper = stepping.Stepper(skipped, tuple(fields["place"]), list(fields["homes"]))
+    STATE.homes = {name: file.removesuffix(".py") for name, file in fields["homes"].items()}
+    STATE.required = tuple(file.removesuffix(".py") for file in fields["required"])
+    STATE.furniture = fields["furniture"]
+    os.makedirs(_FOLDER, exist_ok=True)
+    os.chdir(_FOLDER)
+    STATE.folder = os.getcwd()
+    world.settle(STATE.folder)
+    for path, key, levels_above in fields["files"]:
+        _write(path, arrays[key].tobytes())
+        if 0 < levels_above <= _FOLDER.count("/"):
+            _write("../" * levels_above + path, arrays[key].tobytes())  # for who opens it by way of its own folder
+        STATE.paths.append(path)
+    for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
+        _write_cells_to_files(path, fields["withheld"])
+    world.furnish(STATE.furniture, run_magic=_run_magic)
+    world.seed(fields["seed"])
+    figures.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
+    _prepare_imports()
+    _define_standins(fields["standins"])
+    return {"paths": STATE.paths}, {}
+
+
+def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Import one file (or run one notebook) and tell which of the wanted names it defines and what was stepped over."""
+    del arrays
+    path: str = fields["path"]
+    with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
+        module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
+    seen, facts = figures.RECORDER.take()
+    answer = {"names": STATE.stepper.defined(vars(module)) if module else [], "figures": seen}
+    answer |= {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}
+    return answer | {"pictures": figures.written_pictures(STATE.folder)}, facts
+
+
+def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Run one file as `python FILE` does, and tell which figures it saved."""
+    del arrays
+    path: str = fields["path"]
+    with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
+        module = sys.modules["__main__"] = _main_module(path)
+        _run_file(path, vars(module))
+    seen, facts = figures.RECORDER.take()
+    error = _unreadable(path) or next((e for e in STATE.stepper.noted if e["path"] == path), None)
+    answer = {"error": error, "stepped_over": STATE.stepper.noted, "figures": seen}
+    return answer | {"pictures": figures.written_pictures(STATE.folder)}, facts
+
+
+def _main_module(path: str) -> types.ModuleType:
+    module = types.ModuleType("__main__")
+    module.__file__ = str(Path(STATE.folder, path))
+    return module
+
+
+def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Which of the wanted names each file or notebook defines at its top level, read from its text; nothing of it runs."""
+    del fields, arrays
+    code = [path for path in STATE.paths if path.endswith((".py", ".ipynb"))]
+    return {"names": {path: sorted(_defined(path).intersection(STATE.stepper.wanted)) for path in code}}, {}
+
+
+def _defined(path: str) -> set[str]:
+    content = Path(STATE.folder, path).read_bytes()
+    try:
+        texts = notebooks.code_cells(content) if path.endswith(".ipynb") else [_decode(content)]
+    except (ValueError, SyntaxError, RecursionError):
+        return set()
+    names: set[str] = set()
+    for text in texts:
+        try:
+            names.update(name for node in ast.parse(text).body for name in stepping.bound(node))
+        except (ValueError, SyntaxError, RecursionError, MemoryError):
+            continue
+    return names
+
+
+def find(name: str, path: str) -> Any:
+    """The object called `name` in the loaded file `path`; KeyError where the grader asks for what is not there."""
+    return vars(STATE.modules[path])[name]
+
+
+def _write(path: str, content: bytes) -> None:
+    target = Path(STATE.folder, path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_bytes(content)
+
+
+# --- importing -----------------------------------------------------------------------------------------------------------
+
+
+class _Loader(importlib.machinery.SourceFileLoader):
+    """Imports a student's file; what it defines beside an error counts for the file that imports it."""
+
+    def exec_module(self, module: types.ModuleType) -> None:
+        path = Path(self.path).relative_to(STATE.folder).as_posix()
+        STATE.modules[path] = module
+        if not _run_file(path, vars(module)):
+            vars(module).setdefault("__getattr__", _absent_names(path))
+            if any(STATE.homes.get(name) == module.__name__ for name in STATE.standins):
+                vars(module).update(
+                    {n: v for n, v in STATE.sheet_names(STATE.furniture).items() if n not in vars(module)}
+                )
+        _stand_in(path, vars(module))
+
+
+def _stand_in(path: str, names: dict[str, Any]) -> None:
+    """Put stand-ins where a file lacks a name: its definition failed, it was deleted again, or it should be there."""
+    for name, standin in STATE.standins.items():
+        if name not in names and (path.removesuffix(".py") == STATE.homes.get(name) or name in _defined(path)):
+            names[name] = standin
+
+
+def _absent_names(home: str) -> Any:
+    """A module's ``__getattr__``: what a broken file did not define can be imported from it, and fails where it is used."""
+
+    def __getattr__(name: str) -> Any:  # noqa: N807 - PEP 562
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return stepping.NotThere(lambda: NameError(f"{home} did not define {name}"))
+
+    return __getattr__
+
+
+class _MissingPartner(importlib.machinery.SourceFileLoader):
+    """Stands for a required file that was not handed in, once its own checks are over."""
+
+    def get_code(self, fullname: str) -> types.CodeType:
+        return compile("", self.path, "exec")
+
+    def exec_module(self, module: types.ModuleType) -> None:
+        vars(module).update(STATE.sheet_names(STATE.furniture))
+        vars(module).update({n: s for n, s in STATE.standins.items() if STATE.homes.get(n) == module.__name__})
+        vars(module)["__getattr__"] = _absent_names(f"{module.__name__}.py")
+
+
+class _UnderAnotherName(_MissingPartner):
+    """Stands for a required file whose names another file of the submission defines."""
+
+    def exec_module(self, module: types.ModuleType) -> None:
+        found = _run_notebook(self.path) if self.path.endswith(".ipynb") else _import_file(self.path)
+        vars(module).update({n: v for n, v in vars(found).items() if not n.startswith("__")} if found else {})
+
+
+class _PartnerFinder:
+    """Finds the required files that were not handed in under their names."""
+
+    @staticmethod
+    def find_spec(name: str, path: Any = None, target: Any = None) -> Any:
+        if path is not None or name not in STATE.required:
+            return None
+        if any(STATE.homes.get(n) == name for n in STATE.standins):
+            return importlib.util.spec_from_loader(name, _MissingPartner(name, f"{name}.py"))
+        codes = sorted((p for p in STATE.paths if p.endswith((".py", ".ipynb"))), key=lambda p: (p.count("/"), p))
+        other = next((p for p in codes if any(STATE.homes.get(n) == name for n in _defined(p))), None)
+        return other and importlib.util.spec_from_loader(name, _UnderAnotherName(name, other))
+
+
+def _prepare_imports() -> None:
+    def hook(path: str) -> Any:
+        if not Path(path).is_relative_to(STATE.folder):
+            raise ImportError(path)
+        return importlib.machinery.FileFinder(path, (_Loader, [".py"]))
+
+    sys.path_hooks.insert(0, hook)
+    sys.path.insert(0, STATE.folder)
+    sys.meta_path += [_PartnerFinder, packages.PackageFinder(_own_packages, _load_init)]
+    sys.dont_write_bytecode = True
+    sys.argv = ["lab.py"]
+
+
+def _own_packages() -> set[str]:
+    code = [path for path in STATE.paths if path.endswith(".py")]
+    return packages.spoken_of(
+        (Path(STATE.folder, path).read_text("utf-8", "replace") for path in code), code, STATE.required
+    )
+
+
+def _load_init(name: str) -> _Loader | None:
+    init = Path(STATE.folder, "__init__.py")
+    return _Loader(name, str(init)) if init.exists() else None
+
+
+def _import_file(path: str) -> types.ModuleType | None:
+    name = Path(path).stem
+    folder = Path(STATE.folder, path).parent
+    if path in STATE.modules:
+        return STATE.modules[path]
+    if str(folder) not in sys.path:
+        sys.path.insert(1, str(folder))
+    spec = importlib.util.spec_from_file_location(
+        name, Path(STATE.folder, path), loader=_Loader(name, str(Path(STATE.folder, path)))
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    if name.isidentifier() and name not in sys.modules:
+        sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _run_file(path: str, names: dict[str, Any]) -> bool:
+    """Run a file's statements among these names; whether it could be read, and each of them ended well."""
+    return _run_text(Path(STATE.folder, path).read_bytes(), path, names)
+
+
+def _unreadable(path: str) -> dict[str, Any] | None:
+    """What is wrong with a file, or the first such cell of a notebook, that is no Python at all."""
+    return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
+
+
+def _run_text(source: bytes, path: str, names: dict[str, Any], *, flags: int = 0) -> bool:
+    known = len(STATE.stepper.noted)
+    try:
+        units = _compile(source, path, flags)
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
+        STATE.unreadable[path] = faults.describe(refused)
+        return False
+
+    def replace(node: ast.stmt) -> None:
+        names.update({name: STATE.standins[name] for name in stepping.bound(node) if name in STATE.standins})
+
+    STATE.stepper.run(units, path, names, replace)
+    return len(STATE.stepper.noted) == known
+
+
+# --- compiling -----------------------------------------------------------------------------------------------------------
+
+
+def _decode(source: bytes) -> str:
+    """Source text by its declared encoding; bytes that are not UTF-8 and declare nothing are taken for Latin-1."""
+    try:
+        return importlib.util.decode_source(source)
+    except (UnicodeDecodeError, SyntaxError):
+        if source.startswith((b"\xff\xfe", b"\xfe\xff")) or b"\0" in source:
+            raise SyntaxError("the file is not UTF-8 text (it looks like UTF-16): save it as UTF-8") from None
+        return source.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _compile(source: bytes, path: str, flags: int = 0) -> list[stepping.Unit]:
+    text = _decode(source)
+    own = faults.own_name(path)
+    _remember_lines(own, text)
+    tree = ast.parse(text, own)
+    if _RELATIVE.search(text):
+        packages.without_dots(tree, path)  # let files that were written as a package import each other
+    return stepping.units_of(tree, own, flags=flags)
+
+
+def _remember_lines(own: str, text: str) -> None:
+    import linecache
+
+    linecache.cache[own] = (len(text), None, text.splitlines(keepends=True), own)
+
+
+def _define_standins(sources: dict[str, str]) -> None:
+    space = types.ModuleType("standins")
+    vars(space)["__builtins__"] = vars(builtins)
+    for name, source in sources.items():
+        exec(compile(source, "<stand-in>", "exec"), vars(space))
+        STATE.standins[name] = vars(space)[name]
+
+
+# --- notebooks -----------------------------------------------------------------------------------------------------------
+
+
+def _run_notebook(path: str) -> types.ModuleType:
+    if path in STATE.modules:
+        return STATE.modules[path]
+    module = types.ModuleType("__main__")
+    STATE.modules[path] = module
+    _run_cells(path, vars(module))
+    _stand_in(path, vars(module))
+    return module
+
+
+def _run_cells(path: str, names: dict[str, Any]) -> None:
+    for number, source in enumerate(_cells(path), start=1):
+        text = source.encode("utf-8", "replace")
+        _run_text(text, f"{path}:cell {number}", names, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
+
+
+def _run_magic(line: str, names: dict[str, Any]) -> None:
+    """Do what ``%run FILE`` does: a notebook's cells run among the names of who asks, a program leaves its own there."""
+    path = next(Path(word).as_posix() for word in shlex.split(line) if not word.startswith("-"))
+    if path.endswith(".ipynb"):
+        _run_cells(path, names)
+        return
+    program = _main_module(path)
+    _run_file(path, vars(program))
+    names.update({name: value for name, value in vars(program).items() if not name.startswith("__")})
+
+
+def _write_cells_to_files(path: str, withheld: list[str]) -> None:
+    """Do what ``%%writefile NAME.py`` cells do, so that the files are there before anything is imported."""
+    try:
+        files = notebooks.files_written(Path(STATE.folder, path).read_bytes())
+    except (ValueError, RecursionError):
+        return
+    for name, text in files.items():
+        if name not in withheld and not Path(STATE.folder, name).exists():
+            _write(name, text.encode("utf-8", "replace"))
+            STATE.paths.append(name)
+
+
+def _cells(path: str) -> list[str]:
+    try:
+        return notebooks.code_cells(Path(STATE.folder, path).read_bytes())
+    except (ValueError, RecursionError) as error:
+        told = {"type": "SyntaxError", "message": "this is not a notebook that can be read"}
+        STATE.unreadable[path] = faults.describe(error) | told
+        return []

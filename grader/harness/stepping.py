@@ -1,0 +1,300 @@
+"""Running a file statement by statement: one that raises, exits or does not end is stepped over, and what follows it counts.
+
+A statement that takes half of the time that is left is interrupted. One that ends the process, or that nothing here can
+interrupt, is known from outside: before each statement this process writes down where it is, and the next one is told which
+statements it is not to run.
+"""
+
+from __future__ import annotations
+import __future__
+
+import ast
+import builtins
+import contextlib
+import copy
+import json
+import os
+import signal
+import time
+import types
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from . import faults
+
+_REAL_CLOCK, _CPU_CLOCK = time.monotonic, time.process_time  # student code finds others, see `world`
+_TICK_S = 0.25
+_IDLE_SHARE = 0.02  # of one processor: whoever uses less only waits
+_HINTS_AS_TEXT = __future__.annotations.compiler_flag
+_MAX_NOTED = 40  # statements of a submission that are told of
+_IMPORTS = (ast.Import, ast.ImportFrom)
+_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+
+
+class OutOfTimeError(BaseException):
+    """A statement has had its time. No `Exception`: few programs catch it."""
+
+
+class NotThere:
+    """Stands for a name that could not be imported or defined; whoever uses it gets the error that told so."""
+
+    def __init__(self, error: Callable[[], BaseException]) -> None:
+        self._error = error
+
+    def _fail(self, *args: Any, **kwargs: Any) -> Any:
+        raise self._error()
+
+    __call__ = __getitem__ = __iter__ = __len__ = __enter__ = __mro_entries__ = _fail
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(name) if name.startswith("__") else self._error()
+
+
+@dataclass(frozen=True)
+class Unit:
+    """What is run at once: a statement, or a notebook's cell that waits for something."""
+
+    number: int
+    node: ast.stmt
+    code: types.CodeType
+
+
+# --- time ----------------------------------------------------------------------------------------------------------------
+
+
+class _Clock:
+    """CPU time, and the time in which the process only waits, since `start`; a statement has half of what is left of it."""
+
+    def __init__(self) -> None:
+        self._end_s = self._until_s = self._idle_s = 0.0
+        self._seen = (0.0, 0.0)
+        self._before: Any = None
+
+    def start(self, within_s: float) -> None:
+        self._idle_s, self._seen = 0.0, (_CPU_CLOCK(), _REAL_CLOCK())
+        self._end_s = self._seen[0] + within_s
+        if hasattr(signal, "setitimer"):  # not on Windows: there the time is kept from outside alone
+            self._before = signal.signal(signal.SIGALRM, self._tick)
+            signal.setitimer(signal.ITIMER_REAL, 2 * _TICK_S, _TICK_S)
+
+    def stop(self) -> None:
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            if signal.getsignal(signal.SIGALRM) == self._tick:
+                signal.signal(signal.SIGALRM, self._before)
+
+    def allow(self) -> None:
+        """Give the statement that is running now half of what is left."""
+        now_s = _CPU_CLOCK() + self._idle_s
+        self._until_s = now_s + (self._end_s - now_s) / 2
+
+    def _tick(self, _number: int, frame: types.FrameType | None) -> None:
+        cpu_s, wall_s = _CPU_CLOCK(), _REAL_CLOCK()
+        if cpu_s - self._seen[0] <= _IDLE_SHARE * (wall_s - self._seen[1]):
+            self._idle_s += wall_s - self._seen[1]
+        self._seen = (cpu_s, wall_s)
+        if cpu_s + self._idle_s >= self._until_s and _is_of_a_statement(frame):
+            raise OutOfTimeError
+
+
+_CLOCK = _Clock()
+
+
+def _is_of_a_statement(frame: types.FrameType | None) -> bool:
+    """Whether a statement's code is running, and not ours after it or between two."""
+    while frame is not None and frame.f_code is not Stepper._run_unit.__code__:
+        if faults.is_own(frame.f_code.co_filename):
+            return True
+        frame = frame.f_back
+    return False
+
+
+@contextlib.contextmanager
+def limited(within_s: float) -> Iterator[None]:
+    """Statements that run in here share so many seconds."""
+    _CLOCK.start(within_s)
+    try:
+        yield
+    finally:
+        _CLOCK.stop()
+
+
+# --- running -------------------------------------------------------------------------------------------------------------
+
+
+class Stepper:
+    """Runs the statements of files, and keeps what was stepped over.
+
+    Parameters
+    ----------
+    skipped : (file, number of the statement) -> why it is not run again
+    place : where in descriptor 1 to write down which statement is running, and how many bytes of room there are
+    wanted : names whose definition is told of when it fails
+    """
+
+    def __init__(self, skipped: dict[tuple[str, int], str], place: tuple[int, int], wanted: list[str]) -> None:
+        self._skipped, self._place, self.wanted = skipped, place, wanted
+        self._fd = os.dup(1)
+        self._running: list[tuple[str, int]] = []
+        self.noted: list[dict[str, Any]] = []
+
+    def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
+        """Run these statements of a file among these names; `after` is called after each that has run."""
+        names["__builtins__"] = vars(builtins)  # those that all modules share: the harness's are its own
+        for unit in units:
+            if why := self._skipped.get((path, unit.number)):
+                self._note(path, unit, "ended", why)
+            else:
+                self._run_in_place(path, unit, names)
+            after(unit.node)
+
+    def _run_in_place(self, path: str, unit: Unit, names: dict[str, Any]) -> None:
+        self._running.append((path, unit.number))
+        self._write_place()
+        try:
+            self._run_unit(path, unit, names)
+        finally:
+            self._running.pop()
+            self._write_place()
+            _CLOCK.allow()
+
+    def _run_unit(self, path: str, unit: Unit, names: dict[str, Any]) -> None:
+        _CLOCK.allow()
+        try:
+            _evaluate(unit.code, names)
+        except OutOfTimeError as interrupted:
+            within = _callables_on(interrupted.__traceback__, self.wanted)
+            self._note(path, unit, "overran", "it had not ended when its time was up", within)
+        except BaseException as raised:  # whatever student code raises, SystemExit included
+            self._mend(path, unit, names, raised)
+
+    def _mend(self, path: str, unit: Unit, names: dict[str, Any], raised: BaseException) -> None:
+        """Keep of a statement that raised what can be kept: imports beside one that failed, definitions without their hints."""
+        if isinstance(unit.node, _IMPORTS) and isinstance(raised, ImportError):
+            self._import_the_rest(path, unit, names, raised)
+            return
+        how = "raised"
+        if isinstance(unit.node, _DEFINITIONS) and isinstance(raised, Exception):
+            with contextlib.suppress(BaseException):
+                _evaluate(_compiled(unit.node, unit.code.co_filename, _HINTS_AS_TEXT), names)
+                how = "hints"
+        self._note(path, unit, how, raised)
+
+    def _import_the_rest(self, path: str, unit: Unit, names: dict[str, Any], raised: ImportError) -> None:
+        assert isinstance(unit.node, _IMPORTS)
+        if len(unit.node.names) == 1:
+            (alias,) = unit.node.names
+            if alias.name != "*":
+                names.setdefault(alias.asname or alias.name.split(".")[0], _not_imported(raised))
+            self._note(path, unit, "raised", raised)
+            return
+        for alias in unit.node.names:
+            single = copy.copy(unit.node)
+            single.names = [alias]
+            self._run_unit(path, Unit(unit.number, single, _compiled(single, unit.code.co_filename)), names)
+
+    def _note(self, path: str, unit: Unit, how: str, why: str | BaseException, within: Collection[str] = ()) -> None:
+        """Keep what was stepped over, what it would have defined of the wanted names, and which of them were running."""
+        if len(self.noted) >= _MAX_NOTED:
+            return
+        line = _first_line(unit.node)
+        told = faults.told_at(path, line, why) if isinstance(why, str) else faults.describe(why)
+        defines = [name for name in (*bound(unit.node), *_imported(unit.node)) if name in self.wanted]
+        about = {"path": path, "number": unit.number, "at": line, "how": how, "defines": defines}
+        self.noted.append(told | about | {"within": sorted(within)})
+
+    def defined(self, names: dict[str, Any]) -> list[str]:
+        """Which of the wanted names are there."""
+        return [name for name in self.wanted if name in names and not isinstance(names[name], NotThere)]
+
+    def _write_place(self) -> None:
+        """For the case that this process does not come back; it may have closed or filled what it writes to."""
+        at, room = self._place
+        said = json.dumps(self._running[-1:]).encode()
+        if hasattr(os, "pwrite") and len(said) <= room:
+            with contextlib.suppress(OSError):
+                os.pwrite(self._fd, said.ljust(room), at)
+
+
+def _callables_on(trace: types.TracebackType | None, wanted: Collection[str]) -> set[str]:
+    """Which of the wanted functions, or of their classes' methods, were running."""
+    found: set[str] = set()
+    while trace is not None:
+        code, names = trace.tb_frame.f_code, trace.tb_frame.f_globals
+        found.update(name for name in wanted if code in _codes_of(names.get(name)))
+        trace = trace.tb_next
+    return found
+
+
+def _codes_of(value: Any) -> list[types.CodeType]:
+    functions = [value, *vars(value).values()] if isinstance(value, type) else [value]
+    return [each.__code__ for each in functions if isinstance(each, types.FunctionType)]
+
+
+def _not_imported(raised: ImportError) -> NotThere:
+    kind = ModuleNotFoundError if isinstance(raised, ModuleNotFoundError) else ImportError
+    message, name = str(raised), raised.name
+    return NotThere(lambda: kind(message, name=name))
+
+
+def _evaluate(code: types.CodeType, names: dict[str, Any]) -> None:
+    awaiting = eval(code, names)
+    if awaiting is not None:
+        import asyncio  # few cells wait for anything
+
+        asyncio.run(awaiting)
+
+
+# --- compiling -----------------------------------------------------------------------------------------------------------
+
+
+def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
+    """The statements of a file, compiled; SyntaxError where it does not compile as a whole."""
+    flags |= _future_flags(tree)
+    if flags & ast.PyCF_ALLOW_TOP_LEVEL_AWAIT and _waits(tree) and tree.body:
+        whole: types.CodeType = compile(tree, name, "exec", flags, dont_inherit=True)
+        return [Unit(0, tree.body[0], whole)]
+    statements = [(n, node) for n, node in enumerate(tree.body) if n == 0 or not _is_text(node)]
+    return [Unit(n, node, _compiled(node, name, flags)) for n, node in statements]
+
+
+def _compiled(node: ast.stmt, name: str, flags: int = 0) -> types.CodeType:
+    code: types.CodeType = compile(ast.Module([node], []), name, "exec", flags, dont_inherit=True)
+    return code
+
+
+def _is_text(node: ast.stmt) -> bool:
+    """A text by itself: run as a module of its own it would become its docstring."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _waits(tree: ast.Module) -> bool:
+    return any(isinstance(node, ast.Await | ast.AsyncFor | ast.AsyncWith) for node in ast.walk(tree))
+
+
+def _future_flags(tree: ast.Module) -> int:
+    named = [a.name for n in tree.body if isinstance(n, ast.ImportFrom) and n.module == "__future__" for a in n.names]
+    features = [getattr(__future__, name) for name in named if name in __future__.all_feature_names]
+    return sum({int(feature.compiler_flag) for feature in features})
+
+
+def _first_line(node: ast.stmt) -> int:
+    lines: list[int] = [each.lineno for each in getattr(node, "decorator_list", ())]
+    return min([node.lineno, *lines])
+
+
+def bound(node: ast.AST) -> list[str]:
+    """The names that a statement defines or sets, whichever way it goes; none that it imports."""
+    if isinstance(node, _DEFINITIONS):
+        return [node.name]
+    if isinstance(node, ast.Assign | ast.AnnAssign):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        return [each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)]
+    inner = [*getattr(node, "body", ()), *getattr(node, "orelse", ()), *getattr(node, "finalbody", ())]
+    inner += getattr(node, "handlers", ())
+    return [name for each in inner if isinstance(each, ast.AST) for name in bound(each)]
+
+
+def _imported(node: ast.AST) -> list[str]:
+    return [alias.asname or alias.name for alias in node.names] if isinstance(node, ast.ImportFrom) else []

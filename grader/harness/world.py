@@ -1,0 +1,329 @@
+"""The world that student code finds: the robot at the sheet's path, nobody at the keyboard, no waiting, a fixed seed."""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import io
+import os
+import pathlib
+import random
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from . import desktop
+
+_MAX_INPUTS = 100
+
+
+def import_libraries() -> None:
+    """Import what every submission needs, pyplot's back end among it: pyplot would wait with that for the first figure."""
+    import pdb  # noqa: F401 - see `desktop`
+
+    import matplotlib.pyplot as plt
+    import mujoco  # noqa: F401
+    import PIL.Image  # noqa: F401
+
+    plt.switch_backend("Agg")
+    _share_wrappers()
+
+
+def _share_wrappers() -> None:
+    """Let callbacks of a simulation be called: MuJoCo keeps its wrapper classes among the built-in functions of who steps.
+
+    All steps are made by a function of the harness (see `_watch_steps`), and the harness' built-in functions are its own.
+    """
+    own = globals()["__builtins__"]
+    own.update({name: value for name, value in vars(builtins).items() if name.startswith("__MUJOCO_")})
+
+
+def use_libraries() -> None:
+    """Use each part once, so that a forked worker pays for no first time."""
+    import matplotlib.pyplot as plt
+    import mujoco
+    import PIL.Image
+
+    figure, axes = plt.subplots(2, 1, sharex=True)
+    axes[0].plot([0, 1], [0, 1], label=r"m/s² $m/s^2$")
+    axes[0].set_title("warm up")
+    axes[0].legend()
+    figure.tight_layout()
+    figure.canvas.draw()
+    plt.close("all")
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
+    )
+    mujoco.mj_step(model, mujoco.MjData(model))
+    PIL.Image.init()
+
+
+def furnish(furniture: Mapping[str, Any], *, run_magic: desktop.RunMagic) -> None:
+    """Make the worker's process look like the machine that the lab sheet assumes.
+
+    Parameters
+    ----------
+    furniture : with ``model`` (MJCF), the name of its file ``model_file``, and where the sheet loads its own from, ``sheet_model``
+    """
+    if "model" in furniture:
+        _place_model(pathlib.PurePosixPath(furniture["sheet_model"]), furniture["model_file"], furniture["model"])
+    _answer_input()
+    desktop.furnish(run_magic)
+    _let_time_pass_with_the_work()
+    _make_signals_deadly()
+    _watch_steps()
+
+
+def _place_model(sheet: pathlib.PurePosixPath, file: str, model: str) -> None:
+    path = pathlib.Path(sheet.parent, file)
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(model, encoding="utf-8")
+    _redirect_model(path.as_posix(), sheet.name)
+
+
+def _redirect_model(place: str, sheets_name: str) -> None:
+    """A path that ends in the model's name and does not exist here means the model, to whoever loads, reads or seeks it.
+
+    So does one that ends in the name that the sheet has, whatever robot is graded on.
+    """
+    import mujoco
+
+    really_stat, really_open = os.stat, builtins.open
+    names = (sheets_name, place.rpartition("/")[2])
+
+    def named(path: Any) -> str:
+        name = os.fsdecode(path) if isinstance(path, str | bytes | os.PathLike) else ""
+        return name if name.replace("\\", "/").endswith(names) else ""
+
+    def meant(path: Any) -> Any:
+        if name := named(path):
+            try:
+                really_stat(name)
+            except (OSError, ValueError):
+                return str(pathlib.Path(_HOME, place))
+        return path
+
+    def redirecting(load: Callable[..., Any]) -> Callable[..., Any]:
+        def from_path(filename: Any = None, *args: Any, **kwargs: Any) -> Any:
+            asked = kwargs.pop("filename") if filename is None else filename
+            try:
+                return load(os.fsdecode(meant(asked)), *args, **kwargs)
+            except ValueError:
+                if not named(asked):
+                    raise
+                # A copy that was handed in without the files that it includes.
+                return load(str(pathlib.Path(_HOME, place)), *args, **kwargs)
+
+        return from_path
+
+    def stat(path: Any, **options: Any) -> os.stat_result:
+        return really_stat(meant(path), **options)
+
+    def opened(file: Any, mode: str = "r", *args: Any, **options: Any) -> Any:
+        return really_open(meant(file) if "r" in mode else file, mode, *args, **options)
+
+    mujoco.MjModel.from_xml_path = staticmethod(redirecting(mujoco.MjModel.from_xml_path))
+    if hasattr(mujoco, "MjSpec"):
+        mujoco.MjSpec.from_file = staticmethod(redirecting(mujoco.MjSpec.from_file))
+    vars(os)["stat"] = stat
+    vars(builtins)["open"] = vars(io)["open"] = opened
+    accessor = getattr(pathlib, "_NormalAccessor", None)  # Python 3.10's paths hold on to both
+    if accessor is not None:
+        accessor.stat, accessor.open = staticmethod(stat), staticmethod(opened)
+
+
+_HOME = "."
+
+
+def settle(folder: str) -> None:
+    """Remember the scratch folder: student code may change the working directory."""
+    global _HOME  # noqa: PLW0603 - one process, one submission
+    _HOME = folder
+
+
+def _answer_input() -> None:
+    asked = 0
+
+    def answer(prompt: object = "") -> str:
+        nonlocal asked
+        asked += 1
+        if asked > _MAX_INPUTS:
+            raise EOFError("input() was called more than a hundred times")
+        print(prompt)
+        return ""
+
+    builtins.input = answer
+
+
+class _Clock:
+    """Time as student code finds it: it moves with pauses, with simulated steps and a little with each look at it.
+
+    So a loop that goes by the clock makes as many rounds in every run, whatever else the machine does.
+    """
+
+    def __init__(self) -> None:
+        self.passed_s = 0.0
+
+    def look(self) -> float:
+        self.passed_s += _LOOK_S
+        return self.passed_s
+
+
+_LOOK_S = 1e-6
+_STEP_S = 2e-4  # about what a step and the reading of two sensors take
+_NEW_YEAR_S = 1_767_225_600.0  # 2026
+_CLOCKS = {"time": _NEW_YEAR_S, "perf_counter": 100.0, "process_time": 1.0, "thread_time": 1.0}
+_CLOCK = _Clock()
+
+
+def _let_time_pass_with_the_work() -> None:
+    """Nobody watches: a pause moves the clocks on instead of waiting. What waits by itself goes by `monotonic`, which runs."""
+
+    def sleep(seconds: float) -> None:
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
+        _CLOCK.passed_s += float(seconds)
+
+    def reading(start_s: float) -> Callable[[], float]:
+        return lambda: start_s + _CLOCK.look()
+
+    def reading_ns(start_s: float) -> Callable[[], int]:
+        return lambda: round((start_s + _CLOCK.look()) * 1e9)
+
+    really = time.monotonic
+    vars(time)["sleep"] = sleep
+    vars(time)["monotonic"] = lambda: really() + _CLOCK.passed_s
+    for name, start_s in _CLOCKS.items():
+        vars(time).update({name: reading(start_s), f"{name}_ns": reading_ns(start_s)})
+
+
+def _make_signals_deadly() -> None:
+    """A process that kills itself ends: as the first process of its namespace it would survive its own signals."""
+
+    def kill(pid: int, number: int) -> None:
+        default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
+        if pid == os.getpid() and default and number not in harmless:
+            os._exit(128 + number)
+        really_kill(pid, number)
+
+    really_kill = os.kill
+    harmless = {getattr(signal, name, None) for name in ("SIGCHLD", "SIGCONT", "SIGURG")}  # Windows has none of them
+    vars(os)["kill"] = kill
+    vars(signal)["raise_signal"] = lambda number: kill(os.getpid(), number)
+
+
+_MOST_CHANGES = 2000
+_ROUNDING = 1e-12  # a quaternion that was made a unit again is not set from outside
+
+
+class _Course:
+    """A run as it is seen from outside: where it starts, and each time that its state is set between two steps."""
+
+    def __init__(self) -> None:
+        self._steps = 0
+        self._data: Any = None
+        self._first: dict[str, np.ndarray] = {}
+        self._left: tuple[np.ndarray, ...] = ()
+        self._changes: list[tuple[int, tuple[np.ndarray, ...]]] = []
+
+    def before_step(self, model: Any, data: Any) -> None:
+        if self._data is None:
+            self._data = data
+            self._first = {
+                "qpos": np.array(data.qpos), "qvel": np.array(data.qvel), "gravity": np.array(model.opt.gravity),
+                "timestep": np.array([model.opt.timestep], dtype=np.float64), "force": _forces(data),
+            }  # fmt: skip
+        elif data is self._data and len(self._changes) < _MOST_CHANGES:
+            now = _set_from_outside(data)
+            if any(np.abs(a - b).max(initial=0.0) > _ROUNDING for a, b in zip(now, self._left, strict=True)):
+                self._changes.append((self._steps, now))
+
+    def after_step(self, data: Any, count: int) -> None:
+        if data is self._data:
+            self._steps += count
+            self._left = _set_from_outside(data)
+
+    def told(self) -> dict[str, np.ndarray]:
+        """The first state, how many steps were made, and the later changes: at which steps, and to which states."""
+        if not self._first:
+            return {}
+        steps = {
+            "steps": np.array([self._steps], np.float64),
+            "set_at": np.array([n for n, _ in self._changes], np.float64),
+        }
+        states = [np.array(each) for each in zip(*(state for _, state in self._changes), strict=True)]
+        empty = [np.zeros((0, part.size)) for part in _set_from_outside(self._data)]
+        return {
+            **self._first,
+            **steps,
+            **dict(zip(("set_qpos", "set_qvel", "set_force"), states or empty, strict=True)),
+        }
+
+
+def _forces(data: Any) -> np.ndarray:
+    return np.concatenate([data.qfrc_applied, data.xfrc_applied.ravel()])
+
+
+def _set_from_outside(data: Any) -> tuple[np.ndarray, ...]:
+    return np.array(data.qpos), np.array(data.qvel), _forces(data)
+
+
+_COURSE: _Course | None = None
+
+
+def watch_next_run() -> None:
+    """Note how the next run goes: a hint for the grader, which runs it again elsewhere before it believes it."""
+    global _COURSE  # noqa: PLW0603 - one process, one submission
+    _COURSE = _Course()
+
+
+def watched_run() -> dict[str, np.ndarray]:
+    """What was noted of the run; nothing is noted from now on."""
+    global _COURSE
+    course, _COURSE = _COURSE, None
+    return course.told() if course else {}
+
+
+def _watch_steps() -> None:
+    import mujoco
+
+    def watched(step: Callable[..., Any], *, begins: bool, ends: bool) -> Callable[..., Any]:
+        def stepping(model: Any, data: Any, *args: Any, **kwargs: Any) -> Any:
+            if _COURSE and begins:
+                _COURSE.before_step(model, data)
+            made = step(model, data, *args, **kwargs)
+            count = (args[0] if args else kwargs.get("nstep", 1)) if ends else 0
+            _CLOCK.passed_s += _STEP_S * count
+            if _COURSE and ends:
+                _COURSE.after_step(data, count)
+            return made
+
+        return stepping
+
+    for name, begins, ends in (("mj_step", True, True), ("mj_step1", True, False), ("mj_step2", False, True)):
+        setattr(mujoco, name, watched(getattr(mujoco, name), begins=begins, ends=ends))
+
+
+def seed(number: int) -> None:
+    """Seed every generator that can be seeded, so that a regrade draws the same numbers. No verdict rests on it."""
+    random.seed(number)
+    np.random.seed(number)
+    stream = random.Random(number + 1)
+    bit_generator: Any = sys.modules.get("numpy.random.bit_generator")
+    if bit_generator is not None and hasattr(bit_generator, "randbits"):
+        bit_generator.randbits = stream.getrandbits  # default_rng() without a seed takes its entropy from here
+
+
+@contextlib.contextmanager
+def at_home(folder: str) -> Iterator[None]:
+    """Run with the scratch folder as the working directory, whatever an earlier call changed it to."""
+    os.chdir(folder)
+    try:
+        yield
+    finally:
+        os.chdir(folder)

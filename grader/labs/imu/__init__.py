@@ -1,0 +1,1 @@
+"""Lab 04-01, Reading IMU data in MuJoCo."""

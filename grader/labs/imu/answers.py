@@ -1,0 +1,348 @@
+"""What came back over the wire, as frozen records of plain arrays: the shapes that the checks work with.
+
+Everything in here was said by the box and is believed of nobody: a record holds what a student's function returned, in a
+form that can be compared, and what was odd about its form.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.engine.findings import Fault
+from grader.sandbox.wire import Frame
+
+Array = NDArray[np.float64]
+Node = Mapping[str, Any]
+Arrays = Mapping[str, Array]
+
+
+def numbers(node: Node | None, arrays: Arrays) -> Array | None:
+    """The numeric content of a node as one array; None where it has none or is ragged."""
+    if node is None:
+        return None
+    if "key" in node:
+        return arrays[node["key"]]
+    if node["kind"] in ("tuple", "list"):
+        parts = [numbers(item, arrays) for item in node["items"]]
+        known = [part for part in parts if part is not None]
+        if parts and len(known) == len(parts) and len({part.shape for part in known}) == 1:
+            return np.array(known)
+    return None
+
+
+def shape_in_words(node: Node | None, arrays: Arrays) -> str:
+    """What a value is, for a student: ``a tuple of (array (3,), array (2,))``."""
+    if node is None:
+        return "nothing"
+    kind = node["kind"]
+    if kind == "none":
+        return "None"
+    if kind == "number":
+        return "a number"
+    if kind == "text":
+        return "a string"
+    if kind == "too_large":
+        return "an array of more than 600,000 numbers"
+    if "key" in node:
+        return f"{'a list' if kind == 'list' else 'an array'} of shape {arrays[node['key']].shape}"
+    if kind in ("tuple", "list"):
+        inner = [shape_in_words(item, arrays) for item in node["items"][:4]]
+        return f"a {kind} of {len(node['items'])}" + (f" ({', '.join(inner)})" if inner else "")
+    if kind in ("dict", "object"):
+        names = ", ".join(repr(name) for name, _ in node["items"][:6]) or "nothing"
+        return f"{'a dictionary' if kind == 'dict' else 'an object'} with {names}"
+    return f"a value of type {node.get('type', '?')}"
+
+
+# --- readings ------------------------------------------------------------------------------------------------------------
+
+_ACCELERATION_NAME = re.compile(r"acc|specific|force|linear", re.IGNORECASE)
+_RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One call of a reader: two vectors, as far as they can be made out, and what is odd about their form."""
+
+    accel: Array | None
+    gyro: Array | None
+    oddity: str | None
+
+
+def as_reading(node: Node | None, arrays: Arrays) -> Reading:
+    """Take the pair (acceleration, angular velocity) out of whatever a reader returned."""
+    parts = _pair(node, arrays)
+    if parts is None:
+        return Reading(None, None, shape_in_words(node, arrays))
+    accel, gyro = (None if part is None else np.ravel(part) for part in parts)
+    right_form = node is not None and (node["kind"] in ("tuple", "list") or "key" in node)
+    six = numbers(node, arrays)
+    right_form = right_form and not (six is not None and six.ndim == 1)
+    right_shape = all(part is not None and np.squeeze(part).shape == (3,) for part in parts)
+    right_count = node is not None and ("items" not in node or len(node["items"]) == 2)
+    odd = None if right_form and right_shape and right_count else shape_in_words(node, arrays)
+    return Reading(accel, gyro, odd)
+
+
+def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None] | None:
+    if node is None:
+        return None
+    if node["kind"] in ("dict", "object"):
+        named = [(name, numbers(item, arrays)) for name, item in node["items"]]
+        accel = next((v for n, v in named if _ACCELERATION_NAME.search(n)), None)
+        gyro = next((v for n, v in named if _RATE_NAME.search(n) and not _ACCELERATION_NAME.search(n)), None)
+        return None if accel is None and gyro is None else (accel, gyro)
+    whole = numbers(node, arrays)
+    if whole is not None and whole.shape == (6,):
+        return whole[:3], whole[3:]
+    if whole is not None and "key" in node:
+        return (whole[0], whole[1]) if whole.ndim == 2 and len(whole) == 2 else None
+    items = node.get("items", ())
+    if len(items) < 2:
+        return None
+    first, second = numbers(items[0], arrays), numbers(items[1], arrays)
+    return None if first is None and second is None else (first, second)
+
+
+def three(vector: Array | None) -> Array:
+    """The first three components, NaN where there are fewer: a vector that can be compared."""
+    out = np.full(3, np.nan)
+    if vector is not None:
+        out[: min(3, vector.size)] = vector[:3]
+    return out
+
+
+@dataclass(frozen=True)
+class Readings:
+    """All calls of a reader on one scenario.
+
+    Attributes
+    ----------
+    accel, gyro : (p, k, 3) ndarray, per pair of sensors and state; NaN where nothing usable came
+    later_accel, later_gyro : (p, 3) ndarray, the first state's readings looked at again after the simulation moved on
+    oddities : what was odd about the form, in words, each once
+    disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
+    fault : what the reader raised, if it did
+    """
+
+    accel: Array
+    gyro: Array
+    later_accel: Array
+    later_gyro: Array
+    oddities: tuple[str, ...]
+    disturbance: Array
+    fault: Fault | None
+
+    def between(self, start: int, end: int) -> Readings:
+        """The calls in some of the states."""
+        return replace(self, accel=self.accel[:, start:end], gyro=self.gyro[:, start:end])
+
+    def of_pair(self, number: int) -> Readings:
+        """The calls with one pair of sensors."""
+        only = slice(number, number + 1)
+        return replace(self, accel=self.accel[only], gyro=self.gyro[only])
+
+
+# --- a collected time series ---------------------------------------------------------------------------------------------
+
+KEYS = ("time", "acceleration", "angular_velocity")
+
+
+@dataclass(frozen=True)
+class Collection:
+    """What `simulate_and_collect` returned.
+
+    Attributes
+    ----------
+    time : (n,) ndarray or None; acceleration, angular_velocity : (n, 3) ndarray or None
+    keys : the submission's own name for each of the three
+    extras : everything else with numbers in it, by the submission's own names
+    oddities : what was odd about names and shapes, as misconception ids with a sentence
+    changed : names of model fields that differ afterwards
+    first_step : what the box says of the state before the first step: a hint, to be run again before it is believed
+    """
+
+    time: Array | None
+    acceleration: Array | None
+    angular_velocity: Array | None
+    keys: Mapping[str, str] = field(default_factory=dict)
+    extras: Mapping[str, Array] = field(default_factory=dict)
+    oddities: tuple[tuple[str, str], ...] = ()
+    changed: tuple[str, ...] = ()
+    fault: Fault | None = None
+    first_step: Mapping[str, Array] = field(default_factory=dict)
+
+    def rows(self, first: int, end: int | None = None) -> Collection:
+        """A part of the same run."""
+        time, acceleration, angular_velocity = (
+            None if array is None else array[first:end]
+            for array in (self.time, self.acceleration, self.angular_velocity)
+        )
+        return replace(self, time=time, acceleration=acceleration, angular_velocity=angular_velocity)
+
+
+def as_collection(node: Node | None, arrays: Arrays) -> Collection:
+    """Take the three series out of whatever was returned: by their names, else by similar names, else by their shapes."""
+    if node is None or node["kind"] == "none":
+        return _nothing_collected("got None: the function returns nothing")
+    oddities: list[tuple[str, str]] = []
+    if node["kind"] == "dict":
+        members = {name: numbers(item, arrays) for name, item in node["items"]}
+    elif node["kind"] == "object":
+        members = {name: numbers(item, arrays) for name, item in node["items"]}
+        oddities.append(("wrong-return-type", f"got an object of type {node['type']}, not a dictionary"))
+    elif node["kind"] in ("tuple", "list") and "items" in node:
+        members = {str(i): numbers(item, arrays) for i, item in enumerate(node["items"])}
+        oddities.append(("wrong-return-type", f"got {shape_in_words(node, arrays)}, not a dictionary"))
+    else:
+        return _nothing_collected(f"got {shape_in_words(node, arrays)}, not a dictionary")
+    numeric = {name: value for name, value in members.items() if value is not None}
+    keys = _own_keys(numeric)
+    series = {name: value for name, value in numeric.items() if value.size}
+    extras = {name: value for name, value in series.items() if name not in keys.values()}
+    if not oddities and any(keys.get(key) != key for key in KEYS):
+        oddities.append(
+            ("wrong-keys", f"got the keys {', '.join(repr(name) for name in list(members)[:8]) or '(none)'}")
+        )
+    found = _upright({key: series[own] for key, own in keys.items() if own in series}, oddities)
+    found |= {key: columns for key in KEYS[1:] if key not in found and (columns := _columns(key, extras)) is not None}
+    time, acceleration, angular_velocity = (found.get(key) for key in KEYS)
+    return Collection(time, acceleration, angular_velocity, keys, extras, tuple(oddities))
+
+
+def _nothing_collected(got: str) -> Collection:
+    return Collection(None, None, None, oddities=(("wrong-return-type", got),))
+
+
+_COLUMN_NAMES = {
+    "acceleration": re.compile(
+        r"(?:lin(?:ear)?_?)?a(?:cc(?:el(?:eration|erometer)?)?)?[_ .]?([xyz012])", re.IGNORECASE
+    ),
+    "angular_velocity": re.compile(
+        r"(?:g|gyr|gyro(?:scope)?|w|omega|ang(?:ular)?_?(?:vel(?:ocity)?)?)[_ .]?([xyz012])|(roll|pitch|yaw)(?:_?rate)?",
+        re.IGNORECASE,
+    ),
+}
+
+
+def column_named(name: str) -> str | None:
+    """Which of the two sensors a key such as `ax` or `gyro_z` is one axis of."""
+    return next((key for key, pattern in _COLUMN_NAMES.items() if pattern.fullmatch(name)), None)
+
+
+def _columns(key: str, extras: Mapping[str, Array]) -> Array | None:
+    """A sensor (n, 3) whose axes were recorded one by one, such as `ax`, `ay`, `az`; None where there are no such three."""
+    named = [name for name in extras if column_named(name) == key]
+    columns = [np.ravel(extras[name]) for name in named]
+    alike = len({len(column) for column in columns}) == 1
+    return np.column_stack(columns) if len(columns) == 3 and alike else None
+
+
+def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
+    keys = {key: key for key in KEYS if key in series}
+    free = [name for name in series if name not in keys]
+    alike = {
+        "time": lambda n: re.match(r"t(ime|imes|s|_|$)|stamp|zeit", n, re.IGNORECASE) is not None,
+        "acceleration": lambda n: _ACCELERATION_NAME.search(n) is not None,
+        "angular_velocity": lambda n: _RATE_NAME.search(n) is not None and _ACCELERATION_NAME.search(n) is None,
+    }
+    for key in KEYS:
+        guess = next((n for n in free if key not in keys and alike[key](n)), None)
+        if guess is not None:
+            keys[key] = guess
+            free.remove(guess)
+    for key in KEYS:
+        wanted = 1 if key == "time" else 2
+        guess = next((n for n in free if key not in keys and np.squeeze(series[n]).ndim == wanted), None)
+        if guess is not None:
+            keys[key] = guess
+            free.remove(guess)
+    return {key: keys[key] for key in KEYS if key in keys}
+
+
+def _length(found: Mapping[str, Array]) -> int:
+    return found["time"].size if "time" in found else 0
+
+
+def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[str, Array]:
+    out: dict[str, Array] = {}
+    for key, value in found.items():
+        if key == "time":
+            flat = np.ravel(value) if value.ndim == 1 or 1 in value.shape else None
+            if flat is None or value.ndim != 1:
+                oddities.append(("wrong-return-type", f"'time' has shape {value.shape}"))
+            if flat is not None:
+                out[key] = flat
+        elif value.ndim == 2 and value.shape[1] == 3:
+            out[key] = value
+        elif value.ndim == 1 and value.size == 3 * _length(found):
+            oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}: rows of three in one line"))
+            out[key] = value.reshape(-1, 3)
+        elif value.ndim == 2 and value.shape[0] == 3:
+            oddities.append(("arrays-transposed", f"'{key}' has shape {value.shape}"))
+            out[key] = value.T
+        else:
+            oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}"))
+    return out
+
+
+# --- noise, filter, drawing ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class NoiseRun:
+    """Many reads of one `NoisyIMU`: ``accel``, ``gyro`` (states, reads, 3), NaN where a read was not two vectors of three.
+
+    ``odd`` says in words what came in place of two such vectors, if anything did.
+    """
+
+    accel: Array
+    gyro: Array
+    disturbance: Array
+    odd: str | None
+    fault: Fault | None
+
+
+@dataclass(frozen=True)
+class FilterRun:
+    """One filter over one signal.
+
+    Attributes
+    ----------
+    output : (n, 3) ndarray, fewer rows where it raised, rows of NaN where no vector came; None where nothing came
+    odd : what came in place of the first missing vector
+    input_changed : whether a measurement or the initial value was written into
+    output_changed : whether the first output is another one after the last update
+    """
+
+    output: Array | None
+    odd: str | None
+    fault: Fault | None
+    input_changed: bool = False
+    output_changed: bool = False
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Everything that was drawn while something ran: figure facts, the arrays they name, and the picture files."""
+
+    figures: tuple[Mapping[str, Any], ...]
+    arrays: Arrays
+    pictures: tuple[str, ...]
+    fault: Fault | None = None
+
+
+def drawing_of(frame: Frame) -> Drawing:
+    """What an answer tells of figures and pictures."""
+    return Drawing(
+        tuple(frame.fields["figures"]),
+        frame.arrays,
+        tuple(frame.fields["pictures"]),
+        Fault.of(frame.fields.get("error")),
+    )

@@ -1,0 +1,33 @@
+"""The lab's questions, as they run in the box beside a student's code, among the harness's modules."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from . import bonuses, noise, questions
+
+HANDLERS = {
+    "read": questions.read,
+    "simulate": questions.simulate,
+    "replay": questions.replay,
+    "read_along": questions.read_along,
+    "noise": noise.noise,
+    "noise_twins": noise.noise_twins,
+    "default_bias": noise.default_bias,
+    "filter": questions.filter_cases,
+    "plot": questions.plot,
+    **bonuses.HANDLERS,
+}
+
+
+def sheet_names(furniture: dict[str, Any]) -> dict[str, Any]:
+    """What ``from imu_reader import *`` brings along in the sheet's own code."""
+    import matplotlib.pyplot as plt
+
+    model = mujoco.MjModel.from_xml_path(furniture["model_file"])
+    ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in furniture["imu"]]
+    names = {"np": np, "numpy": np, "mujoco": mujoco, "plt": plt, "model": model, "data": mujoco.MjData(model)}
+    return names | dict(zip(("accel_id", "gyro_id"), ids, strict=True))

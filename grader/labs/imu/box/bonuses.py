@@ -1,0 +1,139 @@
+"""The experiments of the sheet's extensions."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from grader.harness import loading
+from grader.harness.values import Packer
+
+from . import live
+from .questions import Reply, examined, move_on, put_in_state, simulation_of
+
+_ROLL = re.compile(r"roll|phi", re.IGNORECASE)
+_PITCH = re.compile(r"pitch|theta", re.IGNORECASE)
+
+
+# --- the complementary filter --------------------------------------------------------------------------------------------
+
+
+def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Run a new `ComplementaryFilter` over each case.
+
+    Parameters
+    ----------
+    fields : ``path`` and ``cases``, each with ``dt`` (s), ``accel`` and ``gyro`` (array names, (n, 3))
+
+    Returns
+    -------
+    ``cases`` : per case ``output`` (array name, (n, 2) roll and pitch, fewer rows where it raised; NaN where an update gave no two
+        numbers), ``odd`` (the first such value) and ``error``.
+    """
+    kind = loading.find("ComplementaryFilter", fields["path"])
+    packer = Packer()
+    return {"cases": [_tilt_case(kind, case, arrays, packer) for case in fields["cases"]]}, packer.arrays
+
+
+def _tilt_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: Packer) -> dict[str, Any]:
+    answer: dict[str, Any] = {"odd": None, "error": None}
+    accel, gyro = arrays[case["accel"]], arrays[case["gyro"]]
+    rows: list[tuple[float, float]] = []
+    with examined(answer):
+        update = _by_name(_built(kind, case["dt"]).update)
+        for force, rate in zip(accel, gyro, strict=True):
+            value = update(force.copy(), rate.copy())
+            rows.append(_roll_and_pitch(value))
+            if answer["odd"] is None and not np.isfinite(rows[-1]).all():
+                answer["odd"] = packer.node(value)
+    return answer | {"output": packer.keep(np.array(rows).reshape(-1, 2))}
+
+
+def _built(kind: Any, dt: float) -> Any:
+    """A filter with its own default of alpha, or with the sheet's where it has none."""
+    parameters = list(inspect.signature(kind).parameters.values())
+    needs_alpha = any(p.name == "alpha" and p.default is p.empty for p in parameters)
+    return kind(dt, alpha=0.98) if needs_alpha else kind(dt)
+
+
+def _by_name(update: Callable[..., Any]) -> Callable[..., Any]:
+    """`update` called as (accel, gyro), even where its parameters carry those names in the other order."""
+    names = [name.lower() for name in inspect.signature(update).parameters][:2]
+    if len(names) == 2 and names[0].startswith("gyr") and names[1].startswith("acc"):
+        return lambda accel, gyro: update(gyro, accel)
+    return update
+
+
+def _roll_and_pitch(value: Any) -> tuple[float, float]:
+    """The two angles in whatever came back: a pair, a longer sequence, a dictionary, an object; NaN where there are none."""
+    try:
+        if hasattr(value, "keys"):
+            return _named({str(key): value[key] for key in value.keys()})  # noqa: SIM118 - any mapping
+        if hasattr(value, "__len__"):
+            flat = np.asarray(value, dtype=np.float64).ravel()
+            return (float(flat[0]), float(flat[1])) if len(flat) >= 2 else (np.nan, np.nan)
+        return _named(dict(vars(value)))
+    except (TypeError, ValueError, KeyError):
+        return np.nan, np.nan
+
+
+def _named(members: dict[str, Any]) -> tuple[float, float]:
+    roll = next((v for k, v in members.items() if _ROLL.search(k)), np.nan)
+    pitch = next((v for k, v in members.items() if _PITCH.search(k)), np.nan)
+    return float(roll), float(pitch)
+
+
+# --- the Allan deviation -------------------------------------------------------------------------------------------------
+
+
+def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call `allan_deviation` with one record.
+
+    Parameters
+    ----------
+    fields : ``path``, ``sample_rate_hz``
+    arrays : ``samples`` (n,) or (n, 3)
+    """
+    function = loading.find("allan_deviation", fields["path"])
+    packer = Packer()
+    answer: dict[str, Any] = {"value": None}
+    with examined(answer):
+        answer["value"] = packer.node(function(arrays["samples"].copy(), float(fields["sample_rate_hz"])))
+    return answer, packer.arrays
+
+
+# --- many IMUs -----------------------------------------------------------------------------------------------------------
+
+
+def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call `read_all_imus` in every state; report each answer at once, and the first again after the next step.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model`` (XML text)
+    arrays : ``qpos`` (k, nq), ``qvel`` (k, nv)
+
+    Returns
+    -------
+    ``calls`` : a node per state; ``later`` : the first state's answer, looked at again after the simulation moved on.
+    """
+    function = loading.find("read_all_imus", fields["path"])
+    packer = Packer()
+    answer: dict[str, Any] = {"calls": [], "later": None}
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        for index, (qpos, qvel) in enumerate(zip(arrays["qpos"], arrays["qvel"], strict=True)):
+            put_in_state(model, data, qpos, qvel)
+            readings = function(model, data)
+            answer["calls"].append(packer.node(readings))
+            if index == 0:
+                move_on(model, data)
+                answer["later"] = packer.node(readings)
+    return answer, packer.arrays
+
+
+HANDLERS: dict[str, Callable[..., Reply]] = {"tilt": tilt, "allan": allan, "imus": imus, "live": live.live}

@@ -1,0 +1,196 @@
+"""The noisy IMU under experiment: many reads in a simulation that is held still."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from grader.harness import loading, world
+from grader.harness.values import Packer
+
+from .questions import Reply, changes_of, examined, provide_ids, put_in_state, simulation_of, state_of
+
+
+def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Build one `NoisyIMU` and read it many times, in one state after the other.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads`` (per state), ``accel_noise_std``, ``gyro_noise_std``
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv); ``accel_bias`` (3,), ``gyro_bias`` (3,) where biases are given
+
+    Returns
+    -------
+    arrays ``accel``, ``gyro`` (s, reads, 3), NaN where a read did not come back as two vectors of three (``odd``: the first
+    such value); ``disturbance`` (s, 4), as for `read`.
+    """
+    packer = Packer()
+    answer: dict[str, Any] = {"odd": None, "done": 0}
+    readings = np.full((len(arrays["qpos"]), fields["reads"], 6), np.nan)
+    disturbance: list[list[float]] = []
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
+        sensor = _noisy(fields, arrays, model, data)
+        for state in range(len(readings)):
+            still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
+            for index, row in enumerate(readings[state]):
+                _store(sensor.read(), row, answer, packer)
+                if index == 0:
+                    disturbance.append(still.changes())
+                still.again(row)
+                answer["done"] += 1
+    return answer, packer.arrays | {
+        "accel": readings[:, :, :3],
+        "gyro": readings[:, :, 3:],
+        "disturbance": np.array(disturbance).reshape(-1, 4),
+    }
+
+
+def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Build `NoisyIMU`s that differ in one thing, each from the same seed, and read each a few times in one state.
+
+    Both halves of a difference are in one question, so that what raises or hangs costs its time once.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``, ``twins``: for each the two standard deviations
+    arrays : ``qpos`` (1, nq), ``qvel`` (1, nv), ``biases`` (twins, 2, 3)
+
+    Returns
+    -------
+    arrays ``accel``, ``gyro`` (twins, reads, 3).
+    """
+    packer = Packer()
+    answer: dict[str, Any] = {"odd": None}
+    readings = np.full((len(fields["twins"]), fields["reads"], 6), np.nan)
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
+        generators = [(generator, _state(generator)) for generator in _generators()]
+        for rows, stds, (accel, gyro) in zip(readings, fields["twins"], arrays["biases"], strict=True):
+            world.seed(_SEED)
+            for generator, state in generators:
+                _rewind(generator, state)
+            sensor = _noisy(fields | stds, {"accel_bias": accel, "gyro_bias": gyro}, model, data)
+            for row in rows:
+                _store(sensor.read(), row, answer, packer)
+                still.changes()
+                still.again(row)
+    return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
+
+
+_SEED = 1234
+"""Any number: it is the same for twins."""
+
+
+def _generators() -> Iterator[Any]:
+    """The generators that the submission keeps in its modules and classes, which no new seed reaches."""
+    for module in list(loading.STATE.modules.values()):
+        owned = [m for m in vars(module).values() if isinstance(m, type) and m.__module__ == module.__name__]
+        for value in [value for owner in (module, *owned) for value in vars(owner).values()]:
+            if isinstance(value, np.random.Generator | np.random.RandomState | random.Random):
+                yield value
+
+
+def _state(generator: Any) -> Any:
+    if isinstance(generator, np.random.Generator):
+        return generator.bit_generator.state
+    return generator.getstate() if isinstance(generator, random.Random) else generator.get_state()
+
+
+def _rewind(generator: Any, state: Any) -> None:
+    if isinstance(generator, np.random.Generator):
+        generator.bit_generator.state = state
+    elif isinstance(generator, random.Random):
+        generator.setstate(state)
+    else:
+        generator.set_state(state)
+
+
+class _Still:
+    """A simulation that is held in one state, whatever the reads do to it.
+
+    A read that wrote into the sensors' data spoils the next ones no further. One that stepped or reset, which costs it
+    leaves_simulation_alone, is told as a reading of the state that it found: what the sensors changed by is taken off.
+    """
+
+    def __init__(self, fields: dict[str, Any], model: Any, data: Any, qpos: Any, qvel: Any) -> None:
+        self._model, self._data, self._qpos, self._qvel = model, data, qpos, qvel
+        addresses = [int(model.sensor_adr[fields[name]]) for name in ("accel_id", "gyro_id")]
+        self._columns = [address + axis for address in addresses for axis in range(3)]
+        put_in_state(model, data, qpos, qvel)
+        self._before, self._sensordata = state_of(data), data.sensordata
+        self._clean = self._sensordata.copy()
+        self._moved = False
+
+    def changes(self) -> list[float]:
+        """What the first read changed; where it moved the simulation, each of the next is looked after."""
+        found = changes_of(self._before, state_of(self._data))
+        self._moved = any(found[:3])
+        return found
+
+    def again(self, row: np.ndarray) -> None:
+        """As it was before the read that gave this row."""
+        if self._moved:
+            row -= (self._sensordata - self._clean)[self._columns]
+            put_in_state(self._model, self._data, self._qpos, self._qvel)
+        self._sensordata[:] = self._clean
+
+
+def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any) -> Any:
+    kind = loading.find("NoisyIMU", fields["path"])
+    provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
+    given = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
+    stds = {name: fields[name] for name in ("accel_noise_std", "gyro_noise_std")}
+    return kind(model, data, fields["accel_id"], fields["gyro_id"], **stds, **given)
+
+
+def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
+    named = isinstance(reading, dict)
+    try:
+        accel, gyro = reading.values() if named else reading
+        row[:3] = accel if _is_vector(accel) else np.reshape(accel, 3)
+        row[3:] = gyro if _is_vector(gyro) else np.reshape(gyro, 3)
+    except (TypeError, ValueError):
+        row[:] = np.nan
+    if answer["odd"] is None and (named or not all(map(isfinite, row.tolist()))):
+        answer["odd"] = packer.node(reading)
+
+
+def _is_vector(value: Any) -> bool:
+    return type(value) is np.ndarray and value.shape == (3,)
+
+
+def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Build many `NoisyIMU` without biases, and read each a few times in one state.
+
+    The first read of each comes right after it was built; the others come when all are built, so that what one does to
+    another shows.
+
+    Returns
+    -------
+    arrays ``accel``, ``gyro`` (instances, reads, 3).
+    """
+    packer = Packer()
+    answer: dict[str, Any] = {"odd": None, "done": 0}
+    readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
+        sensors = []
+        for rows in readings:
+            sensors.append(_noisy(fields, {}, model, data))
+            _store(sensors[-1].read(), rows[0], answer, packer)
+            still.changes()
+            still.again(rows[0])
+        for sensor, rows in zip(sensors, readings, strict=True):
+            for row in rows[1:]:
+                _store(sensor.read(), row, answer, packer)
+                still.again(row)
+            answer["done"] += 1
+    return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}

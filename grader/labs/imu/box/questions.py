@@ -1,0 +1,391 @@
+"""The experiments: each runs one student function on given states and reports what came back, value by value.
+
+An experiment answers with facts and arrays; an exception of the student's ends it and is reported beside what came before.
+"""
+
+from __future__ import annotations
+
+import dis
+import functools
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from grader.harness import faults, figures, loading, world
+from grader.harness.values import Packer
+
+Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
+_SHORT_RUN_S = 0.1
+_ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
+_GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
+_AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
+
+
+@contextmanager
+def examined(answer: dict[str, Any]) -> Iterator[None]:
+    """Catch whatever student code raises and note it in the answer."""
+    try:
+        with world.at_home(loading.STATE.folder):
+            yield
+    except BaseException as raised:  # whatever student code raises, SystemExit included
+        answer["error"] = faults.describe(raised)
+
+
+# --- the reader ----------------------------------------------------------------------------------------------------------
+
+
+def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call the reader with every pair of sensors in every state; report each reading at once and after the next step.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model`` (XML text)
+    arrays : ``qpos`` (k, nq), ``qvel`` (k, nv), ``pairs`` (p, 2) sensor ids
+
+    Returns
+    -------
+    ``calls`` : per pair and state a node; ``later`` : the first state's readings again, after a step and another reading;
+    arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata while reading, in each of these states
+    and after that step.
+    """
+    reader = loading.find("get_imu_readings", fields["path"])
+    packer = Packer()
+    answer: dict[str, Any] = {"calls": [], "later": []}
+    disturbance = []
+    with examined(answer):
+        model, data = simulation_of(fields["model"])
+        for accel_id, gyro_id in arrays["pairs"]:
+            for index in range(len(arrays["qpos"])):
+                put_in_state(model, data, arrays["qpos"][index], arrays["qvel"][index])
+                before = state_of(data)
+                reading = reader(model, data, int(accel_id), int(gyro_id))
+                answer["calls"].append(packer.node(reading))
+                disturbance.append(changes_of(before, state_of(data)))
+                if index == 0:
+                    move_on(model, data)
+                    before = state_of(data)
+                    reader(model, data, int(accel_id), int(gyro_id))  # into arrays of its own, or the same ones again
+                    disturbance.append(changes_of(before, state_of(data)))
+                    answer["later"].append(packer.node(reading))
+    return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
+
+
+_MODELS: dict[str, Any] = {}
+
+
+def simulation_of(xml: str) -> tuple[Any, Any]:
+    import mujoco
+
+    if xml not in _MODELS:
+        _MODELS[xml] = mujoco.MjModel.from_xml_string(xml)
+    return _MODELS[xml], mujoco.MjData(_MODELS[xml])
+
+
+def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
+    """A state as if nothing had been before it, with the sensors read."""
+    import mujoco
+
+    mujoco.mj_resetData(model, data)
+    data.qpos[:], data.qvel[:] = qpos, qvel
+    mujoco.mj_forward(model, data)
+
+
+def state_of(data: Any) -> tuple[np.ndarray, ...]:
+    return tuple(np.array(v, dtype=np.float64).ravel() for v in (data.time, data.qpos, data.qvel, data.sensordata))
+
+
+def changes_of(before: tuple[np.ndarray, ...], after: tuple[np.ndarray, ...]) -> list[float]:
+    return [float(np.max(np.abs(b - a), initial=0.0)) for a, b in zip(before, after, strict=True)]
+
+
+def move_on(model: Any, data: Any) -> None:
+    import mujoco
+
+    mujoco.mj_step(model, data)
+    data.sensordata[:] += 1.0  # so that a view shows itself even where the motion would not
+
+
+# --- data collection -----------------------------------------------------------------------------------------------------
+
+
+def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call `simulate_and_collect` on the lab model, from a dirty state if one is given.
+
+    Parameters
+    ----------
+    fields : ``path``, ``model`` (XML text), ``duration_s``, ``timestep`` (or None), ``accel_id``, ``gyro_id``, ``time_s``
+    arrays : optional ``qpos`` (nq,), ``qvel`` (nv,); optional ``gravity`` (3,), another one than the model's
+    """
+    import mujoco
+
+    function = loading.find("simulate_and_collect", fields["path"])
+    model = mujoco.MjModel.from_xml_string(fields["model"])
+    if fields["timestep"]:
+        model.opt.timestep = fields["timestep"]
+    if "gravity" in arrays:
+        model.opt.gravity[:] = arrays["gravity"]
+    data = mujoco.MjData(model)
+    if "qpos" in arrays:
+        data.qpos[:], data.qvel[:], data.time = arrays["qpos"], arrays["qvel"], fields["time_s"]
+        mujoco.mj_forward(model, data)
+    ids = {"accel": fields["accel_id"], "gyro": fields["gyro_id"]}
+    provide_ids(ids)
+    packer = Packer()
+    answer: dict[str, Any] = {"value": None}
+    before = _options(model)
+    world.watch_next_run()
+    with examined(answer):
+        answer["value"] = packer.node(call_collector(function, model, data, fields["duration_s"], ids))
+    answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
+    return answer, packer.arrays | {f"first_{name}": value for name, value in world.watched_run().items()}
+
+
+def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Step the lab model from a given state; asked of a worker that no submission has been in.
+
+    Parameters
+    ----------
+    fields : ``model`` (XML text), ``steps``
+    arrays : ``qpos`` (nq,), ``qvel`` (nv,), ``gravity`` (3,), ``timestep`` (1,), ``force``: what is applied from the start on;
+        ``set_at`` (m,): before which steps the state is set to ``set_qpos``, ``set_qvel``, ``set_force`` (m, …)
+
+    Returns
+    -------
+    array ``sensordata`` (steps, n), as it is after each step.
+    """
+    return {}, {"sensordata": np.array([np.array(data.sensordata) for _, data in _run_again(fields, arrays)])}
+
+
+def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call the submission's own reader after each step of such a run; NaN where it returns no two vectors.
+
+    Parameters
+    ----------
+    fields, arrays : as of `replay`, with ``path``, ``accel_id`` and ``gyro_id``
+
+    Returns
+    -------
+    array ``rows`` (steps, 6); fewer where it raised
+    """
+    reader = loading.find("get_imu_readings", fields["path"])
+    answer: dict[str, Any] = {}
+    rows: list[np.ndarray] = []
+    with examined(answer):
+        for model, data in _run_again(fields, arrays):
+            rows.append(_six(reader(model, data, fields["accel_id"], fields["gyro_id"])))
+    return answer, {"rows": np.array(rows).reshape(-1, 6)}
+
+
+def _run_again(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(fields["model"])
+    model.opt.timestep, model.opt.gravity[:] = float(arrays["timestep"][0]), arrays["gravity"]
+    data = mujoco.MjData(model)
+    starts = {0: tuple(arrays[name] for name in ("qpos", "qvel", "force"))}
+    changes = zip(*(arrays[name] for name in ("set_at", "set_qpos", "set_qvel", "set_force")), strict=True)
+    starts |= {int(step): tuple(state) for step, *state in changes}
+    for step in range(fields["steps"]):
+        if step in starts:
+            data.qpos[:], data.qvel[:], force = starts[step]
+            data.qfrc_applied[:], data.xfrc_applied[:] = force[: model.nv], force[model.nv :].reshape(-1, 6)
+        mujoco.mj_step(model, data)
+        yield model, data
+
+
+def _six(reading: Any) -> np.ndarray:
+    try:
+        return np.array(reading, dtype=np.float64).reshape(6)
+    except (TypeError, ValueError):
+        return np.full(6, np.nan)
+
+
+def _options(model: Any) -> dict[str, np.ndarray]:
+    values = {
+        "opt.timestep": model.opt.timestep,
+        "opt.gravity": model.opt.gravity,
+        "opt.integrator": model.opt.integrator,
+        "opt.disableflags": model.opt.disableflags,
+        "body_mass": model.body_mass,
+        "dof_damping": model.dof_damping,
+        "jnt_stiffness": model.jnt_stiffness,
+        "geom_friction": model.geom_friction,
+    }
+    return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
+
+
+def call_collector(function: Callable[..., Any], model: Any, data: Any, duration_s: float, ids: dict[str, int]) -> Any:
+    """Bind ids by their names, the rest by position; the duration by its own name where it has one."""
+    parameters = inspect.signature(function).parameters
+    by_name: dict[str, Any] = {}
+    plain = []
+    for name, parameter in parameters.items():
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
+        sensor = "accel" if _ACCELEROMETER.match(name) else "gyro" if _GYROSCOPE.match(name) else None
+        if sensor is None:
+            plain.append(name)
+        elif parameter.default is parameter.empty or isinstance(parameter.default, int | np.integer | None):
+            by_name[name] = ids[sensor]  # anything else that it stands for by default is no id: a sensor's name, a list
+    if not by_name:
+        duration = parameters.get("duration_seconds")
+        by_position = duration is None or duration.kind is duration.POSITIONAL_ONLY
+        return function(model, data, duration_s) if by_position else function(model, data, duration_seconds=duration_s)
+    values = dict(zip(plain, (model, data, duration_s), strict=False))
+    if "duration_seconds" in plain:
+        values["duration_seconds"] = duration_s
+    positional = [p for p in parameters.values() if p.kind is p.POSITIONAL_ONLY]
+    every = by_name | values
+    return function(*(every.pop(p.name) for p in positional if p.name in every), **every)
+
+
+def provide_ids(ids: dict[str, int]) -> None:
+    """Set the sensor ids that student code reads from module globals which nothing has set, or to a placeholder only."""
+    for module in list(loading.STATE.modules.values()):
+        for name in _unset_globals(module):
+            if _AN_ID.search(name) and _ACCELEROMETER.match(name):
+                setattr(module, name, ids["accel"])
+            elif _AN_ID.search(name) and _GYROSCOPE.match(name):
+                setattr(module, name, ids["gyro"])
+
+
+def _unset_globals(module: ModuleType) -> set[str]:
+    members = [m for m in list(vars(module).values()) if getattr(m, "__module__", None) == module.__name__]
+    functions = [m for m in members if isinstance(m, FunctionType)]
+    for owner in (m for m in members if isinstance(m, type)):
+        functions += [f for f in vars(owner).values() if isinstance(f, FunctionType)]
+    names = {name for function in functions for name in _names(function.__code__)}
+    set_later = {name for function in functions for name in _set_globals(function.__code__)}
+    values = vars(module)
+    return {name for name in names if values.get(name) is None or (name in set_later and _is_no_id(values[name]))}
+
+
+def _is_no_id(value: Any) -> bool:
+    """Whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
+    return isinstance(value, int | np.integer) and bool(value < 0)
+
+
+@functools.cache  # asked for every instance of a class
+def _set_globals(code: CodeType) -> set[str]:
+    return {str(step.argval) for step in dis.get_instructions(code) if step.opname == "STORE_GLOBAL"}
+
+
+@functools.cache
+def _names(code: CodeType) -> set[str]:
+    inner = {name for const in code.co_consts if isinstance(const, CodeType) for name in _names(const)}
+    return set(code.co_names) | inner
+
+
+# --- the filter ----------------------------------------------------------------------------------------------------------
+
+
+def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Run filters over given measurements, each case by itself.
+
+    Parameters
+    ----------
+    fields : ``path`` and ``cases``, each with ``input`` (array name), ``alpha`` (or None: the default), ``initial`` (array name
+        or None), ``handling``: ``plain``; ``spoil_input``, ``spoil_output`` (the caller overwrites the array afterwards);
+        ``beside`` (a second instance with another alpha is fed other data in between).
+
+    Returns
+    -------
+    ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``, ``output_changed``.
+    """
+    kind = loading.find("LowPassFilter", fields["path"])
+    packer = Packer()
+    cases = [_filter_case(kind, case, arrays, packer) for case in fields["cases"]]
+    return {"cases": cases}, packer.arrays
+
+
+def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: Packer) -> dict[str, Any]:
+    signal = np.array(arrays[case["input"]])
+    answer: dict[str, Any] = {
+        "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False
+    }  # fmt: skip
+    rows: list[np.ndarray] = []
+    initial = None if case["initial"] is None else np.array(arrays[case["initial"]])
+    with examined(answer):
+        options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
+        if initial is not None:
+            options["initial_value"] = initial
+        instance = kind(**options)
+        other = kind(**options | {"alpha": 1 - case["alpha"]}) if case["handling"] == "beside" else None
+        first: Any = None
+        for measurement in signal:
+            value, row = _filtered(instance, measurement, case["handling"], answer, packer)
+            first = first if rows else value
+            rows.append(row)
+            if other is not None:
+                other.update(100.0 - 3.0 * measurement)
+        if isinstance(first, np.ndarray) and first.size == rows[0].size:
+            answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
+        answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
+    if rows:
+        answer["output"] = packer.keep(np.array(rows))
+    return answer
+
+
+def _filtered(
+    instance: Any, measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
+) -> tuple[Any, np.ndarray]:
+    given = measurement.copy()
+    value = instance.update(given)
+    try:
+        row = np.array(value, dtype=np.float64).reshape(measurement.shape)
+    except (TypeError, ValueError):
+        row = np.full(measurement.shape, np.nan)
+        answer["odd"] = answer["odd"] or packer.node(value)
+    answer["input_changed"] = answer["input_changed"] or given.tolist() != measurement.tolist()
+    if handling == "spoil_input":
+        given[:] = 1e3
+    if handling == "spoil_output" and isinstance(value, np.ndarray) and value.flags.writeable:
+        value[...] = 1e3
+    return value, row
+
+
+# --- the plot ------------------------------------------------------------------------------------------------------------
+
+
+def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
+    """Call `plot_imu_data` with the given data and tell what it drew and saved.
+
+    Parameters
+    ----------
+    fields : ``path``, ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
+        call the submission's `simulate_and_collect`, whose result is then given, with these series in the place of its own
+    arrays : what is plotted; a number is an array of no dimension
+    """
+    function = loading.find("plot_imu_data", fields["path"])
+    figures.RECORDER.take()
+    for name in figures.written_pictures(loading.STATE.folder):
+        Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
+    answer: dict[str, Any] = {}
+    given: Any = {
+        name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
+    }
+    with examined(answer):
+        function(_recorded(fields["recorder"], given) if fields["recorder"] else given)
+    seen, facts = figures.RECORDER.take()
+    return answer | {"figures": seen, "pictures": figures.written_pictures(loading.STATE.folder)}, facts
+
+
+def _recorded(recorder: dict[str, Any], series: dict[str, Any]) -> Any:
+    """What the submission returns for a short run, with other series in it: it may be more than a dictionary of numbers."""
+    function = loading.find("simulate_and_collect", recorder["path"])
+    model, data = simulation_of(recorder["model"])
+    ids = {"accel": recorder["accel_id"], "gyro": recorder["gyro_id"]}
+    provide_ids(ids)
+    recorded = call_collector(function, model, data, _SHORT_RUN_S, ids)
+    for name, value in series.items():
+        try:
+            recorded[name] = value
+        except TypeError:  # an object with attributes, which may be frozen
+            object.__setattr__(recorded, name, value)
+    return recorded

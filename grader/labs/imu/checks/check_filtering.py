@@ -1,0 +1,406 @@
+"""Filtering: the sheet's exponential moving average, which reduces noise and preserves the signal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from grader.engine.examination import check
+from grader.engine.findings import Lost, Size, Skipped, raised
+from grader.engine.traces import Traces
+from grader.labs.imu.answers import FilterRun
+from grader.labs.imu.compare import Array, same, vector
+from grader.labs.imu.diagnosis import filter_outputs as outputs
+from grader.labs.imu.diagnosis import filtering as diagnosis
+from grader.labs.imu.digits import told_apart
+from grader.labs.imu.student import FilterCase, Student
+
+_DEFAULT_ALPHA = 0.1
+_ALPHA = 0.2
+_LATE = 10
+"""Samples at the end of 60: a state that was taken over from another instance is forgotten by then, 0.7^50 = 2e-8 of it."""
+_NO_LIMITS = (-np.inf, np.inf)
+_SLOW_PERIOD = 200  # samples; the sheet's filter with alpha 0.2 lags by 4 of them
+_LARGEST_NOISE_GAIN = 0.95
+"""Of the variance. The sheet's filter leaves alpha / (2 - alpha) = 0.11 for alpha 0.2, averaging two samples 0.5; no filter 1."""
+_LARGEST_SIGNAL_ERROR = 0.5
+"""Of the signal's spread. The sheet's filter errs by 0.13 at this period; one that loses the signal by 1."""
+
+_DEFAULT = "The default of alpha is 0.1 in the sheet."
+_WEIGHT = (
+    "Only the weights differ from the sheet's: give the measurement alpha itself and the output before 1 - alpha, once in each "
+    "update() (Step 6)."
+)
+_BEHIND = (
+    "Return the output that this measurement has just made; what comes out belongs to the measurement before (Step 6)."
+)
+_LIMITED = "Return what the recursion gives, however large: a limit cuts off motion along with the noise (Step 6)."
+_BY_HAND = (
+    "Work one update by hand: alpha times the measurement plus (1 - alpha) times the output that came before, on each axis by "
+    "itself, and that is the next output and the state (Step 6)."
+)
+_FIRST = (
+    "Where no initial value is given, let the first measurement be the first output and the state, as it is (Step 6)."
+)
+_INITIAL = (
+    "Take the initial value for the output before the first measurement, and update from it as from any other (Step 6)."
+)
+_OWN = (
+    "Let the output follow from this instance's own measurements alone: the same ones did not give the same output again. Look at "
+    "what is kept outside self, and at random numbers (Step 6)."
+)
+_SUM = (
+    "A constant has to come out as itself: look at the sum of the weights, alpha and 1 - alpha in the sheet, and at what is "
+    "added or cut off on the way (Step 6)."
+)
+_SMALL = (
+    "Noise has to come out smaller: look at how much of the measurement goes straight into the output. In the sheet that is "
+    "alpha, and the rest is the output before (Step 6)."
+)
+_SLOW = (
+    "A slow motion has to come through: look at what keeps the output from following it. In the sheet every measurement moves the "
+    "output by alpha of the way (Step 6)."
+)
+
+
+@check("filtering.follows_recursion", lab_step=6)
+def check_follows_recursion(student: Student, truth: Traces) -> None:
+    """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1], with alpha 0.1 where none is given"""
+    runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
+    wrong = [run for run in runs if not diagnosis.obeys(run[1], run[2], run[0], 1 - run[0])]
+    if not wrong:
+        return
+    alpha, x, y = wrong[0]
+    wanted = alpha * x[1:] + (1 - alpha) * y[:-1]
+    row = int(np.argmax(np.abs(y[1:] - wanted).max(axis=1)))
+    expected, got = told_apart(wanted[row], y[row + 1])
+    only_default = len(wrong) == 1 and wrong[0] is runs[-1] and not _grain(student, truth)
+    mistakes, hint = ([], _DEFAULT) if only_default else _why_not_the_recursion(student, truth, runs)
+    raise Lost(
+        f"{expected} from the measurement {vector(x[row + 1])} after {vector(y[row])}, alpha {alpha:g}",
+        got,
+        off=_off(y[row + 1], wanted[row]),
+        mistakes=mistakes,
+        keeps=0.5 if only_default else 0.0,
+        hint=hint,
+    )
+
+
+def _why_not_the_recursion(
+    student: Student, truth: Traces, runs: list[tuple[float, Array, Array]]
+) -> tuple[list[str], str]:
+    """The mistake's name, or the kind of difference in words: a true hint in either case."""
+    if _grain(student, truth):
+        return ["output-rounded"], ""
+    if _limits(student, truth) != _NO_LIMITS:
+        return [], _LIMITED
+    if mistakes := diagnosis.mistakes([(alpha, x, y) for alpha, x, y in runs]):
+        return mistakes, ""
+    if all(diagnosis.recursion_of(x, y) for _, x, y in runs):
+        return [], _WEIGHT
+    if all(outputs.one_behind(alpha, x, y) for alpha, x, y in runs):
+        return [], _BEHIND
+    return (["other-low-pass"], "") if _is_low_pass(student, truth) else ([], _BY_HAND)
+
+
+def _is_low_pass(student: Student, truth: Traces) -> bool:
+    cases = _cases(student, truth)
+    noise, slow, constant = cases.noise, cases.slow, cases.constant
+    return (
+        diagnosis.noise_gain(noise[0], _output(noise[1])) < _LARGEST_NOISE_GAIN
+        and diagnosis.signal_error(slow[0], _output(slow[1])) < _LARGEST_SIGNAL_ERROR
+        and same(_output(constant[1])[-1], constant[0][-1], 1e-3)
+    )
+
+
+def filters(student: Student, truth: Traces) -> None:
+    """What comes out depends on the measurements, and on more than the present one."""
+    runs = [(signal, _output(run)) for _, signal, run in _plain(student, truth)]
+    if all(diagnosis.has_no_memory(x, y) for x, y in runs):
+        raise Skipped(
+            "a filter that keeps something of the measurements before: each output comes from one measurement alone"
+        )
+    if not any(np.ptp(y[1:], axis=0).any() for _, y in runs):
+        raise Skipped("a filter whose output follows the measurements: it stays the same, whatever goes in")
+
+
+@check("filtering.starts_from_first_measurement", lab_step=6, needs=filters)
+def check_starts_from_first_measurement(student: Student, truth: Traces) -> None:
+    """The first output is the first measurement, or follows from the initial value where one is given"""
+    alpha, x, run = _plain(student, truth)[0]
+    y = _output(run)
+    if _cases(student, truth).nothing_at_first:
+        got = f"{run.odd or 'nothing'} from the first update(), vectors from the next ones"
+        raise Lost(vector(x[0]), got, mistakes=["wrong-return-type"], off=Size("no vector from the first update()"))
+    if _named(student, truth) == ["high-pass"]:
+        return  # what it lets through of the first measurement is part of that fault
+    first = _within(x[0], _limits(student, truth))
+    if not same(y[0], first, outputs.ATOL + _grain(student, truth)) and not _scaled(x, y):
+        if _shares_state(student, truth):
+            return  # it starts where its neighbour ended, which instances_independent charges
+        zero = same(y[0], alpha * x[0], outputs.ATOL) or same(y[0], (1 - alpha) * x[0], outputs.ATOL) or not y[0].any()
+        stuck = not np.ptp(y, axis=0).any()
+        mistakes = ["output-stuck"] if stuck else ["zero-initial-state"] if zero or _from_zero(x, y) else []
+        expected, got = told_apart(x[0], y[0])
+        raise Lost(expected, got, mistakes=mistakes, off=_off(y[0], x[0]), hint="" if mistakes else _FIRST)
+    _follows_initial_value(student, truth)
+
+
+def _scaled(x: Array, y: Array) -> bool:
+    """Whether the first output is right for a recursion that is wrong, which follows_recursion charges."""
+    found = diagnosis.recursion_of(x, y)
+    gain = sum(found) if found is not None else 0.0
+    return abs(gain) > 1e-6 and abs(gain - 1) > 1e-6 and same(y[0], gain * x[0], outputs.ATOL)
+
+
+def _from_zero(x: Array, y: Array) -> bool:
+    found = diagnosis.recursion_of(x, y)
+    return found is not None and same(y[0], found[0] * x[0], outputs.ATOL)
+
+
+def _follows_initial_value(student: Student, truth: Traces) -> None:
+    cases = _cases(student, truth)
+    x, run, alpha, initial = *cases.from_initial, cases.initial_alpha, cases.initial
+    y = _output(run)
+    found = diagnosis.recursion_of(x, y)
+    if found is None or _shares_state(student, truth):
+        return  # another filter, or one that starts from its neighbour's state: charged elsewhere
+    if abs(found[1]) < outputs.ATOL or same(y[0], found[0] * x[0] + found[1] * initial, outputs.ATOL):
+        return
+    wanted = alpha * x[0] + (1 - alpha) * initial
+    ignored = same(y[0], x[0], outputs.ATOL) or same(y[0], found[0] * x[0], outputs.ATOL)
+    expected, got = told_apart(wanted, y[0])
+    raise Lost(
+        f"{expected} from the measurement {vector(x[0])} after the initial value {vector(initial)}, alpha {alpha:g}",
+        got,
+        off=_off(y[0], wanted),
+        mistakes=["initial-value-ignored"] if ignored else [],
+        keeps=0.5,
+        hint="" if ignored else _INITIAL,
+    )
+
+
+@check("filtering.passes_constant", lab_step=6, needs=filters)
+def check_passes_constant(student: Student, truth: Traces) -> None:
+    """A constant input comes out as itself"""
+    signal, run = _cases(student, truth).constant
+    y = _output(run)
+    # A state that is rounded stops where alpha times the rest is rounded away.
+    rounding = _grain(student, truth) / _ALPHA
+    if not same(y[-1], _within(signal[-1], _limits(student, truth)), 1e-3 + rounding):
+        expected, got = told_apart(signal[-1], y[-1])
+        mistakes = _gain_mistakes(student, truth)
+        raise Lost(
+            f"{expected}, the constant itself",
+            f"{got} after {len(y)} samples",
+            off=_off(y[-1], signal[-1]),
+            mistakes=mistakes,
+            hint="" if mistakes else _SUM,
+        )
+
+
+def _gain_mistakes(student: Student, truth: Traces) -> list[str]:
+    runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
+    named = diagnosis.mistakes(runs)
+    return named if named else ["gain-not-one"] if all(diagnosis.recursion_of(x, y) for _, x, y in runs) else []
+
+
+@check("filtering.reduces_noise", lab_step=6, needs=filters)
+def check_reduces_noise(student: Student, truth: Traces) -> None:
+    """Noise comes out smaller than it went in"""
+    x, run = _cases(student, truth).noise
+    grain = _grain(student, truth)
+    if not np.ptp(_output(run), axis=0).any() and not grain:
+        raise Skipped("an output that changes with the measurement")
+    gain, rounding = diagnosis.noise_gain(x, _output(run)), grain / float(np.std(x, axis=0).min())
+    if not np.sqrt(gain) < np.sqrt(_LARGEST_NOISE_GAIN) + rounding:
+        mistakes = _named(student, truth)
+        raise Lost(
+            "a noise variance below that of the input",
+            f"{gain:.2f} times that of the input (alpha 0.2)",
+            mistakes=mistakes,
+            hint="" if mistakes else _SMALL,
+        )
+
+
+@check("filtering.preserves_signal", lab_step=6, needs=filters)
+def check_preserves_signal(student: Student, truth: Traces) -> None:
+    """A slow motion comes through the filter"""
+    x, run = _cases(student, truth).slow
+    error = diagnosis.signal_error(x, _output(run))
+    if not error < _LARGEST_SIGNAL_ERROR + _grain(student, truth) / float(np.std(x, axis=0).min()):
+        mistakes = _named(student, truth)
+        raise Lost(
+            "an output that follows a slow input",
+            f"an output that misses it by {error:.2f} of its spread",
+            mistakes=mistakes,
+            hint="" if mistakes else _SLOW,
+        )
+
+
+def _named(student: Student, truth: Traces) -> list[str]:
+    return diagnosis.mistakes([(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)])
+
+
+@check("filtering.instances_independent", lab_step=6)
+def check_instances_independent(student: Student, truth: Traces) -> None:
+    """Each instance keeps a state of its own, which nobody else can change"""
+    cases = _cases(student, truth)
+    alone = _output(cases.alone)
+    if not np.ptp(alone, axis=0).any() and not same(alone[0], cases.plain[0][1][0], outputs.ATOL):
+        raise Skipped("an output that depends on the measurements")
+    if _shares_state(student, truth):
+        settled = same(_output(cases.again)[-_LATE:], alone[-_LATE:], outputs.ATOL)
+        raise Lost(
+            "the same output beside a second filter as alone",
+            "another output",
+            mistakes=["shared-state"] if settled else [],
+            hint="" if settled else _OWN,
+        )
+    if not same(_output(cases.spoilt_output), alone, outputs.ATOL):
+        got = "one that changes when the caller writes into the array that came out"
+        raise Lost("a state of the filter's own", got, mistakes=["aliased-output"], keeps=0.5)
+    if any(run.input_changed for run in cases.every):
+        raise Lost(
+            "the measurement and the initial value as they were handed in",
+            "an array that was written into",
+            mistakes=["mutates-input"],
+            keeps=0.5,
+        )
+    if any(run.output_changed for run in cases.every):
+        got = "one array for all of them, which the next update() writes into"
+        raise Lost("an output that stays what it is", got, mistakes=["aliased-output"], keeps=0.5)
+    if not same(_output(cases.spoilt_input), alone, outputs.ATOL):
+        got = "one that changes when the caller writes into the array that went in"
+        raise Lost("a state of the filter's own", got, keeps=0.5, mistakes=["aliased-input"])
+
+
+def _grain(student: Student, truth: Traces) -> float:
+    """What all outputs are rounded to, which follows_recursion charges; 0 where they are not."""
+    return student.once("filter grain", lambda: _coarsest(_plain(student, truth)))
+
+
+def _coarsest(plain: list[tuple[float, Array, FilterRun]]) -> float:
+    sizes = [outputs.grain(alpha, signal, _output(run)) for alpha, signal, run in plain]
+    return max(sizes) if all(sizes) else 0.0
+
+
+def _limits(student: Student, truth: Traces) -> tuple[float, float]:
+    """Between what the outputs are cut off, which follows_recursion charges."""
+    return student.once("filter limits", lambda: _narrowest(_plain(student, truth)))
+
+
+def _narrowest(plain: list[tuple[float, Array, FilterRun]]) -> tuple[float, float]:
+    runs = [(alpha, x, _output(run)) for alpha, x, run in plain]
+    found = [(run, outputs.limits(*run)) for run in runs]
+    known = [pair for _, pair in found if pair is not None]
+    if not known or not all(pair or diagnosis.obeys(x, y, alpha, 1 - alpha) for (alpha, x, y), pair in found):
+        return _NO_LIMITS
+    return min(low for low, _ in known), max(high for _, high in known)
+
+
+def _within(values: Array, limits: tuple[float, float]) -> Array:
+    return np.asarray(np.clip(values, *limits))
+
+
+def _shares_state(student: Student, truth: Traces) -> bool:
+    cases = _cases(student, truth)
+    return not same(_output(cases.beside), _output(cases.alone), outputs.ATOL)
+
+
+# --- what the checks share -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Cases:
+    """Each case as its signal and the run, or the run alone."""
+
+    plain: list[tuple[float, Array, FilterRun]]
+    noise: tuple[Array, FilterRun]
+    slow: tuple[Array, FilterRun]
+    constant: tuple[Array, FilterRun]
+    from_initial: tuple[Array, FilterRun]
+    initial: Array
+    initial_alpha: float
+    alone: FilterRun
+    beside: FilterRun
+    spoilt_input: FilterRun
+    spoilt_output: FilterRun
+    again: FilterRun
+    nothing_at_first: bool
+
+    @property
+    def every(self) -> list[FilterRun]:
+        pairs = (self.noise, self.slow, self.constant, self.from_initial)
+        return [run for *_, run in self.plain] + [run for _, run in pairs] + [self.alone, self.beside]
+
+
+def _cases(student: Student, truth: Traces) -> _Cases:
+    scenario = truth["filter"]
+    signal, alphas, initial = scenario["input"], [float(a) for a in scenario["alpha"]], scenario["initial"]
+    short = signal[:60]
+    noise = scenario["acceleration"] - scenario["acceleration_clean"] + signal[0]
+    phase = 2 * np.pi * np.arange(400)[:, None] / _SLOW_PERIOD + np.array([0.0, 1.0, 2.0])
+    slow = np.sin(phase) * np.array([1.0, 2.0, 0.5]) + signal[0]
+    constant = np.tile(signal[0], (300, 1))
+    cases = [
+        *(FilterCase(signal, alpha) for alpha in alphas),
+        FilterCase(signal[:100]),
+        FilterCase(noise, _ALPHA),
+        FilterCase(slow, _ALPHA),
+        FilterCase(constant, _ALPHA),
+        FilterCase(short, alphas[1], initial),
+        *(
+            FilterCase(short, 0.3, None, handling)
+            for handling in ("plain", "beside", "spoil_input", "spoil_output", "plain")
+        ),
+    ]
+    runs = student.filter("cases", cases)
+    series = [_from_first_vector(case.signal, run) for case, run in zip(cases, runs, strict=True)]
+    plain = [(alpha, *pair) for alpha, pair in zip((*alphas, _DEFAULT_ALPHA), series, strict=False)]
+    of_noise, of_slow, of_constant, from_initial, alone, beside, spoilt_input, spoilt_output, again = series[
+        len(plain) :
+    ]
+    return _Cases(
+        plain,
+        of_noise,
+        of_slow,
+        of_constant,
+        from_initial,
+        initial,
+        initial_alpha=alphas[1],
+        alone=alone[1],
+        beside=beside[1],
+        spoilt_input=spoilt_input[1],
+        spoilt_output=spoilt_output[1],
+        again=again[1],
+        nothing_at_first=len(series[0][0]) < len(signal),
+    )
+
+
+def _from_first_vector(signal: Array, run: FilterRun) -> tuple[Array, FilterRun]:
+    """A case without its first sample if update() returned nothing for that alone, which is one fault and judged as that."""
+    missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
+    if run.fault or missing != [0] or not run.odd:
+        return signal, run
+    assert run.output is not None
+    return signal[1:], replace(run, output=run.output[1:])
+
+
+def _plain(student: Student, truth: Traces) -> list[tuple[float, Array, FilterRun]]:
+    return _cases(student, truth).plain
+
+
+def _off(got: Array, wanted: Array) -> Size:
+    return Size("the output is off", float(np.max(np.abs(got - wanted))))
+
+
+def _output(run: FilterRun) -> Array:
+    raised(run.fault, "filtering measurements")
+    if run.output is None:
+        raise Skipped("an output")
+    if not np.isfinite(run.output).all():
+        mistake = "wrong-return-type" if run.odd else "not-finite"
+        raise Lost("an array of three numbers from update()", run.odd or "NaN or infinity", mistakes=[mistake])
+    return run.output

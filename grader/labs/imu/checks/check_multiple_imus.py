@@ -1,0 +1,154 @@
+"""Extension: every IMU that a model has, on the lab model and on one with other places in another order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.engine.examination import check
+from grader.engine.findings import Lost, Size, Skipped, raised
+from grader.engine.traces import Scenario, Traces
+from grader.labs.imu.answers import Reading, three
+from grader.labs.imu.compare import Array, same, vector
+from grader.labs.imu.diagnosis import reading as diagnosis
+from grader.labs.imu.student import Student
+from grader.labs.imu.student_bonuses import ImuReadings, imus
+
+_LAB_PLACES = ("torso", "head", "left_foot", "right_foot")
+_STATES = 3
+
+
+@check("multiple_imus.finds_every_place")
+def check_finds_every_place(student: Student, truth: Traces) -> None:
+    """read_all_imus has an entry for every place of the model that has an accelerometer and a gyroscope"""
+    lab, other = _worlds(student, truth)
+    for world in (lab, other):
+        raised(world.got.fault, "reading all IMUs")
+        if not world.got.calls or not (world.got.calls[0] or world.got.shape.startswith("a dictionary")):
+            wanted = "a dictionary of readings by place, such as 'torso'"
+            raise Lost(wanted, world.got.shape, mistakes=["wrong-return-type"])
+    missing = [(world, place) for world in (lab, other) for place in world.places if place not in world.got.calls[0]]
+    if missing:
+        world, place = missing[0]
+        got = f"none for '{place}'" + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
+        elsewhere = all(w is other for w, _ in missing)
+        where = " of a model with other places" if elsewhere else ""
+        raise Lost(f"a reading for each place{where}", got, mistakes=["imu-missing"], keeps=0.5 if elsewhere else 0.0)
+
+
+@check("multiple_imus.matches_truth")
+def check_matches_truth(student: Student, truth: Traces) -> None:
+    """Each place's reading is that of its own accelerometer and gyroscope"""
+    worlds = [world for world in _worlds(student, truth) if _known(world)]
+    if not worlds:
+        raise Skipped("a reading by place")
+    wrong = [(world, place) for world in worlds for place in world.read if not world.is_right(place)]
+    if wrong:
+        world, place = wrong[0]
+        state = int(np.argmax(np.abs(world.stacked(place) - world.true(place)).max(axis=1)))
+        raise Lost(
+            f"{vector(world.true(place)[state])} at '{place}'",
+            vector(world.stacked(place)[state]),
+            mistakes=_mistakes(worlds),
+            keeps=0.5 if all(w.scenario is not _lab(truth) for w, _ in wrong) else 0.0,
+            off=Size("readings that are not those of their place"),
+        )
+
+
+def _mistakes(worlds: Sequence[_World]) -> list[str]:
+    if any(world.all_alike() for world in worlds):
+        return ["same-imu-repeated"]
+    for world in worlds:
+        explained = diagnosis.explain(world.column(0), world.column(1), world.scene())
+        if explained and explained.mistakes:
+            return list(explained.mistakes)
+    return []
+
+
+@check("multiple_imus.readings_are_copies")
+def check_readings_are_copies(student: Student, truth: Traces) -> None:
+    """Readings stay what they were when the simulation steps on"""
+    world = _worlds(student, truth)[0]
+    if not _known(world):
+        raise Skipped("a reading by place")
+    changed = [
+        place
+        for place in world.read
+        if not same(_six(world.got.later.get(place)), _six(world.got.calls[0][place]), 0.0)
+    ]
+    if changed:
+        got = f"readings of {len(changed)} of {len(world.read)} places that change with the next step"
+        raise Lost("readings that stay", got, mistakes=["view-not-copy"])
+
+
+# --- what the checks share -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _World:
+    """What was read in one model, and the truth: ``pairs`` (p, 2) of sensor ids by place."""
+
+    scenario: Scenario
+    places: tuple[str, ...]
+    got: ImuReadings
+
+    @property
+    def read(self) -> list[str]:
+        return [place for place in self.places if place in self.got.calls[0]]
+
+    def true(self, place: str) -> Array:
+        """(k, 6) acceleration and angular velocity."""
+        address = self.scenario["sensor_adr"][self.scenario["pairs"][self.places.index(place)]]
+        columns = [int(first) + axis for first in address for axis in range(3)]
+        return np.asarray(self.scenario["sensordata"][:_STATES, columns])
+
+    def stacked(self, place: str) -> Array:
+        return np.array([_six(call.get(place)) for call in self.got.calls])
+
+    def is_right(self, place: str) -> bool:
+        return same(self.stacked(place), self.true(place), diagnosis.ATOL)
+
+    def all_alike(self) -> bool:
+        first = self.stacked(self.read[0])
+        return len(self.read) > 1 and all(same(self.stacked(place), first, diagnosis.ATOL) for place in self.read[1:])
+
+    def column(self, sensor: int) -> Array:
+        """(p, k, 3) of all places, NaN where one was not read."""
+        return np.array([self.stacked(place)[:, 3 * sensor : 3 * sensor + 3] for place in self.places])
+
+    def scene(self) -> diagnosis.Scene:
+        scene = diagnosis.Scene.of(self.scenario)
+        return diagnosis.Scene(
+            scene.accel[:, :_STATES], scene.gyro[:, :_STATES], scene.sensordata[:_STATES], scene.address, scene.pairs,
+            scene.world_from_site[:, :_STATES], scene.qvel[:_STATES], scene.qacc[:_STATES], scene.cvel[:, :_STATES],
+            scene.cacc[:, :_STATES],
+        )  # fmt: skip
+
+
+def _lab(truth: Traces) -> Scenario:
+    """The lab's own robot, which has many IMUs, also where another one is graded on."""
+    return truth.scenarios.get("reading_sheet", truth["reading_lab"])
+
+
+def _worlds(student: Student, truth: Traces) -> tuple[_World, _World]:
+    lab, other = _lab(truth), truth["reading_many"]
+    return _world(student, truth, lab, _LAB_PLACES), _world(student, truth, other, tuple(other.scalars["places"]))
+
+
+def _world(student: Student, truth: Traces, scenario: Scenario, places: tuple[str, ...]) -> _World:
+    qpos, qvel = scenario["qpos"][:_STATES], scenario["qvel"][:_STATES]
+    got = imus(student, scenario.name, model=truth.models[scenario.model or ""], qpos=qpos, qvel=qvel)
+    return _World(scenario, places, got)
+
+
+def _known(world: _World) -> bool:
+    """Whether some place was read."""
+    raised(world.got.fault, "reading all IMUs")
+    return bool(world.got.calls and world.read)
+
+
+def _six(reading: Reading | None) -> Array:
+    """Acceleration and angular velocity (6,), NaN where they are missing."""
+    return np.concatenate([three(reading.accel), three(reading.gyro)]) if reading else np.full(6, np.nan)

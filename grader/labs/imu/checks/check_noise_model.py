@@ -1,0 +1,395 @@
+"""Noise model: white Gaussian noise of the size that was asked for, a constant bias, independent on every axis."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from grader.engine.examination import check
+from grader.engine.findings import Fault, Lost, Size, Skipped, raised
+from grader.engine.traces import Traces
+from grader.labs.imu import statistics as st
+from grader.labs.imu.checks import noise_runs as runs
+from grader.labs.imu.compare import Array, vector
+from grader.labs.imu.diagnosis import noise as diagnosis
+from grader.labs.imu.diagnosis import noise_laws as laws
+from grader.labs.imu.diagnosis.noise import Facts
+from grader.labs.imu.diagnosis.noise_twins import Twins
+from grader.labs.imu.digits import told_apart
+from grader.labs.imu.student import Student
+
+_ROUGHLY = 0.3
+"""600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
+_TRUTH_OF_ARRAY = "truth value of an array"
+"""What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
+_UNITS = ("m/s²", "rad/s")
+_NAMES = ("accel", "gyro")
+_SIZE = (
+    "Draw the noise of each sensor with the standard deviation that was given for it, as it is: no other factor, unit or power "
+    "of it, one draw for each axis and read (Step 5)."
+)
+_ONCE = (
+    "Add the bias of each sensor to its reading as it was given: whole, once, each component to its own axis, and nothing of "
+    "another bias (Step 5)."
+)
+_NOTHING_ELSE = (
+    "Take the clean reading as it is now and add two things: the bias, and noise whose mean is zero. No factor and no further "
+    "offset belongs to it (Step 5)."
+)
+_OF_ITS_OWN = "Draw six numbers on every read, one for each axis of each sensor, and use none of them twice (Step 5)."
+_ORDER = (
+    "Keep the two sensors apart in read(), the accelerometer first: look at the order of the ids, of what you unpack and "
+    "of what you return, and at the bias that each one gets (Step 5)."
+)
+
+
+@check("noise_model.noise_size", lab_step=5)
+def check_noise_size(student: Student, truth: Traces) -> None:
+    """The noise of each sensor has the standard deviation that was asked for"""
+    sensors = runs.steady(student, truth)
+    right = [
+        _size_is_right(facts)
+        or (laws.correlated(facts) and _size_of_correlated(student, truth, which, facts))
+        or _size_beside_drift(student, truth, which, facts)
+        for which, facts in enumerate(sensors)
+    ]
+    if all(right):
+        return
+    again, silent = runs.given_again(student, truth), runs.without_noise_or_drift(student, truth)
+    if _redrawn_bias_explains(sensors, silent):
+        return
+    wrong = right.index(False)
+    mistakes = diagnosis.size_mistakes(sensors, again, silent)
+    if not mistakes and laws.density(sensors, float(truth["push"].scalars["timestep"])):
+        mistakes = ["noise-density"]
+    raise Lost(
+        f"{_NAMES[wrong]} noise with a standard deviation of {sensors[wrong].std:g} {_UNITS[wrong]}",
+        f"{_size_in_words(sensors[wrong])} {_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
+        mistakes=mistakes,
+        keeps=0.5 if any(right) else 0.0,
+        hint="" if mistakes else _SIZE,
+    )
+
+
+def _size_in_words(facts: Facts) -> str:
+    """The spread of all axes; of each, where only these are off."""
+    if abs(facts.pooled_spread / facts.std - 1) > 0.05:
+        return f"{facts.pooled_spread:.3g}"
+    return " and ".join(
+        f"{spread:.3g} on {axis}"
+        for spread, axis in zip(np.sqrt(np.mean(facts.centred**2, axis=(0, 1))), "xyz", strict=True)
+    )
+
+
+def _size_beside_drift(student: Student, truth: Traces, which: int, facts: Facts) -> bool:
+    """The size of noise beside a drift that is as large, which default_bias charges: what a larger one adds."""
+    twins = runs.from_one_seed(student, truth) if runs.which_drift(student, truth)[which] else None
+    return twins is not None and abs(twins[which].noise_size() / facts.std - 1) < _ROUGHLY
+
+
+def _size_of_correlated(student: Student, truth: Traces, which: int, facts: Facts) -> bool:
+    """The size of noise whose memory white_and_gaussian charges: it goes with the argument, or what is new in a read fits."""
+    twins = runs.from_one_seed(student, truth)
+    return (twins is not None and twins[which].scales()) or diagnosis.size_is_right(facts, laws.innovation(facts))
+
+
+def _size_is_right(facts: Facts) -> bool:
+    """The size, in the light of a fault that another check charges: a law that is not normal, noise that adds up."""
+    if diagnosis.accumulates(facts):
+        return diagnosis.size_is_right(facts, float(np.sqrt(np.mean(facts.increments**2))))
+    if diagnosis.one_signed(facts):  # |normal| has the root mean square that was asked for, an exponential law the mean
+        beside = np.abs(facts.residual - facts.bias)
+        return any(diagnosis.size_is_right(facts, float(s)) for s in (np.sqrt(np.mean(beside**2)), beside.mean()))
+    if laws.clipped(facts):
+        return True
+    return diagnosis.size_is_right(facts) or diagnosis.half_width_is_std(facts)
+
+
+def _redrawn_bias_explains(sensors: list[Facts], silent: list[Facts]) -> bool:
+    """Whether what is too much is a bias that is drawn anew on every read, which default_bias charges."""
+    if not diagnosis.bias_is_redrawn(sensors, silent):
+        return False
+    whole = [float(np.hypot(f.std, s.pooled_spread)) for f, s in zip(sensors, silent, strict=True)]
+    return all(abs(f.pooled_spread / w - 1) < _ROUGHLY for f, w in zip(sensors, whole, strict=True))
+
+
+@check("noise_model.given_bias", lab_step=5)
+def check_given_bias(student: Student, truth: Traces) -> None:
+    """A bias that is given is added to every reading, zero included"""
+    sensors, silent = runs.given(student, truth), runs.without_noise(student, truth)
+    for key in ("given", "silent"):
+        _is_taken(runs.asked(student, truth, key, given=True).fault)
+    if runs.returns_exchanged(student, truth):
+        raise Lost(
+            "accel first and gyro second from read(), each with its own bias",
+            "gyro first and accel second",
+            mistakes=["swapped-sensors"],
+            hint=_ORDER,
+        )
+    off = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
+    twins = runs.from_one_seed(student, truth) if off else None
+    drifting = runs.which_drift(student, truth)
+    exchanged = diagnosis.bias_mistakes(sensors) == ["swapped-sensors"]  # its bias, on the other sensor's reading
+    wrong = [i for i in off if exchanged or not (twins and _bias_is_added(twins[i], sensors[i], drifts=drifting[i]))]
+    redrawn = diagnosis.bias_is_redrawn(sensors, silent)
+    if wrong:
+        facts, unit = sensors[wrong[0]], _UNITS[wrong[0]]
+        state = int(np.argmax(np.abs(facts.offset - facts.bias).max(axis=1)))
+        expected, came = told_apart(facts.bias, facts.offset[state])
+        mistakes = ["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors)
+        unused = mistakes in (["no-bias"], ["bias-argument-ignored"])
+        if unused and twins and not all(t.ignores_bias() for t in twins if t.seeded):
+            mistakes = []  # something of it is there, if too little to be seen beside the noise
+        crossed = mistakes == ["swapped-sensors"] or diagnosis.biases_exchanged(sensors)
+        raise Lost(
+            f"readings that are {expected} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
+            f"{came} {unit}",
+            off=Size("the average is off", float(np.abs(facts.offset - facts.bias).max()), unit),
+            mistakes=mistakes,
+            keeps=0.5 if len(wrong) == 1 else 0.0,
+            hint=_ORDER if crossed else "" if mistakes else _ONCE,
+        )
+    another = [i for i in off if not drifting[i] and _has_another_bias(sensors[i], silent[i])]
+    if another:
+        which = another[0]
+        raise Lost(
+            f"no {_NAMES[which]} bias but the one that is given",
+            f"another one beside it, {vector(silent[which].offset[0])} {_UNITS[which]} in one instance and "
+            f"{vector(sensors[which].offset[0] - sensors[which].bias)} {_UNITS[which]} in the next",
+            off=Size("another one beside it, which is not the same for every instance"),
+            hint=_ONCE,
+        )
+    if off:
+        return  # what the readings are off by is not the bias: white_and_gaussian and default_bias charge it
+    exact = [diagnosis.TRUTH_ATOL + facts.grain / 2 for facts in sensors]
+    moved = [f for f, least in zip(silent, exact, strict=True) if np.abs(f.offset).max() > least]
+    if any(facts.still for facts in moved):
+        got = moved[0]
+        raise Lost(
+            "no offset where the given bias is zero",
+            vector(got.offset[0]),
+            mistakes=["bias-argument-ignored"],
+            keeps=0.5,
+        )
+
+
+def _is_taken(fault: Fault | None) -> None:
+    if fault is not None and _TRUTH_OF_ARRAY in fault.message:
+        raise Lost(
+            "a bias given as an array of three that is used as it is",
+            f"an exception{f' at {fault.where}' if fault.where else ''}: an array was tested for truth, and has none",
+            off=Size("an exception: an array was tested for truth, and has none"),
+            mistakes=["bias-argument-ignored"],
+        )
+    raised(fault, "reading the noisy IMU with given biases")
+
+
+def _bias_is_right(facts: Facts) -> bool:
+    if diagnosis.accumulates(facts):  # where the walk starts is all that can be seen of the bias
+        start = np.abs(facts.residual[0, 0] - facts.bias)
+        return bool(start.max() <= 2 * st.Z * facts.std)
+    if diagnosis.one_signed(facts):
+        return True
+    return diagnosis.bias_is_right(facts)
+
+
+@check("noise_model.default_bias", lab_step=5)
+def check_default_bias(student: Student, truth: Traces) -> None:
+    """Without a given bias, each instance draws its own, keeps it, and has one for every axis"""
+    biases = runs.default_biases(student, truth)
+    sensors, silent = runs.given(student, truth), runs.without_noise(student, truth)
+    drifting = runs.which_drift(student, truth)
+    still = [facts.still or drifts for facts, drifts in zip(silent, drifting, strict=True)]
+    noisy = not all(still) and not diagnosis.bias_is_redrawn(sensors, silent)
+    if any(drifting):
+        _stays(drifting, biases, silent)
+    none = [bool(np.abs(bias.mean(axis=1)).max() <= diagnosis.TRUTH_ATOL) for bias in biases]
+    for which, (bias, name) in enumerate(zip(biases, _NAMES, strict=True)):
+        _bias_is_constant(bias, name, noisy=noisy)
+        mean = bias.mean(axis=1)
+        if none[which]:
+            if _drawn_with_noise(student, truth, which):
+                continue
+            mistake = "no-bias" if diagnosis.bias_mistakes(sensors) == ["no-bias"] else "bias-not-random"
+            keeps = 0.0 if mistake == "no-bias" else 0.5
+            raise Lost(f"a random {name} bias for each instance", "none", mistakes=[mistake], keeps=keeps)
+        if np.ptp(mean[1:], axis=0).max() <= diagnosis.EXACT and not noisy:
+            got = f"{vector(mean[1])} for each of {len(mean)} instances"
+            reseeded = all(f.still for f in sensors) and diagnosis.size_mistakes(
+                sensors, runs.given_again(student, truth), silent
+            )
+            mistakes = reseeded or ["bias-not-random"]
+            raise Lost(f"another {name} bias for each instance", got, mistakes=mistakes, keeps=0.5)
+        if np.ptp(mean, axis=1).max() <= diagnosis.TRUTH_ATOL:
+            got = f"{vector(mean[0])}: the same on each axis"
+            raise Lost(f"a {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
+    if any(none):
+        return
+    ratio = biases[1].mean(axis=1) / biases[0].mean(axis=1)
+    if np.ptp(ratio) <= 1e-3 * np.abs(ratio).max():
+        got = f"{ratio[0, 0]:.3g} times the accelerometer's for the gyroscope, on every axis"
+        raise Lost("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
+
+
+def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:
+    """Whether a sensor that has no bias where there is no noise has one where there is: its size may go with the noise's.
+
+    Its mean over many reads then scatters from instance to instance, by more than the noise alone lets it.
+    """
+    mean = runs.default_biases(student, truth, stds=runs.asked_stds(truth), reads=runs.MANY)[which].mean(axis=1)
+    _, most = st.spread_bounds(mean.size, mean.shape[1])
+    return bool(np.sqrt(np.mean(np.var(mean, axis=0))) > most * runs.asked_stds(truth)[which] / np.sqrt(runs.MANY))
+
+
+def _stays(drifting: list[bool], biases: list[Array], silent: list[Facts]) -> None:
+    which = drifting.index(True)
+    moved = max(float(np.ptp(biases[which], axis=1).max()), float(np.ptp(silent[which].residual, axis=1).max()))
+    raise Lost(
+        f"one {_NAMES[which]} bias for all reads",
+        f"one that drifts, by up to {moved:.3g} {_UNITS[which]} over {runs.MANY} reads without noise",
+        mistakes=["bias-drifts"],
+    )
+
+
+def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
+    moves = np.ptp(bias, axis=1)
+    if moves.max() <= diagnosis.EXACT * max(1.0, np.abs(bias).max()) or noisy:
+        return
+    row = int(np.argmax(moves.max(axis=1)))
+    wanted = f"a {name} bias that stays the same from read to read"
+    got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
+    if np.abs(bias[:, 1:]).max() <= diagnosis.TRUTH_ATOL:
+        raise Lost(wanted, got, mistakes=["bias-drifts"])
+    if np.ptp(bias[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT:  # the first read was before the next one was made
+        got += ", and from every other one that was made meanwhile"
+        raise Lost(wanted, got, mistakes=["bias-shared"], keeps=0.5)
+    raise Lost(wanted, got, mistakes=["bias-redrawn"])
+
+
+@check("noise_model.white_and_gaussian", lab_step=5)
+def check_white_and_gaussian(student: Student, truth: Traces) -> None:
+    """The noise is Gaussian with zero mean, and no read depends on the one before"""
+    raw, both = runs.given(student, truth), runs.steady(student, truth)
+    if any(facts.grain for facts in raw):
+        grains = " and ".join(f"{f.grain:g} {u} ({n})" for f, u, n in zip(raw, _UNITS, _NAMES, strict=True) if f.grain)
+        raise Lost("readings as fine as float64 has them", f"none finer than {grains}", mistakes=["precision-lost"])
+    sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
+    if not sensors:
+        raise Skipped("noise that differs from read to read")
+    for facts, name in sensors:
+        _is_white(facts, name)
+        if diagnosis.one_signed(facts):
+            raise Lost(f"{name} noise of both signs", "noise of one sign only", mistakes=["noise-not-zero-mean"])
+        if laws.clipped(facts):
+            most = float(np.abs(facts.centred).max())
+            raise Lost(
+                f"{name} noise of a normal law, which nothing cuts off",
+                f"none beyond {most / facts.std:.2f} standard deviations in {facts.residual.size} values",
+                mistakes=["noise-clipped"],
+            )
+        values = facts.standardised[:, facts.standardised.any(axis=0)]  # an axis without noise is charged by noise_size
+        low, high = st.geary_bounds(values.size)
+        ratio = st.geary(values.ravel())
+        if not low <= ratio <= high:
+            got = f"{ratio:.3f} over {values.size} values"
+            wanted = f"{name} noise with a ratio of mean deviation to standard deviation of 0.798, as a normal law has"
+            raise Lost(wanted, got, mistakes=["not-gaussian"])
+    _is_centred(student, truth, raw)
+
+
+def _is_centred(student: Student, truth: Traces, sensors: list[Facts]) -> None:
+    """Nothing stays of the readings on average but the clean ones and the bias, where given_bias has found the bias added."""
+    off = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
+    if not off or any(runs.which_drift(student, truth)) or not runs.takes_biases(student, truth, "given"):
+        return
+    which, twins = off[0], runs.from_one_seed(student, truth)
+    if twins is None or not all(_bias_is_added(twins[i], sensors[i], drifts=False) for i in off):
+        return
+    facts, mistakes = sensors[which], diagnosis.bias_mistakes(sensors)
+    if mistakes == ["swapped-sensors"] or _has_another_bias(facts, runs.without_noise(student, truth)[which]):
+        return  # given_bias charges it
+    known = [m for m in mistakes if m in ("noise-not-zero-mean", "stale-clean-reading")]
+    beside = facts.offset[-1] - facts.bias
+    raise Lost(
+        f"{_NAMES[which]} readings that are the clean ones and the bias on average",
+        f"{vector(beside)} {_UNITS[which]} beside these",
+        off=Size("the average is off", float(np.abs(beside).max()), _UNITS[which]),
+        mistakes=known,
+        hint="" if known else _NOTHING_ELSE,
+    )
+
+
+def _is_white(facts: Facts, name: str) -> None:
+    if diagnosis.accumulates(facts):
+        raise Lost(
+            f"{name} noise drawn anew on every read",
+            "noise that adds up from read to read",
+            mistakes=["noise-accumulates"],
+        )
+    bound = st.correlation_bound(facts.residual.shape[1])
+    for lag in (1, 2, 3):
+        worst = max((abs(r) for state in facts.centred for r in st.autocorrelation(state, lag)), default=0.0)
+        if worst > bound:
+            raise Lost(
+                f"{name} reads that do not depend on each other",
+                f"a correlation of {worst:.2f} with the read {lag} before",
+                mistakes=["noise-correlated"],
+            )
+
+
+@check("noise_model.axes_and_sensors_independent", lab_step=5)
+def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
+    """Each axis of each sensor has noise of its own"""
+    sensors = runs.steady(student, truth)
+    if all(facts.still for facts in sensors):
+        raise Skipped("noise that differs from read to read")
+    if any(
+        map(laws.correlated, sensors)
+    ):  # what is slow looks alike by chance; neighbouring reads differ by what is new
+        sensors = [laws.paired(facts) for facts in sensors]
+    columns = np.concatenate([_innovations(facts) for facts in sensors], axis=1)
+    matrix = st.correlations(columns)
+    bound = st.correlation_bound(len(columns))
+    channels = [f"{sensor} {axis}" for sensor in _NAMES for axis in "xyz"]
+    pairs = [(abs(matrix[i, j]), i, j) for i, j in itertools.combinations(range(6), 2)]
+    worst, i, j = max(pairs)
+    if worst > bound:
+        raise Lost(
+            f"independent noise on {channels[i]} and {channels[j]}",
+            f"a correlation of {worst:.2f} over {len(columns)} reads",
+            mistakes=["same-noise-on-axes"] if worst > 0.99 else [],
+            hint="" if worst > 0.99 else _OF_ITS_OWN,
+        )
+
+
+def _innovations(facts: Facts) -> Array:
+    if diagnosis.accumulates(facts):
+        steps = np.concatenate([facts.increments[:, :1] * 0, facts.increments], axis=1)
+        return np.asarray(steps.reshape(-1, 3))
+    return facts.standardised
+
+
+@check("noise_model.leaves_simulation_alone", lab_step=5)
+def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
+    """A noisy read changes nothing in the simulator's own data"""
+    run = runs.judged(student, truth, "given")
+    change = run.disturbance.max(axis=0, initial=0.0)
+    names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
+    changed = [f"{name} changed by {size:.3g}" for name, size in zip(names, change, strict=True) if not size <= 1e-12]
+    if changed:
+        only_sensors = change[:3].max() <= 1e-12
+        mistake = "mutates-sensordata" if only_sensors else "disturbs-simulation"
+        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake])
+
+
+def _has_another_bias(facts: Facts, silent: Facts) -> bool:
+    """Whether an instance without noise and bias is off, and by something else than one that has both."""
+    beside = facts.offset - facts.bias
+    apart = np.abs(silent.offset - beside).max() > 2 * diagnosis.mean_bound(facts)
+    return bool(silent.still and np.abs(silent.offset).max() > diagnosis.TRUTH_ATOL and apart)
+
+
+def _bias_is_added(twins: Twins, facts: Facts, *, drifts: bool) -> bool:
+    """Whether another bias changes the readings by just that, whatever else is in them."""
+    return twins.begins_with_bias() if drifts else twins.adds_bias(facts.grain)

@@ -1,0 +1,470 @@
+"""Visualization: clear, labelled plots of the sensor data, judged from the facts of the figure that the code draws."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import PurePath
+
+import numpy as np
+
+from grader.engine.conversation import Missing
+from grader.engine.examination import check
+from grader.engine.findings import Lost, Raised, Skipped, raised
+from grader.engine.traces import Traces
+from grader.ground.errors import NoAnswer
+from grader.ground.text import printable
+from grader.labs.imu.answers import KEYS, Array, Drawing
+from grader.labs.imu.diagnosis import comparing, labels, plots
+from grader.labs.imu.diagnosis.plots import Facts, Panel
+from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.student import Student
+
+_PICTURE = "imu_data.png"
+_COMPARISON = "filtered_imu.png"
+_SMALLEST_PX = (400, 250)
+"""Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
+_NONE_AS_GIVEN = (
+    "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
+)
+_SENSOR_WORDS = ("acceleration", "angular velocity")
+
+
+@dataclass(frozen=True)
+class _Plot:
+    """The figure under judgement, its panels, and what else was drawn."""
+
+    figure: Facts
+    panels: list[Panel]
+    drawing: Drawing
+
+    @property
+    def main_panels(self) -> list[Panel]:
+        """The panels that need words of their own: all but the insets."""
+        return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
+
+    def of_sensor(self, sensor: int) -> list[Panel]:
+        """The sensor's own panels; where it has none, those that it shares."""
+        own = [panel for panel in self.panels if panel.mainly == {sensor}]
+        return own or [panel for panel in self.panels if sensor in panel.sensors]
+
+
+def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, Traces], None]:
+    """What is missing from a plot that was broken off by an exception is the exception's fault, and told as that."""
+
+    @functools.wraps(judge)
+    def judged(student: Student, truth: Traces) -> None:
+        try:
+            judge(student, truth)
+        except (Lost, Skipped):
+            raised(_drawing(student, truth).fault, "plotting IMU data")
+            raise
+
+    return judged
+
+
+@check("visualization.saves_image", lab_step=4)
+@_to_the_end
+def check_saves_image(student: Student, truth: Traces) -> None:
+    """plot_imu_data saves a readable picture of the plot"""
+    drawing = _drawing(student, truth)
+    saved = [f for f in drawing.figures if f["event"] == "saved"]
+    full = _saved_curves(drawing)
+    if not full and drawing.figures:
+        looks = {_look(figure) for figure in drawing.figures if _curves(figure)}
+        found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
+        full = list(itertools.islice(found, 1))
+    if not full:
+        _not_saved(student, drawing, saved)
+    width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
+    if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
+        wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
+        raise Lost(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
+
+
+def _look(figure: Facts) -> tuple[tuple[str, str, int], ...]:
+    """What makes a figure the same plot with other data: titles, labels, number of curves."""
+    return tuple((axes["title"], axes["ylabel"], len(axes["curves"])) for axes in figure["axes"])
+
+
+def _saved_curves(drawing: Drawing) -> list[Facts]:
+    return [f for f in drawing.figures if f["event"] == "saved" and _curves(f)]
+
+
+def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
+    if saved:
+        raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
+    if _picture_shows_something(student, _PICTURE) and not drawing.figures:
+        student.note(
+            f"{_PICTURE} was handed in, and no code draws it: whoever looks at it may give more for what it shows"
+        )
+        return  # nothing draws it, and it is there to be seen
+    drawn = "a figure that is drawn and never saved" if any(map(_curves, drawing.figures)) else "no figure"
+    raise Lost(f"a saved picture, {_PICTURE}", drawn, mistakes=["plot-not-saved"])
+
+
+@check("visualization.two_labelled_panels", lab_step=4)
+@_to_the_end
+def check_two_labelled_panels(student: Student, truth: Traces) -> None:
+    """Acceleration and angular velocity have a panel each, which says what it shows"""
+    plot = _plot(student, truth)
+    if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
+        raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
+    unlabelled = []
+    for sensor in (0, 1):
+        for panel in plot.of_sensor(sensor):
+            if wrong := _misnaming(plot, panel, sensor):
+                _named_as_the_other(panel, sensor, wrong)
+        if not _is_named(plot, sensor):
+            unlabelled.append(_SENSOR_WORDS[sensor])
+    missing = [_SENSOR_WORDS[s] for s in (0, 1) if not plot.of_sensor(s)]
+    if missing and len(plot.panels) < 2:
+        raise Lost("a panel for each sensor", f"no panel with the {missing[0]}", mistakes=["curves-missing"], keeps=0.0)
+    if unlabelled:
+        got = f"nothing on the panel that says {' or '.join(unlabelled)}"
+        raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
+
+
+def _misnaming(plot: _Plot, panel: Panel, sensor: int) -> list[str]:
+    """What is written on a panel of this sensor and speaks of the other one alone."""
+    texts = [panel.facts["title"], panel.facts["ylabel"]]
+    if not _shown_elsewhere(plot, 1 - sensor, panel):
+        return []
+    if labels.claims(texts[0]) | labels.claims(texts[1]) == {1 - sensor}:
+        return [text for text in texts if text.strip()]
+    return [text for text in texts if labels.names_only(1 - sensor, text)]
+
+
+def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
+    expected = f"{_SENSOR_WORDS[sensor]} under its own name"
+    got = f"a panel labelled “{_shown(' | '.join(wrong))}” that shows the {_SENSOR_WORDS[sensor]}"
+    if all(text in wrong for text in (panel.facts["title"], panel.facts["ylabel"]) if text.strip()):
+        raise Lost(expected, got, mistakes=["panels-swapped"])
+    hint = (
+        "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
+    )
+    raise Lost(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
+
+
+def _shown_elsewhere(plot: _Plot, sensor: int, panel: Panel) -> bool:
+    """Whether another panel shows the sensor that this one claims; if none does, the wrong data is drawn, not the wrong panel."""
+    return any(other is not panel and sensor in other.sensors for other in plot.panels)
+
+
+def _is_named(plot: _Plot, sensor: int) -> bool:
+    """Whether a reader can tell which sensor it is; missing labels and titles are charged by their own checks."""
+    panels = plot.of_sensor(sensor)
+    if not panels or any(sensor in labels.claims(p.words) for p in panels):
+        return True
+    title_only = all(not p.facts["ylabel"].strip() for p in panels) or all(not p.facts["title"].strip() for p in panels)
+    names = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
+    whole = [
+        plot.figure["title"],
+        plot.figure["ylabel"],
+        *names,
+        *(t["text"] for p in panels for t in p.facts["texts"]),
+    ]
+    written = any(p.words.replace("|", "").strip() for p in panels)
+    return any(sensor in labels.claims(text) for text in whole) or (title_only and written)
+
+
+@check("visualization.curves_match_data", lab_step=4)
+@_to_the_end
+def check_curves_match_data(student: Student, truth: Traces) -> None:
+    """Six curves show the six channels of the data against time"""
+    plot = _plot(student, truth)
+    shown = {(s.sensor, s.axis) for panel in plot.panels for s in panel.shown}
+    strange = [curve for panel in plot.panels for curve in panel.strange]
+    if len(shown) < 6:
+        missing = ", ".join(f"{_SENSOR_WORDS[s]} {'xyz'[a]}" for s in (0, 1) for a in range(3) if (s, a) not in shown)
+        twice = sum(len(panel.shown) for panel in plot.panels) > len(shown)
+        wrong = bool(strange) or twice
+        got = f"no curve that shows {missing}" + (f"; {len(strange)} that show something else" if strange else "")
+        mistake = "wrong-data-plotted" if wrong else "curves-missing"
+        raise Lost(
+            "six curves, one for each channel of the data",
+            got,
+            mistakes=[mistake],
+            keeps=len(shown) / 6 if shown else 0.0,
+            hint="" if shown or not strange else _NONE_AS_GIVEN,
+        )
+    _axis_is_time(plot)
+    _scale_is_labelled(plot)
+
+
+def _axis_is_time(plot: _Plot) -> None:
+    kinds = {s.x for panel in plot.panels for s in panel.shown}
+    if "index" in kinds:
+        raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
+    labelled = [labels.plain(text) for text in _x_labels(plot)]
+    said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
+    if "ms" in kinds and not said and not _own_ticks(plot):
+        raise Lost(
+            "curves against time in the unit of the label",
+            "curves against milliseconds",
+            mistakes=["x-not-time"],
+            keeps=0.5,
+        )
+
+
+def _own_ticks(plot: _Plot) -> bool:
+    """Whether the numbers beside the time axis may be others than those that are drawn."""
+    return any(panel.facts.get("own_ticks") is True for panel in plot.panels)
+
+
+def _scale_is_labelled(plot: _Plot) -> None:
+    for panel in plot.panels:
+        said = (
+            labels.unit_of(panel.facts["ylabel"])
+            or labels.unit_of(plot.figure["ylabel"])
+            or labels.unit_of(panel.facts["title"])
+        )
+        for shown in panel.shown:
+            family = plots.UNITS[shown.sensor]
+            wrong = said in family and said != shown.unit
+            unsaid = said is None and shown.unit != family[0]
+            if wrong or unsaid:
+                got = f"numbers in {shown.unit} under the label “{_shown(panel.facts['ylabel'])}”"
+                hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
+                raise Lost(
+                    "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=hint
+                )
+
+
+@check("visualization.axis_labels_with_units", lab_step=4)
+@_to_the_end
+def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
+    """The axes are labelled, with units"""
+    plot = _plot(student, truth)
+    lost: list[tuple[str, str]] = []
+    for sensor in (0, 1):
+        panels = plot.of_sensor(sensor)
+        written = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
+        named = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
+        beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"]) + named
+        elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
+        if panels and elsewhere.isdisjoint(written):  # a label of the other sensor is charged as the panel's name
+            lost += _label_problem(written, beside, sensor)
+    if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
+        lost += _time_problem(plot)
+    if lost:
+        mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
+        keeps = round(1 - len(lost) / 3, 4) if len(lost) < 3 else 0.0
+        raise Lost(
+            "labels such as “Acceleration (m/s²)” and “Time (s)”",
+            "; ".join(text for _, text in lost),
+            mistakes=mistakes,
+            keeps=keeps,
+        )
+
+
+def _label_problem(texts: list[str], beside: list[str], sensor: int) -> list[tuple[str, str]]:
+    written, what = [text for text in texts if text.strip()], _SENSOR_WORDS[sensor]
+    if not written:
+        told = any(labels.has_unit_of(sensor, text) and sensor in labels.claims(text) for text in beside)
+        return [] if told else [("no-axis-labels", f"no label on the y axis of the {what}")]
+    if any(labels.has_unit_of(sensor, text) for text in written + beside):
+        return []
+    return [("no-units", f"“{_shown(written[0])}” without a unit of {what} on its y axis")]
+
+
+def _time_problem(plot: _Plot) -> list[tuple[str, str]]:
+    written = [label for label in _x_labels(plot) if label.strip()]
+    if not written:
+        return [("no-axis-labels", "no label on the time axis")]
+    with_unit = [label for label in written if labels.has_time_unit(label)]
+    if not with_unit and not any(map(labels.counts_samples, written)):
+        return [("no-units", f"“{_shown(written[0])}” without a unit on the time axis")]
+    seconds = {s.x for panel in plot.panels for s in panel.shown} <= {"s", "s from start"}
+    if with_unit and all(map(labels.in_milliseconds, with_unit)) and seconds and not _own_ticks(plot):
+        return [("no-units", f"“{_shown(with_unit[0])}” under a time axis in seconds")]
+    return []
+
+
+def _x_labels(plot: _Plot) -> list[str]:
+    return [panel.facts["xlabel"] for panel in plot.panels] + [plot.figure["xlabel"], *plot.figure["texts"]]
+
+
+@check("visualization.legend_names_curves", lab_step=4)
+@_to_the_end
+def check_legend_names_curves(student: Student, truth: Traces) -> None:
+    """A legend, or text beside the curves, tells the curves of a panel apart"""
+    plot = _plot(student, truth)
+    crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
+    nameless = []
+    for panel in crowded:
+        names = plots.names_of(panel, plot.figure, plot.drawing.arrays)
+        told = [name for name in names if name]
+        if len(told) < len(names) or len(set(told)) < len(told):
+            nameless.append(panel)
+            continue
+        if len({(s.sensor, s.axis) for s in panel.shown}) < len(panel.shown):
+            continue  # one channel drawn twice: the curve is wrong, not its name
+        for shown, name in zip(panel.shown, told, strict=True):
+            said = labels.axis_of(name)
+            if said is not None and said != shown.axis:
+                got = f"“{_shown(name)}” beside the curve of {'xyz'[shown.axis]}"
+                raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
+    if nameless:
+        keeps = 0.5 if len(nameless) < len(crowded) else 0.0
+        got = "curves without a name" + ("" if len(nameless) == len(crowded) else " in one of the panels")
+        raise Lost("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
+
+
+@check("visualization.titles", lab_step=4)
+@_to_the_end
+def check_titles(student: Student, truth: Traces) -> None:
+    """The panels, or the figure, have a title"""
+    plot = _plot(student, truth)
+    places = {
+        tuple(axes["position"]) for axes in plot.figure["axes"] if axes["title"].strip()
+    }  # twin axes share a title
+    panels = plot.main_panels
+    titled = [tuple(panel.facts["position"]) in places for panel in panels]
+    if (
+        plot.figure["title"].strip()
+        or any(len(t.strip()) > 2 for t in plot.figure["texts"])
+        or (titled and all(titled))
+    ):
+        return
+    columns = {panel.facts["position"][0] for panel, has in zip(panels, titled, strict=True) if has}
+    if len(panels) > 2 and columns >= {panel.facts["position"][0] for panel in panels}:
+        return  # one title over each column of panels
+    raise Lost(
+        "a title",
+        "none" if not any(titled) else "a panel without one",
+        mistakes=["no-title"],
+        keeps=0.5 if any(titled) else 0.0,
+    )
+
+
+@check("visualization.comparison_plot", lab_step=6)
+def check_comparison_plot(student: Student, truth: Traces) -> None:
+    """A saved plot shows raw and filtered data together"""
+    drawn = broken_off = False
+    seen = ""
+    for drawing in student.scripts():
+        broken_off = broken_off or drawing.fault is not None
+        seen = seen or next((_curves_in_words(f, drawing) for f in drawing.figures if _is_meant(f, drawing)), "")
+        pairs = [(f, _compared(student, f, drawing)) for f in drawing.figures]
+        compared = [(figure, of_it) for figure, of_it in pairs if of_it]
+        saved = [of_it for figure, of_it in compared if figure["event"] == "saved"]
+        if saved:
+            _names_are_right(saved)
+            return
+        drawn = drawn or bool(compared)
+    if drawn:
+        if _picture_shows_something(student, _COMPARISON):
+            return
+        raise Lost(
+            "a saved picture of raw and filtered data",
+            "a figure that is not saved",
+            mistakes=["comparison-missing"],
+            keeps=0.5,
+        )
+    if _picture_shows_something(student, _COMPARISON):
+        why = f"and code that draws {seen}" if seen else "which no code of the submission draws"
+        if broken_off:
+            why = "and code that stops with an exception before it is drawn"
+        got = f"{_COMPARISON}, {why}"
+        raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
+    got = seen or f"no code that draws it and no readable {_COMPARISON}"
+    mistakes = (
+        [] if broken_off else ["comparison-missing"]
+    )  # an exception came first: what the script would draw is not known
+    raise Lost("a picture with the raw and the filtered series in it", got, mistakes=mistakes)
+
+
+def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[comparing.Compared]:
+    """The raw and filtered curves; those of a filter that has been charged already go by their names."""
+    found = comparing.comparisons(figure, drawing.arrays)
+    charged = "LowPassFilter" in student.broken
+    return found or (comparing.named_comparisons(figure, drawing.arrays) if charged else [])
+
+
+def _is_meant(figure: Facts, drawing: Drawing) -> bool:
+    """Whether a figure is meant to compare raw and filtered data: its file's name says so, or its curves' names."""
+    return PurePath(figure["path"] or "").name == _COMPARISON or bool(
+        comparing.named_comparisons(figure, drawing.arrays)
+    )
+
+
+def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
+    series = comparing.series_drawn(figure, drawing.arrays)
+    if len(series) < 2:
+        return "a plot with one curve alone" if series else "a plot without a curve"
+    if all(np.array_equal(one, series[0]) for one in series):
+        return "a plot with the same series in every curve"
+    return f"a plot with {len(series)} curves, none of which is a smoother version of another"
+
+
+def _names_are_right(saved: list[list[comparing.Compared]]) -> None:
+    """No names are asked for here; but names that are exchanged tell the reader the opposite."""
+    if all(any(pair.exchanged for pair in of_it) and not any(pair.in_order for pair in of_it) for of_it in saved):
+        got = "the raw curve under the name of the filtered one"
+        raise Lost("each curve under its own name", got, mistakes=["legend-order-wrong"], keeps=0.5)
+
+
+# --- what the checks share -----------------------------------------------------------------------------------------------
+
+
+def _series(truth: Traces) -> Mapping[str, Array]:
+    return {key: truth["tumbling"][key] for key in KEYS}
+
+
+def _drawing(student: Student, truth: Traces) -> Drawing:
+    drawing = student.plot(data=_data(student, truth), sheet=_series(truth), ids=torso_ids(truth))
+    if drawing.fault is not None and not drawing.figures:
+        raised(drawing.fault, "plotting IMU data")
+    return drawing
+
+
+def _data(student: Student, truth: Traces) -> dict[str, Array]:
+    """The true series under the names under which the submission itself records them, with what else it records."""
+    scalars, series = truth["push"].scalars, _series(truth)
+    try:
+        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth))
+    except (NoAnswer, Missing, Raised):
+        return dict(series)
+    if any(name.isdigit() for name in own.keys.values()):
+        return dict(series)
+    return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
+
+
+def _plot(student: Student, truth: Traces) -> _Plot:
+    drawing = _drawing(student, truth)
+    saved = [f for f in drawing.figures if f["event"] == "saved"]
+    together = (
+        [plots.joined(saved)] if len(saved) > 1 else []
+    )  # a picture for each sensor; of equal ones the first counts
+    drawn = (*drawing.figures, *together)
+    panels = student.once("panels", lambda: [plots.panels(f, drawing.arrays, _series(truth)) for f in drawn])
+    candidates = [_Plot(f, its, drawing) for f, its in zip(drawn, panels, strict=True)]
+    best = max(candidates, key=_showing, default=None)
+    if best is None or not best.panels:
+        raise Skipped("a figure with curves in it")
+    return best
+
+
+def _showing(plot: _Plot) -> tuple[int, bool]:
+    channels = {(s.sensor, s.axis) for panel in plot.panels for s in panel.shown}
+    return len(channels), plot.figure["event"] == "saved"
+
+
+def _curves(figure: Facts) -> bool:
+    return any(
+        curve["visible"] and curve["n"] > 3 for axes in figure["axes"] if axes["visible"] for curve in axes["curves"]
+    )
+
+
+def _picture_shows_something(student: Student, name: str) -> bool:
+    picture = student.picture(name)
+    return (
+        picture is not None and bool(picture["readable"]) and picture["ink"] > 0.005 and min(picture["size_px"]) >= 150
+    )
+
+
+def _shown(text: str) -> str:
+    return printable(text, 60)

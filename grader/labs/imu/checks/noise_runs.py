@@ -1,0 +1,190 @@
+"""The reads of a submission's `NoisyIMU` that its checks judge: each question is asked once, and told as facts of each sensor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from grader.engine.findings import Lost, raised
+from grader.engine.traces import Traces
+from grader.labs.imu import statistics as st
+from grader.labs.imu.answers import NoiseRun
+from grader.labs.imu.compare import Array
+from grader.labs.imu.diagnosis import noise as diagnosis
+from grader.labs.imu.diagnosis import noise_laws as laws
+from grader.labs.imu.diagnosis.noise import Facts
+from grader.labs.imu.diagnosis.noise_twins import Twins
+from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.student import Student
+
+_INSTANCES = 24
+MANY = 100
+"""Reads of one instance in one state: their mean is off by a tenth of the noise."""
+_SILENT, _ALMOST_SILENT = (0.0, 0.0), (1e-12, 1e-12)
+"""Standard deviations. A constructor may refuse a zero, and a picometre a second squared is as good as none."""
+_TWINS, _LARGER = 40, 1.5
+"""Reads of each twin, and how much larger the noise of the last one is."""
+
+
+def judged(student: Student, truth: Traces, key: str) -> NoiseRun:
+    """What the checks judge: reads with given biases; with the submission's own where it stumbles over given ones only."""
+    return _sound_form(student, truth, asked(student, truth, key, given=takes_biases(student, truth, key)))
+
+
+def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
+    """A run of whole vectors, the accelerometer's first: given_bias charges it where they come the other way round."""
+    raised(run.fault, "reading the noisy IMU")
+    if not _is_whole(run):
+        mistake = "wrong-return-type" if run.odd else "not-finite"
+        raise Lost("a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake])
+    return _exchanged(run) if returns_exchanged(student, truth) else run
+
+
+def _is_whole(run: NoiseRun) -> bool:
+    return bool(np.isfinite(run.accel).all() and np.isfinite(run.gyro).all())
+
+
+def returns_exchanged(student: Student, truth: Traces) -> bool:
+    """Whether each vector is the other sensor's, with that sensor's bias."""
+    return student.once("noise exchanged", lambda: _fits_exchanged(student, truth))
+
+
+def _fits_exchanged(student: Student, truth: Traces) -> bool:
+    run = asked(student, truth, "given", given=True)
+    if run.fault is not None or not _is_whole(run):
+        return False
+    straight, exchanged = (_facts_of(r, truth, _biases(truth)) for r in (run, _exchanged(run)))
+    return all(map(diagnosis.bias_is_right, exchanged)) and not any(map(diagnosis.bias_is_right, straight))
+
+
+def _exchanged(run: NoiseRun) -> NoiseRun:
+    return replace(run, accel=run.gyro, gyro=run.accel)
+
+
+def takes_biases(student: Student, truth: Traces, key: str) -> bool:
+    """Whether a run with given biases is as good as one without: otherwise given_bias charges what it raises."""
+    return (
+        asked(student, truth, key, given=True).fault is None
+        or asked(student, truth, key, given=False).fault is not None
+    )
+
+
+def asked_stds(truth: Traces) -> tuple[float, float]:
+    return float(truth["noise"].scalars["accel_noise_std"]), float(truth["noise"].scalars["gyro_noise_std"])
+
+
+def _biases(truth: Traces) -> tuple[Array, Array]:
+    return truth["noise"]["accel_bias"], truth["noise"]["gyro_bias"]
+
+
+def asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun:
+    scenario = truth["noise"]
+    settings = {
+        "given": (st.READS, asked_stds(truth), _biases(truth)),
+        "again": (3, asked_stds(truth), _biases(truth)),
+        "silent": (MANY, _SILENT, (np.zeros(3), np.zeros(3))),
+        "almost silent": (MANY, _ALMOST_SILENT, (np.zeros(3), np.zeros(3))),
+    }
+    reads, stds, biases = settings[key]
+    run = student.noise(
+        key if given else f"{key}, without biases",
+        qpos=scenario["qpos"],
+        qvel=scenario["qvel"],
+        ids=torso_ids(truth),
+        reads=reads,
+        stds=stds,
+        biases=biases if given else None,
+    )
+    return asked(student, truth, "almost silent", given=given) if run.fault and key == "silent" else run
+
+
+def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
+    return student.once(("noise facts", key), lambda: _told_by(student, truth, key))
+
+
+def _told_by(student: Student, truth: Traces, key: str) -> list[Facts]:
+    run = judged(student, truth, key)
+    if key == "silent":
+        return _facts_of(run, truth, (np.zeros(3), np.zeros(3)))
+    return _facts_of(run, truth, _biases(truth) if takes_biases(student, truth, key) else None)
+
+
+def _facts_of(run: NoiseRun, truth: Traces, biases: tuple[Array, Array] | None) -> list[Facts]:
+    """The facts of both sensors, about these biases, or about the mean where they are not known."""
+    clean = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
+    residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
+    about = biases or [r.mean(axis=(0, 1)) for r in residuals]
+    return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, asked_stds(truth), about, strict=True)]
+
+
+def given(student: Student, truth: Traces) -> list[Facts]:
+    return _facts(student, truth, "given")
+
+
+def steady(student: Student, truth: Traces) -> list[Facts]:
+    """The reads as if no bias drifted, which default_bias charges."""
+    sensors, drifting = given(student, truth), which_drift(student, truth)
+    if not any(drifting):
+        return sensors
+    return [laws.steadied(facts, silent) for facts, silent in zip(sensors, without_noise(student, truth), strict=True)]
+
+
+def which_drift(student: Student, truth: Traces) -> list[bool]:
+    return student.once("noise drifting", lambda: _found_drifting(student, truth))
+
+
+def _found_drifting(student: Student, truth: Traces) -> list[bool]:
+    silent, biases = without_noise(student, truth), default_biases(student, truth)
+    return [laws.drifts(f) or (f.still and laws.creeps(b)) for f, b in zip(silent, biases, strict=True)]
+
+
+def without_noise_or_drift(student: Student, truth: Traces) -> list[Facts]:
+    pairs = zip(without_noise(student, truth), which_drift(student, truth), strict=True)
+    return [replace(f, residual=0 * f.residual) if drifts else f for f, drifts in pairs]
+
+
+def from_one_seed(student: Student, truth: Traces) -> list[Twins] | None:
+    """What the submission makes of one seed; None where it did not answer with whole vectors."""
+    return student.once("noise twins", lambda: _asked_for_twins(student, truth))
+
+
+def _asked_for_twins(student: Student, truth: Traces) -> list[Twins] | None:
+    scenario, stds, biases = truth["noise"], asked_stds(truth), np.array(_biases(truth))
+    other = biases[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0])
+    run = student.noise_twins(
+        qpos=scenario["qpos"],
+        qvel=scenario["qvel"],
+        ids=torso_ids(truth),
+        reads=_TWINS,
+        stds=[stds, stds, stds, (_LARGER * stds[0], _LARGER * stds[1])],
+        biases=np.array([biases, biases, other, biases]),
+    )
+    if run.fault is not None or not _is_whole(run):
+        return None
+    run = _exchanged(run) if returns_exchanged(student, truth) else run
+    changes = other - biases
+    return [
+        Twins(base, again, larger, noisier, change, _LARGER)
+        for (base, again, larger, noisier), change in zip((run.accel, run.gyro), changes, strict=True)
+    ]
+
+
+def given_again(student: Student, truth: Traces) -> list[Facts]:
+    return _facts(student, truth, "again")
+
+
+def without_noise(student: Student, truth: Traces) -> list[Facts]:
+    return _facts(student, truth, "silent")
+
+
+def default_biases(student: Student, truth: Traces, stds: tuple[float, float] = _SILENT, reads: int = 3) -> list[Array]:
+    """(instances, reads, 3) offsets of each sensor, without noise if nothing else is asked for."""
+    scenario = truth["noise"]
+    run = student.default_bias(
+        qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), instances=_INSTANCES, reads=reads, stds=stds
+    )
+    if run.fault and stds == _SILENT:
+        return default_biases(student, truth, _ALMOST_SILENT, reads)
+    run = _sound_form(student, truth, run)
+    return [run.accel - scenario["acceleration"][0], run.gyro - scenario["angular_velocity"][0]]

@@ -1,0 +1,67 @@
+"""Measuring how far numbers are apart: no judgement, no words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far ``got`` is from ``expected``.
+
+    Attributes
+    ----------
+    worst : largest absolute difference; infinite where something is not finite
+    row : index of the row where it is
+    rms : root mean square of the differences that are finite
+    """
+
+    worst: float
+    row: int
+    rms: float
+
+
+def deviation(got: Array, expected: Array) -> Deviation:
+    """Difference of two arrays (n, …) of equal shape, in the rows that both have."""
+    n = min(len(got), len(expected))
+    with np.errstate(over="ignore"):  # numbers near the limit differ by infinity, which says it well
+        return _deviation(np.abs(np.asarray(got[:n], float) - np.asarray(expected[:n], float)))
+
+
+def _deviation(difference: Array) -> Deviation:
+    finite = np.isfinite(difference)
+    worst_per_row = np.where(finite, difference, np.inf).reshape(len(difference), -1).max(axis=1, initial=0.0)
+    row = int(np.argmax(worst_per_row)) if len(worst_per_row) else 0
+    rms = float(np.sqrt(np.mean(difference[finite] ** 2))) if finite.any() else float("inf")
+    return Deviation(float(worst_per_row[row]) if len(worst_per_row) else 0.0, row, rms)
+
+
+def same(got: Array, expected: Array, atol: float) -> bool:
+    """Whether every number agrees within `atol`; NaN agrees with nothing."""
+    if got.shape != expected.shape or got.size == 0:
+        return False
+    return bool(np.all(np.abs(got - expected) <= atol))
+
+
+def same_where_known(got: Array, expected: Array, atol: float) -> bool:
+    """Whether every finite number of `got` agrees within `atol`, and there is at least one."""
+    known = np.isfinite(got)
+    return bool(known.any()) and bool(np.all(np.abs(got[known] - expected[known]) <= atol))
+
+
+def vector(values: Array, digits: int = 3) -> str:
+    """A vector as a student reads it: ``[ 0.412 -0.031 -9.702]``."""
+    return np.array2string(
+        np.asarray(values, float), precision=digits, suppress_small=False, floatmode="fixed", max_line_width=100
+    )
+
+
+def told(values: Array, beside: Array) -> str:
+    """A vector as a student reads it, with as many digits as tell it from the other one."""
+    texts = ((vector(values, digits), vector(beside, digits)) for digits in (3, 6, 9))
+    return next((text for text, other in texts if text != other), vector(values, 12))

@@ -1,0 +1,138 @@
+"""Raw and filtered: whether a figure shows a series together with a smoother version of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grader.labs.imu.answers import Array, Arrays
+from grader.labs.imu.diagnosis.labels import says_raw, says_smooth, unit_of
+from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, Facts, is_reference, name_of, points_of
+
+Index = NDArray[np.intp]
+
+_MOST_POINTS = 20_000
+"""Of a curve are compared, its last: eight times what the lab records."""
+_MOST_PAIRS = 1000
+"""Of a figure are compared: those of six channels with five filtered versions of each."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A curve and a smoother version of it, with the names that they carry."""
+
+    raw: str
+    smooth: str
+
+    @property
+    def exchanged(self) -> bool:
+        return says_smooth(self.raw) and says_raw(self.smooth)
+
+    @property
+    def in_order(self) -> bool:
+        return says_raw(self.raw) or says_smooth(self.smooth)
+
+
+def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
+    """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
+    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)]
+    pairs = (
+        (above, raw, below, smooth)
+        for above, raw in drawn
+        for below, smooth in drawn
+        if raw is not smooth and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
+    )
+    return [
+        Compared(_name_on(above, raw), _name_on(below, smooth))
+        for above, raw, below, smooth in islice(pairs, _MOST_PAIRS)
+        if _is_smoothed(*_at_the_same_points(_last_points(raw, arrays), _last_points(smooth, arrays)))
+    ]
+
+
+def _last_points(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
+    x, y = points_of(curve, arrays)
+    return x[-_MOST_POINTS:], y[-_MOST_POINTS:]
+
+
+def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
+    """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
+    names = [
+        _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)
+    ]
+    return [Compared(raw, smooth) for raw in names for smooth in names if says_raw(raw) and says_smooth(smooth)]
+
+
+def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
+    """The values of every curve of data in a figure."""
+    return [points_of(c, arrays)[1] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
+
+
+def _name_on(axes: Facts, curve: Facts) -> str:
+    return name_of(curve, axes["legend"] or (), axes["texts"]) or ""
+
+
+def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
+    drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
+    long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
+    return [c for c in long if len(points_of(c, arrays)[1]) >= FEWEST_POINTS]
+
+
+def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -> tuple[Array, Array, int]:
+    """The values of both curves row by row, where both are drawn, and how many rows there are to a point of the shorter one."""
+    if len(raw[0]) == len(smooth[0]):
+        return raw[1], smooth[1], 1
+    shorter, longer = sorted((raw[0], smooth[0]), key=len)
+    x = longer[(longer >= shorter.min()) & (longer <= shorter.max())]
+    return np.interp(x, *raw), np.interp(x, *smooth), len(longer) // len(shorter)
+
+
+def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
+    """Whether one series is smoother than the other and goes where its running mean goes, at some lag.
+
+    An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
+    standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
+    value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
+    """
+    if len(raw) < FEWEST_POINTS or np.std(np.diff(smooth[::step])) > 0.8 * np.std(np.diff(raw[::step])):
+        return False
+    return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
+
+
+def _follows(raw: Array, smooth: Array, window: int) -> bool:
+    """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at."""
+    mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
+    lags = np.arange(min(2 * window, len(mean) // 4) + 1)
+    ends = np.minimum(len(mean), len(smooth) - window // 2 - lags)
+    lags, ends = lags[ends > 1], ends[ends > 1]
+    if not len(lags):
+        return False
+    cut = int(ends.min()) // 2
+    wanted, got = mean[cut:], smooth[window // 2 + cut :]
+    level = float(wanted.mean())  # what both are measured from: sums of squares then lose no digits
+    return _alike(wanted - level, got - level, ends // 2 - cut, ends - cut, lags)
+
+
+def _alike(wanted: Array, got: Array, begins: Index, ends: Index, lags: Index) -> bool:
+    """Whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
+    means, widths = _moments(wanted, begins, ends)
+    its_means, its_widths = _moments(got, begins + lags, ends + lags)
+    rows = zip(begins, ends, lags, strict=True)
+    products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in rows])
+    power = widths * its_widths
+    alike = products / (ends - begins) - means * its_means > 0.75 * power
+    near = np.abs(means - its_means) <= 3 * widths + 1e-12
+    as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
+    return bool(np.any((power > 0) & alike & near & as_large))
+
+
+def _moments(values: Array, begins: Index, ends: Index) -> tuple[Array, Array]:
+    """Mean and standard deviation of many runs of rows, by running sums."""
+    sums, squares = (np.concatenate(([0.0], np.cumsum(power))) for power in (values, values**2))
+    count = ends - begins
+    means = (sums[ends] - sums[begins]) / count
+    variances = (squares[ends] - squares[begins]) / count - means**2
+    rounding = 1e-13 * float(np.max(values**2, initial=0.0))
+    return means, np.sqrt(np.where(variances > rounding, variances, 0.0))

@@ -1,0 +1,133 @@
+"""What a filter does, told from its outputs: the recursion that they obey, whatever they started from.
+
+An output is held against its own previous value: ``y[n] - (a x[n] + b y[n-1])`` says whether the recursion is right even where the
+start is not, so that each of the two faults is seen for itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from grader.labs.imu.compare import Array, same
+from grader.labs.imu.diagnosis.filter_outputs import ATOL, window
+
+
+def obeys(x: Array, y: Array, a: float, b: float) -> bool:
+    """Whether ``y[n] = a x[n] + b y[n-1]`` holds from the second sample on; x, y (n, 3)."""
+    return same(y[1:], a * x[1:] + b * y[:-1], ATOL)
+
+
+def recursion_of(x: Array, y: Array) -> tuple[float, float] | None:
+    """The coefficients (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, or None."""
+    columns = np.stack([x[1:].ravel(), y[:-1].ravel()], axis=1)
+    (a, b), *_ = np.linalg.lstsq(columns, y[1:].ravel(), rcond=None)
+    return (float(a), float(b)) if obeys(x, y, a, b) else None
+
+
+def has_no_memory(x: Array, y: Array) -> bool:
+    """Whether every output follows from its own measurement alone: ``y[n] = a x[n] + c``, one a and c an axis; x, y (n, 3).
+
+    A recursion with a weight of 1e-3 for what was before differs from that by far more than `ATOL`.
+    """
+    centred_x, centred_y = x[1:] - x[1:].mean(axis=0), y[1:] - y[1:].mean(axis=0)
+    gains = (centred_x * centred_y).sum(axis=0) / np.maximum((centred_x**2).sum(axis=0), 1e-300)
+    return bool(np.ptp(y[1:], axis=0).any()) and same(centred_y, gains * centred_x, ATOL)
+
+
+Run = tuple[float, Array, Array]
+"""alpha, input (n, 3), output (n, 3)"""
+
+
+def mistakes(runs: Sequence[Run]) -> list[str]:
+    """The one mistake that predicts every run, or nothing."""
+    fitting = {name for name, predicts in _PREDICTIONS if all(predicts(*run) for run in runs)}
+    if fitting:
+        return list(fitting) if len(fitting) == 1 else []
+    if _averages(runs):
+        return ["moving-average"]
+    if all(has_no_memory(x, y) for _, x, y in runs):
+        return ["does-not-filter"]
+    fitted = [recursion_of(x, y) for _, x, y in runs]
+    known = [f for f in fitted if f is not None]
+    if len(known) == len(runs):
+        return _linear_mistakes(runs, known)
+    if all(_leaves_axes_out(*run) for run in runs):
+        return ["axes-mixed"]
+    if all(_mixes_axes(x, y) for _, x, y in runs):
+        return ["axes-mixed"]
+    return []
+
+
+def _linear_mistakes(runs: Sequence[Run], fitted: Sequence[tuple[float, float]]) -> list[str]:
+    if any(abs(a + b - 1) > 1e-6 for a, b in fitted):
+        return ["gain-not-one"]
+    if max(a for a, _ in fitted) - min(a for a, _ in fitted) < 1e-6 and len({alpha for alpha, *_ in runs}) > 1:
+        return ["alpha-ignored"]
+    return []
+
+
+def _stuck(alpha: float, x: Array, y: Array) -> bool:
+    del alpha, x
+    return bool(np.ptp(y[1:], axis=0).max() <= ATOL)
+
+
+def _high_pass(alpha: float, x: Array, y: Array) -> bool:
+    """``y[n] = c (y[n-1] + x[n] - x[n-1])``, or the input without its low-passed part."""
+    forms = [c * (y[:-1] + x[1:] - x[:-1]) for c in (alpha, 1 - alpha)]
+    rest = x - y
+    return any(same(y[1:], form, ATOL) for form in forms) or any(obeys(x, rest, c, 1 - c) for c in (alpha, 1 - alpha))
+
+
+def _from_one_value(weight: float, x: Array, y: Array) -> bool:
+    """``y[n] = weight x[n] + c``: what came before never changes, so the recursion always starts from the same value."""
+    rest = y[1:] - weight * x[1:]
+    return bool(np.ptp(rest, axis=0).max() <= ATOL)
+
+
+_PREDICTIONS: list[tuple[str, Callable[[float, Array, Array], bool]]] = [
+    ("alpha-swapped", lambda alpha, x, y: obeys(x, y, 1 - alpha, alpha)),
+    ("no-filtering", lambda _, x, y: same(y[1:], x[1:], ATOL)),
+    ("output-stuck", _stuck),
+    ("state-not-kept", _from_one_value),
+    ("state-not-kept", lambda alpha, x, y: _from_one_value(1 - alpha, x, y)),
+    ("filters-input-history", lambda alpha, x, y: same(y[1:], alpha * x[1:] + (1 - alpha) * x[:-1], ATOL)),
+    ("filters-input-history", lambda alpha, x, y: same(y[1:], (1 - alpha) * x[1:] + alpha * x[:-1], ATOL)),
+    ("high-pass", _high_pass),
+]
+
+
+def _averages(runs: Sequence[Run]) -> bool:
+    sizes = [window(x, y) for _, x, y in runs]
+    return min(sizes) >= 1 and max(sizes) >= 2
+
+
+def _leaves_axes_out(alpha: float, x: Array, y: Array) -> bool:
+    """Whether some axes obey the recursion, and the others come out as they are or never move."""
+    right = [obeys(x[:, [i]], y[:, [i]], alpha, 1 - alpha) for i in range(3)]
+    others = [i for i in range(3) if not right[i]]
+    left = (same(y[1:, i], x[1:, i], ATOL) or np.ptp(y[1:, i]) <= ATOL for i in others)
+    return any(right) and bool(others) and all(left)
+
+
+def _mixes_axes(x: Array, y: Array) -> bool:
+    """Whether the outputs follow from all axes together, but not from each by itself."""
+    n = x.shape[1]
+    columns = np.concatenate([x[1:], y[:-1]], axis=1)
+    weights, *_ = np.linalg.lstsq(columns, y[1:], rcond=None)
+    apart = ~np.tile(np.eye(n, dtype=bool), (2, 1))
+    crossed = np.abs(weights[apart]).max() > 1e-3
+    return bool(crossed) and same(columns @ weights, y[1:], ATOL)
+
+
+def noise_gain(x: Array, y: Array) -> float:
+    """Variance of the output's sample-to-sample part over that of the input, second half of the series."""
+    half = len(x) // 2
+    return float(np.var(y[half:], axis=0).mean() / np.var(x[half:], axis=0).mean())
+
+
+def signal_error(x: Array, y: Array) -> float:
+    """RMS of output minus a slow input, in units of the input's own spread, second half of the series."""
+    half = len(x) // 2
+    return float(np.sqrt(np.mean((y[half:] - x[half:]) ** 2)) / np.sqrt(np.mean(np.var(x[half:], axis=0))))

@@ -1,0 +1,169 @@
+"""What labels, legends and titles say: units, sensors, axes and curves, in the languages of `languages.yaml`.
+
+Symbols are the same in every language and stand here; words stand there, a block a language.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+_once = lru_cache(maxsize=1024)  # a text is asked for with every pair of curves that bear it
+_LOOKALIKES = str.maketrans("º⁄", "°/")
+"""What is written for a degree and for a stroke, and would become a letter and stay what it is."""
+
+
+@cache
+def languages() -> Mapping[str, Mapping[str, Any]]:
+    """The words of every language, by its code."""
+    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
+    blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)
+    return blocks
+
+
+def _any_of(stems: Iterable[str]) -> str:
+    """A pattern for one of these stems; the longest goes first, and none matches nothing."""
+    listed = sorted({re.escape(_spelt(stem)) for stem in stems}, key=lambda stem: (-len(stem), stem))
+    return f"(?:{'|'.join(listed)})" if listed else r"(?!)"
+
+
+def _spelt(stem: str) -> str:
+    return unicodedata.normalize("NFKC", stem).lower()
+
+
+def _words(key: str) -> str:
+    return _any_of(stem for block in languages().values() for stem in block[key])
+
+
+def _hints(key: str) -> str:
+    return _any_of(stem for block in languages().values() for stem in block["hints"][key])
+
+
+@_once
+def plain(text: str) -> str:
+    """A label as a reader takes it: no TeX, superscripts as digits, lower case, no spaces."""
+    text = unicodedata.normalize("NFKC", text.translate(_LOOKALIKES)).lower()
+    text = re.sub(r"\b(?:in|en|em|per|pro|por|par)\s+|_(?=m?s(?:ec)?$)", "/", text)  # “in s”, “rad per s”, “time_s”
+    text = re.sub(r"\\(?:mathrm|mathit|text|textrm|rm)\{([^{}]*)\}", r"\1", text)
+    text = re.sub(r"\\[dt]?frac\{([^{}]*)\}\{([^{}]*(?:\{[^{}]*\})?)\}", r"\1/\2", text)
+    text = re.sub(r"\\(mathrm|mathit|text|rm|left|right|,|;|!|frac|dfrac|dot|ddot|cdot|unit|si)", " ", text)
+    text = text.replace("\\omega", "ω").replace("\\circ", "°").replace("\\degree", "°").replace("−", "-")
+    return re.sub(r"[\s${}^\\·*_⋅×~]", "", text)
+
+
+_SOME = (
+    r"\w{0,24}?"  # words within a unit have a bound: without, a title of repeated units takes the cube of its length
+)
+_PER = f"(?:/|{_words('per')})"
+_SQUARED = f"(?:2|²|{_words('squared')})"
+_ACCELERATION_UNIT = re.compile(
+    r"m/\(?s(?:ec|ek)?\)?2|m/s/s|m\.?s-2|mps2|m/sec/sec|ms2\b|ms2[\])]|[\[(/,]m?g0?[\])]?$|[\[(]m?g|м/с2"
+    rf"|{_words('metre')}{_SOME}{_PER}?(?:{_words('second')}|s[eé][ckg]){_SOME}{_SQUARED}|米/秒"
+)
+_RATE_UNIT = re.compile(
+    r"(?![a-z°]{1,24}/\(?s(ec|ek)?(2(?!\w)|/s))"  # not per second squared
+    rf"(?:{_words('radian')}{_SOME}(?:{_PER}|\.?s-1|ps)|{_words('degree')}{_SOME}(?:{_PER}|\.?s-1)"
+    r"|°/?s(?:-1)?|°/с(?!2)|(?<!ra)dps|1/s|s-1|弧度)"
+)
+_DEGREES = re.compile(rf"{_words('degree')}(?!{_SOME}{_words('radian')}){_SOME}(?:{_PER}|\.?s-1)|°|(?<!ra)dps")
+_SECONDS = f"(?:{_words('seconds')}|{_words('milliseconds')})"
+_TIME_UNIT = re.compile(
+    rf"(?:^|[\[(/,|:—–-])\(?{_SECONDS}\.?[\])]?$|[\[(]{_SECONDS}[\])]|[\[(]s(?:since|from)|ms\b|millis|{_words('second')}"
+)
+_MILLISECONDS = re.compile(rf"[\[(/,|—–-]{_words('milliseconds')}[\])]?$|[\[(]{_words('milliseconds')}[\])]|millis")
+_COUNTED = re.compile(rf"{_words('samples')}|n$")
+
+
+@_once
+def unit_of(text: str) -> str | None:
+    """The unit of `plots.UNITS` that a label names; None where it names none of them."""
+    words = plain(text)
+    if _RATE_UNIT.search(words):
+        if _DEGREES.search(words.replace("弧度", "rad")):
+            return "deg/s"
+        return "mrad/s" if "mrad" in words else "rad/s"
+    if _ACCELERATION_UNIT.search(words):
+        if re.search(rf"s2|s-2|/s/s|{_SQUARED}|米", words):
+            return "cm/s²" if "cm/" in words else "m/s²"
+        return "mg" if re.search(r"[\[(/,]mg", words) else "g"
+    return None
+
+
+def has_unit_of(sensor: int, text: str) -> bool:
+    """Whether a label names a unit of the sensor, whatever else it names."""
+    return bool((_ACCELERATION_UNIT, _RATE_UNIT)[sensor].search(plain(text)))
+
+
+def has_time_unit(text: str) -> bool:
+    return bool(_TIME_UNIT.search(plain(text)))
+
+
+def in_milliseconds(text: str) -> bool:
+    return bool(_MILLISECONDS.search(plain(text)))
+
+
+def counts_samples(text: str) -> bool:
+    return bool(_COUNTED.search(plain(text)))
+
+
+_NAMES = (_words("acceleration"), _words("angular_velocity"))
+"""What acceleration and angular velocity, and their sensors, are called."""
+_ACCELERATION_WORDS = re.compile(f"{_NAMES[0]}|{_hints('acceleration')}")
+_RATE_WORDS = re.compile(f"{_NAMES[1]}|{_hints('angular_velocity')}")
+
+
+@_once
+def claims(text: str) -> frozenset[int]:
+    """Which sensor a text speaks of: 0 acceleration, 1 angular velocity; by its words, else by its unit."""
+    words = plain(text)
+    found = {0} if _ACCELERATION_WORDS.search(words) else set()
+    if _RATE_WORDS.search(words):
+        found.add(1)
+    unit = unit_of(text)
+    if unit is not None and not found:
+        found.add(1 if has_unit_of(1, text) else 0)
+    return frozenset(found)
+
+
+def names_only(sensor: int, text: str) -> bool:
+    """Whether a text calls one sensor, or what it measures, by its name and says nothing of the other one."""
+    return bool(re.search(_NAMES[sensor], plain(text))) and claims(text) == {sensor}
+
+
+_AXES = tuple(
+    re.compile(_any_of(stem for block in languages().values() for stem in block["axes"][axis])) for axis in range(3)
+)
+_AXIS_LETTERS = ("x", "y", "z")
+
+
+@_once
+def axis_of(text: str) -> int | None:
+    """The axis (0, 1, 2) that a curve's name speaks of; None where it is not certain."""
+    words = plain(text)
+    named = {axis for axis, pattern in enumerate(_AXES) if pattern.search(words)}
+    spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower().replace("_", " "))
+    for axis, letter in enumerate(_AXIS_LETTERS):
+        if re.search(rf"(^|\s)(a|g|w|f|acc|accel|gyro|gyr|omega|lin|ang|rate|achse)?\s?{letter}(\s|$)", spaced):
+            named.add(axis)
+    return named.pop() if len(named) == 1 else None
+
+
+_RAW = re.compile(rf"(?<!de)(?<!de-){_words('raw')}")
+_SMOOTH = re.compile(_words("filtered"))
+
+
+def says_raw(name: str) -> bool:
+    """Whether a curve's name speaks of data as it was measured."""
+    return bool(_RAW.search(plain(name)))
+
+
+def says_smooth(name: str) -> bool:
+    """Whether a curve's name speaks of filtered data."""
+    return bool(_SMOOTH.search(plain(name))) and not says_raw(name)

@@ -1,0 +1,262 @@
+"""What a noise model does, told from its moments: which of them are off, and what that shows.
+
+The reads of one `NoisyIMU` in two states, with the noise and the biases that it was told, become `Facts` of each sensor; a second
+instance, one with zero noise and zero bias, and many without a given bias separate what looks alike in the first.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from grader.labs.imu import statistics as st
+from grader.labs.imu.compare import Array
+
+EXACT = 1e-9
+"""Of one: noise-free arithmetic repeats to rounding; a random draw never comes this close twice."""
+
+TRUTH_ATOL = 1e-5
+"""m/s², rad/s. How far the truth itself may be off: bundles recorded with another MuJoCo differ by 1.3e-7."""
+
+_DECIMALS = (1, 2, 3, 4)
+"""That a rounding is looked for. Fewer leave nothing of the sheet's noise that could be judged; more are as good as the truth."""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """One sensor's reads.
+
+    Attributes
+    ----------
+    residual : (states, reads, 3) ndarray, reading minus truth
+    truth : (states, 3) ndarray; std : the standard deviation asked for; bias : (3,) ndarray, the bias given
+    """
+
+    residual: Array
+    truth: Array
+    std: float
+    bias: Array
+
+    @cached_property
+    def offset(self) -> Array:
+        """(states, 3) mean of the reading minus the truth."""
+        return np.asarray(self.residual.mean(axis=1))
+
+    @cached_property
+    def centred(self) -> Array:
+        """(states, reads, 3) residuals without their mean in each state."""
+        return np.asarray(self.residual - self.residual.mean(axis=1, keepdims=True))
+
+    @cached_property
+    def spread(self) -> Array:
+        """(states, 3) standard deviation."""
+        return np.asarray(self.residual.std(axis=1))
+
+    @cached_property
+    def pooled_spread(self) -> float:
+        return float(np.sqrt(np.mean(self.centred**2)))
+
+    @cached_property
+    def still(self) -> bool:
+        """Whether reads in one state do not differ."""
+        return bool(np.all(self.spread <= EXACT * self.std))
+
+    @cached_property
+    def standardised(self) -> Array:
+        """(states × reads, 3) residuals in units of their own spread; zero where there is none."""
+        spread = np.where(self.spread > EXACT * self.std, self.spread, np.inf)
+        return np.asarray((self.centred / spread[:, None, :]).reshape(-1, 3))
+
+    @cached_property
+    def grain(self) -> float:
+        """The last decimal's worth where noisy readings are rounded, or that of half precision; 0 where they are neither."""
+        readings = self.residual + self.truth[:, None, :]
+        if self.still:
+            return 0.0
+        if np.abs(readings - readings.astype(np.float16)).max() < EXACT:
+            return float(np.spacing(np.float16(np.abs(readings).max())))
+        rounded_to = (d for d in _DECIMALS if np.abs(readings - readings.round(d)).max() < EXACT)
+        return next((10.0**-d for d in rounded_to), 0.0)
+
+    @cached_property
+    def increments(self) -> Array:
+        """(states, reads - 1, 3) differences of successive reads."""
+        return np.diff(self.residual, axis=1)
+
+
+def accumulates(facts: Facts) -> bool:
+    """Whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
+    columns = facts.centred.reshape(len(facts.residual), -1, 3)
+    return bool(min(st.autocorrelation(c, 1).min() for c in columns) > 0.9) and not facts.still
+
+
+def one_signed(facts: Facts) -> bool:
+    """Whether, on every axis, the reads begin at truth plus bias and go to one side of it, as absolute values do."""
+    if facts.still:
+        return False
+    beside, edge = (facts.residual - facts.bias).reshape(-1, 3), 0.05 * facts.pooled_spread
+    least, most = beside.min(axis=0), beside.max(axis=0)
+    return bool(np.all((least >= -TRUTH_ATOL) & (least < edge)) or np.all((most <= TRUTH_ATOL) & (most > -edge)))
+
+
+def half_width_is_std(facts: Facts) -> bool:
+    """Whether the noise fills ± std evenly: a uniform law with the standard deviation taken for its half width."""
+    largest = float(np.abs(facts.centred).max())
+    return 0.95 * facts.std < largest < 1.05 * facts.std and abs(facts.pooled_spread / facts.std - 3**-0.5) < 0.05
+
+
+def size_is_right(facts: Facts, spread: float | None = None) -> bool:
+    """Whether the pooled spread and that of each axis agree with the standard deviation asked for.
+
+    Rounding adds to each value half a grain at most, and so to a spread: the triangle inequality.
+    """
+    states, reads, _ = facts.residual.shape
+    rounding = facts.grain / 2 / facts.std
+    low, high = st.spread_bounds(3 * states * reads, 3 * states)
+    if not low - rounding <= (facts.pooled_spread if spread is None else spread) / facts.std <= high + rounding:
+        return False
+    low, high = st.spread_bounds(states * reads, states)
+    per_axis = np.sqrt(np.mean(facts.centred**2, axis=(0, 1))) / facts.std
+    return spread is not None or bool(np.all((low - rounding <= per_axis) & (per_axis <= high + rounding)))
+
+
+def proportional(facts: Facts) -> bool:
+    """Whether the spread goes with the size of the reading, over axes and states."""
+    size = np.abs(facts.truth).ravel()
+    spread = facts.spread.ravel()
+    if facts.still or len(np.unique(size.round(6))) < 3:
+        return False
+    ratio = spread / size
+    return bool(ratio.std() < 0.1 * ratio.mean() and spread.std() > 0.2 * spread.mean())
+
+
+def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequence[Facts]) -> list[str]:
+    """What a wrong size of the noise shows.
+
+    Parameters
+    ----------
+    sensors : accelerometer and gyroscope of the long run
+    again : the same of a second instance; silent : of one that was asked for no noise and given zero biases
+    """
+    still = [facts.still for facts in sensors]
+    if all(still):
+        return _still_mistakes(sensors, again)
+    if any(still):
+        return ["gyro-not-noisy"]
+    if any(proportional(facts) for facts in sensors):
+        return ["multiplicative-noise"]
+    wrong = [facts for facts in sensors if not size_is_right(facts)]
+    if any(not facts.still for facts in silent):
+        return [] if bias_is_redrawn(sensors, silent) else ["std-ignored"]
+    accel, gyro = sensors
+    if _near(accel.pooled_spread, gyro.std) or _near(gyro.pooled_spread, accel.std):
+        return ["stds-swapped"]
+    if wrong and all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong):
+        return ["variance-as-std"]
+    return []
+
+
+def bias_is_redrawn(sensors: Sequence[Facts], silent: Sequence[Facts]) -> bool:
+    """Whether reads without noise vary, and the noisy ones clearly more: a bias drawn on every read, with the noise on top.
+
+    Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values errs by 3 %.
+    """
+    if all(facts.still for facts in silent):
+        return False
+    more = [f.pooled_spread / s.pooled_spread for f, s in zip(sensors, silent, strict=True) if not s.still]
+    return max(more) > 1.12
+
+
+def _still_mistakes(sensors: Sequence[Facts], again: Sequence[Facts]) -> list[str]:
+    if all(
+        np.allclose(f.offset, f.bias, atol=TRUTH_ATOL) or np.allclose(f.offset, 0, atol=TRUTH_ATOL) for f in sensors
+    ):
+        return ["no-noise"]
+    if any(np.ptp(f.offset, axis=0).max() > 2 * st.Z * f.std for f in sensors):
+        return []  # more than a repeated draw: the clean reading is not in it
+    same = all(np.allclose(a.offset, b.offset, atol=EXACT) for a, b in zip(sensors, again, strict=True))
+    return ["reseeded" if same else "frozen-noise"]
+
+
+def _near(value: float, target: float) -> bool:
+    return abs(value / target - 1) < 0.07
+
+
+def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
+    """What an offset that is not the given bias shows, over both sensors."""
+    wrong = [f for f in sensors if not bias_is_right(f)]
+    if not wrong:
+        return []
+    if all(_offset_is(f, np.zeros(3)) for f in wrong):
+        return ["no-bias"]
+    if all(_offset_is(f, -f.bias) for f in wrong):
+        return ["bias-sign-flipped"]
+    if all(_stale(f) for f in wrong):
+        return ["stale-clean-reading"]
+    other = {id(f): g for f, g in zip(sensors, reversed(sensors), strict=True)}
+    if len(wrong) == 2 and all(_offset_is(f, other[id(f)].truth - f.truth + f.bias) for f in wrong):
+        return ["swapped-sensors"]
+    if biases_exchanged(sensors):
+        return []
+    if all(_permutes(f) for f in wrong):
+        return ["bias-axes-exchanged"]
+    if any(_offset_is(f, other[id(f)].bias) for f in wrong) or all(_offset_is(f, np.full(3, f.bias[0])) for f in wrong):
+        return ["bias-shared"]
+    beside = [f.offset - f.bias for f in wrong]
+    if all(np.ptp(b) <= 2 * mean_bound(f) for b, f in zip(beside, wrong, strict=True)):
+        return ["noise-not-zero-mean"]
+    if any(_follows_bias(f) for f in wrong):
+        return []  # whatever was done to it, it was not ignored
+    if all(np.ptp(f.offset, axis=0).max() <= 2 * mean_bound(f) for f in wrong):
+        return ["bias-argument-ignored"]
+    return []
+
+
+def _permutes(facts: Facts) -> bool:
+    """Whether the components of the given bias are there, on other axes."""
+    others = [list(order) for order in itertools.permutations(range(3)) if order != (0, 1, 2)]
+    return sum(_offset_is(facts, facts.bias[order]) for order in others) == 1
+
+
+def biases_exchanged(sensors: Sequence[Facts]) -> bool:
+    """Whether each sensor has the other's given bias."""
+    return all(_offset_is(f, g.bias) for f, g in zip(sensors, reversed(sensors), strict=True))
+
+
+def mean_bound(facts: Facts) -> float:
+    reads = facts.residual.shape[1]
+    return st.mean_bound(reads, max(facts.std, facts.pooled_spread)) + TRUTH_ATOL
+
+
+def bias_is_right(facts: Facts) -> bool:
+    """Whether truth plus bias is the mean, in each state and over both."""
+    states, reads, _ = facts.residual.shape
+    gap = np.abs(facts.offset - facts.bias)
+    overall = np.abs(facts.offset.mean(axis=0) - facts.bias)
+    sigma, exact = max(facts.std, facts.pooled_spread), TRUTH_ATOL + facts.grain / 2
+    if facts.still:  # one draw that is repeated, or none: the offset may be off by that draw
+        return bool(gap.max() <= st.Z * facts.std + exact)
+    return bool(
+        gap.max() <= st.mean_bound(reads, sigma) + exact
+        and overall.max() <= st.mean_bound(states * reads, sigma) + exact
+    )
+
+
+def _offset_is(facts: Facts, wanted: Array) -> bool:
+    return bool(np.abs(facts.offset - wanted).max() <= mean_bound(facts))
+
+
+def _follows_bias(facts: Facts) -> bool:
+    """Whether the offset is some multiple of the given bias."""
+    factor = float(facts.offset.mean(axis=0) @ facts.bias / (facts.bias @ facts.bias))
+    return _offset_is(facts, factor * facts.bias)
+
+
+def _stale(facts: Facts) -> bool:
+    """Whether every state gives what the first one gave, bias included."""
+    first = facts.truth[0] + facts.bias - facts.truth
+    return bool(np.abs(facts.offset - first).max() <= mean_bound(facts))

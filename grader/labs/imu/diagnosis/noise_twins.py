@@ -1,0 +1,63 @@
+"""What two noise models differ by that were made from the same seed, with one thing changed: the rest drops out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from grader.labs.imu.compare import Array, same
+from grader.labs.imu.diagnosis.noise import EXACT, TRUTH_ATOL
+
+
+@dataclass(frozen=True)
+class Twins:
+    """Reads (reads, 3) of one sensor, each series from the same seed.
+
+    Attributes
+    ----------
+    base, again : twice with the same arguments; other : with a bias that is larger by `change` (3,); scaled : with a standard
+        deviation that is `factor` times as large
+    """
+
+    base: Array
+    again: Array
+    other: Array
+    scaled: Array
+    change: Array
+    factor: float
+
+    @cached_property
+    def seeded(self) -> bool:
+        """Whether the same seed gives the same reads; where it does not, differences tell nothing."""
+        return same(self.base, self.again, EXACT)
+
+    @cached_property
+    def response(self) -> Array:
+        """(reads, 3) what the change of the bias did."""
+        return np.asarray(self.other - self.base)
+
+    def adds_bias(self, grain: float = 0.0) -> bool:
+        """Whether every read is larger by just what the bias is larger by, to the precision that the reads have."""
+        return self.seeded and same(self.response, np.tile(self.change, (len(self.base), 1)), TRUTH_ATOL + grain)
+
+    def begins_with_bias(self) -> bool:
+        """Whether the first read is, to a twentieth: all that can be asked of a bias that does not stay."""
+        return self.seeded and same(self.response[0], self.change, 0.05 * float(np.abs(self.change).max()))
+
+    def ignores_bias(self) -> bool:
+        return self.seeded and not np.abs(self.response).max() > TRUTH_ATOL
+
+    def noise_size(self) -> float:
+        """The standard deviation that was asked for first, told by what a larger one adds from read to read; 0 where it is not.
+
+        Whatever else moves is the same in both. 117 differences tell it to a tenth.
+        """
+        added = np.diff(self.scaled - self.base, axis=0) / (self.factor - 1)
+        return float(np.sqrt(np.mean(added**2) / 2)) if self.seeded else 0.0
+
+    def scales(self) -> bool:
+        """Whether what reads differ by from one to the next is `factor` times as large."""
+        wanted = self.factor * np.diff(self.base, axis=0)
+        return self.seeded and bool(wanted.any()) and same(np.diff(self.scaled, axis=0), wanted, TRUTH_ATOL)

@@ -1,0 +1,239 @@
+"""Reading a figure from its facts: which curve shows which channel, and under which name.
+
+Curves are tied to the data that the plot function was given, not to their labels; the labels are then held against the curves.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from grader.labs.imu.answers import KEYS, Array, Arrays, Collection, column_named
+from grader.labs.imu.diagnosis.labels import axis_of
+
+SENSORS = KEYS[1:]
+FEWEST_POINTS = 50
+"""A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
+_NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
+_MATCH = 1e-3
+"""Of the channel's range. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more."""
+
+Facts = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A curve that shows a channel: sensor 0 or 1, axis 0 to 2, the scale of y and what x is."""
+
+    sensor: int
+    axis: int
+    unit: str
+    x: str
+    curve: Facts
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One set of axes with what it shows: known channels and curves that show none."""
+
+    facts: Facts
+    shown: tuple[Shown, ...]
+    strange: tuple[Facts, ...]
+
+    @property
+    def sensors(self) -> set[int]:
+        return {s.sensor for s in self.shown}
+
+    @property
+    def mainly(self) -> set[int]:
+        """The sensor that most of its curves show; both if they are as many."""
+        counts = Counter(s.sensor for s in self.shown)
+        return {sensor for sensor in counts if counts[sensor] == max(counts.values())}
+
+    @property
+    def area(self) -> float:
+        left, low, right, high = self.facts["position"]
+        return float((right - left) * (high - low))
+
+    def is_inset_of(self, other: Panel) -> bool:
+        """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
+        own, its = ({(s.sensor, s.axis) for s in panel.shown} for panel in (self, other))
+        return bool(own) and own <= its and self.area < other.area / 2
+
+    @property
+    def words(self) -> str:
+        """Everything that is written on the panel to say what it shows."""
+        return " | ".join([self.facts["title"], self.facts["ylabel"]])
+
+
+def joined(figures: Sequence[Facts]) -> Facts:
+    """Several figures as the panels of one, each with what its own figure says of all its panels."""
+    axes = [
+        one
+        | {key: one[key] or figure[key] for key in ("title", "xlabel", "ylabel")}
+        | {"legend": [*(one["legend"] or ()), *(entry for legend in figure["legends"] for entry in legend)]}
+        | {"position": [number + value for value in one["position"]]}  # no panel lies over one of another figure
+        for number, figure in enumerate(figures)
+        for one in figure["axes"]
+    ]
+    words = {"title": "", "xlabel": "", "ylabel": "", "legends": []}
+    return {**figures[0], **words, "axes": axes, "texts": [text for figure in figures for text in figure["texts"]]}
+
+
+def panels(figure: Facts, arrays: Arrays, series: Mapping[str, Array]) -> list[Panel]:
+    """The visible axes that hold at least one curve of data."""
+    found = []
+    for axes in figure["axes"]:
+        if axes["visible"]:
+            panel = _panel(axes, arrays, series)
+            if panel.shown or panel.strange:
+                found.append(panel)
+    return found
+
+
+def _panel(axes: Facts, arrays: Arrays, series: Mapping[str, Array]) -> Panel:
+    shown, strange = [], []
+    for curve in axes["curves"]:
+        if not curve["visible"] or curve["kind"] == "nothing":
+            continue
+        x, y = arrays[curve["x"]], arrays[curve["y"]]
+        match = _channel(x, y, series)
+        if match is not None:
+            shown.append(Shown(*match, curve))
+        elif not is_reference(x, y):
+            strange.append(curve)
+    return Panel(axes, tuple(shown), tuple(strange))
+
+
+def is_reference(x: Array, y: Array) -> bool:
+    """Whether a curve is a line at a fixed value or moment: `axhline`, `axvline` and their like."""
+    return len(y) <= 3 or float(np.ptp(y)) == 0.0 or float(np.ptp(x)) == 0.0
+
+
+def _channel(x: Array, y: Array, series: Mapping[str, Array]) -> tuple[int, int, str, str] | None:
+    if len(y) < FEWEST_POINTS:
+        return None
+    time = series["time"]
+    for kind, stamps in _abscissae(x, time):
+        for sensor, key in enumerate(SENSORS):
+            for axis in range(3):
+                channel = series[key][:, axis]
+                wanted = np.interp(stamps, time, channel)
+                for unit, scale in _UNITS[sensor]:
+                    if np.all(np.abs(y - scale * wanted) <= _MATCH * scale * np.ptp(channel)):
+                        return sensor, axis, unit, kind
+    return None
+
+
+def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
+    """What x may be, with the time stamps that follow: only readings under which x spans the recorded time."""
+    rows = np.arange(len(time))
+    kinds = [("s", x), ("ms", x / 1000), ("s from start", x + time[0])]
+    kinds += [("index", np.interp(x, rows, time)), ("index", np.interp(x - 1, rows, time))]
+    if len(x) < len(time):
+        kinds.append(("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time)))
+    span = time[-1] - time[0]
+    return [(kind, t) for kind, t in kinds if np.isfinite(t).all() and abs(np.ptp(t) / span - 1) < 0.1]
+
+
+_UNITS = (
+    (("m/s²", 1.0), ("cm/s²", 100.0), ("g", 1 / 9.81), ("g", 1 / 9.80665), ("mg", 1000 / 9.81), ("mg", 1000 / 9.80665)),
+    (("rad/s", 1.0), ("mrad/s", 1000.0), ("deg/s", 180 / np.pi)),
+)
+UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
+"""The units of each sensor, that of the recorded numbers first."""
+
+
+# --- what else was recorded ----------------------------------------------------------------------------------------------
+
+
+def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array]:
+    """What a submission records beside the three series, as it would have recorded it of the true ones.
+
+    Multiples of a series, of a column and of a magnitude are made anew; numbers stay, and other rows are stretched to the length.
+    """
+    return {name: _as_recorded(name, value, own, series) for name, value in own.extras.items()}
+
+
+def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, Array]) -> Array:
+    if value.ndim == 0:
+        return value
+    alike = [(true, recorded) for recorded, true in _derived(name, own, series) if recorded.shape == value.shape]
+    for true, recorded in alike:
+        scale = float(np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300))
+        if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, float(np.abs(value).max())):
+            return np.asarray(scale * true if recorded.any() else true)
+    if own.time is None or len(value) != len(own.time):
+        return value
+    return np.asarray(value[np.linspace(0, len(value) - 1, len(series["time"])).round().astype(int)])
+
+
+def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:
+    """What may follow from the three series, as recorded and as true: that which the name speaks of first."""
+    if own.time is not None:
+        yield own.time, series["time"]
+    said, axis = column_named(name), axis_of(name)
+    for key in sorted(SENSORS, key=lambda key: key != said):
+        recorded, true = getattr(own, key), series[key]
+        if recorded is not None:
+            for i in sorted(range(3), key=lambda i: i != axis):
+                yield recorded[:, i], true[:, i]
+            yield recorded, true
+            yield np.linalg.norm(recorded, axis=1), np.linalg.norm(true, axis=1)
+
+
+# --- legends -------------------------------------------------------------------------------------------------------------
+
+
+def names_of(panel: Panel, figure: Facts, arrays: Arrays) -> list[str | None]:
+    """What the reader is told about each shown curve: its legend entry, or a text beside it."""
+    entries = list(panel.facts["legend"] or ()) + [entry for legend in figure["legends"] for entry in legend]
+    for other in figure["axes"]:
+        if other is not panel.facts and other["legend"] and other["position"] == panel.facts["position"]:
+            entries += other["legend"]  # twin axes share one legend
+    texts = panel.facts["texts"]
+    own = {s.curve["colour"] for s in panel.shown}
+    neutral = [text for text in texts if text["colour"] not in own]
+    room = _NEAR * float(np.ptp(panel.facts["y_limits"]))
+    return [name_of(s.curve, entries, texts) or _beside(s, neutral, arrays, room) for s in panel.shown]
+
+
+def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -> str | None:
+    """A text in a colour of its own that names the curve's axis and stands near it.
+
+    Where curves run close together nobody can tell which of them such a text stands nearest to, so none is called wrong by it.
+    """
+    x, y = points_of(shown.curve, arrays)
+    for text in texts:
+        at, height = text["place"]
+        within = x.min() - _NEAR * np.ptp(x) <= at <= x.max() + _NEAR * np.ptp(x)
+        if within and y.min() - room <= height <= y.max() + room and axis_of(text["text"]) == shown.axis:
+            return str(text["text"])
+    return None
+
+
+def name_of(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
+    alike = [e for e in entries if e["colour"] == curve["colour"]]
+    most = max((_likeness(e, curve) for e in alike), default=None)
+    for entry in (e for e in alike if _likeness(e, curve) == most):
+        if entry["text"].strip() and not entry["text"].startswith("_"):
+            return str(entry["text"])
+    beside = [t["text"] for t in texts if t["text"].strip() and t["colour"] == curve["colour"]]
+    return str(beside[0]) if beside else None
+
+
+def _likeness(entry: Facts, curve: Facts) -> tuple[bool, bool]:
+    """How far a legend's sample looks like a curve of its colour: by style and marker, then by dashes, width and opacity."""
+    style = (entry["style"], entry["marker"]) == (curve["style"], curve["marker"])
+    return style, entry["stroke"] == curve["stroke"]
+
+
+def points_of(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
+    """The points of a curve without those that are not drawn: while a filter warms up there is nothing to show."""
+    x, y = arrays[curve["x"]], arrays[curve["y"]]
+    known = np.isfinite(x) & np.isfinite(y)
+    return x[known], y[known]

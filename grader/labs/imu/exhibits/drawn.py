@@ -1,0 +1,89 @@
+"""What the student's code drew, from the facts that it is judged by: curves, labels, legends and titles."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from grader.engine.evidence import Chart, Curve, Panel
+from grader.ground.text import printable
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.compare import Array
+from grader.labs.imu.exhibits.points import curve, thinned
+
+_FIGURES = 3
+_PANELS = 6
+_CURVES = 12
+_COLOUR = re.compile(r"#[0-9a-f]{6}")
+
+Facts = Mapping[str, Any]
+
+
+def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
+    """What `plot_imu_data` drew, then what the scripts drew; of figures that look the same the first one."""
+    told: set[tuple[object, ...]] = set()
+    for drawing in (*([plotted] if plotted else []), *drawings):
+        for figure in sorted(drawing.figures, key=lambda facts: facts["event"] != "saved"):
+            panels = _panels(figure, drawing.arrays)
+            look = tuple((panel.title, panel.y_label, len(panel.curves)) for panel in panels)
+            if panels and look not in told and len(told) < _FIGURES:
+                told.add(look)
+                yield _chart(figure, panels, by_function=drawing is plotted)
+
+
+def _chart(figure: Facts, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
+    width, height = figure["size_px"]
+    saved = f"Saved, {width} × {height} pixels" if figure["event"] == "saved" else "Drawn and not saved"
+    who = "What plot_imu_data draws" if by_function else "What your files draw"
+    title = _words(figure["title"], 80)
+    return Chart(
+        "visualization",
+        f"{who}: {title}" if title else who,
+        f"{saved}; set here from what the grader read of it and judges.",
+        panels,
+    )
+
+
+def _panels(figure: Facts, arrays: Mapping[str, Array]) -> tuple[Panel, ...]:
+    found = (_panel(axes, figure, arrays) for axes in figure["axes"] if axes["visible"])
+    return tuple(panel for panel in found if panel.curves)[:_PANELS]
+
+
+def _panel(axes: Facts, figure: Facts, arrays: Mapping[str, Array]) -> Panel:
+    entries = axes["legend"] or [entry for legend in figure["legends"] for entry in legend]
+    across = _reach(axes, arrays)
+    curves = [
+        _curve(each, entries, arrays, across)
+        for each in axes["curves"][:_CURVES]
+        if each["visible"] and each["n"] > 1 and each["kind"] != "nothing"
+    ]
+    x_label, y_label = (_words(axes[key] or figure[key], 120) for key in ("xlabel", "ylabel"))
+    return Panel(_words(axes["title"], 120), x_label, y_label, tuple(each for each in curves if len(each.x) > 1))
+
+
+def _reach(axes: Facts, arrays: Mapping[str, Array]) -> Array:
+    """First and last x of the curves that are more than a straight line."""
+    ends = [arrays[each["x"]][[0, -1]] for each in axes["curves"] if each["visible"] and each["n"] > 2]
+    return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
+
+
+def _curve(each: Facts, entries: Iterable[Facts], arrays: Mapping[str, Array], across: Array) -> Curve:
+    """Named as the legend names it: a label that no legend shows is not seen by a reader either."""
+    colour = each["colour"] if _COLOUR.fullmatch(each["colour"]) else "#000000"
+    shown = [entry["text"] for entry in entries if entry["colour"] == each["colour"]]
+    name = each["label"] if each["label"] in shown else shown[0] if len(shown) == 1 else ""
+    x, y = arrays[each["x"]], arrays[each["y"]]
+    if len(x) == len(y) == 2 and x[0] == 0 and x[1] == 1 and y[0] == y[1]:
+        x = across  # axhline goes from border to border
+    n = min(len(x), len(y))
+    rows = thinned(n) if n else slice(0)
+    return curve(_words(name, 60), "drawn", x[rows], y[rows], colour)
+
+
+def _words(text: str, limit: int) -> str:
+    r"""Readable where a formula was meant: ``$\omega_x$`` is ``omega_x``."""
+    plain = text.replace("$", "").replace("\\", "") if "$" in text else text
+    return printable(plain, limit)

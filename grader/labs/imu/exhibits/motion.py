@@ -1,0 +1,66 @@
+"""The collected series over the truth, and how far they are apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.evidence import Chart, Panel
+from grader.engine.traces import Scenario
+from grader.labs.imu.answers import Collection
+from grader.labs.imu.compare import Array
+from grader.labs.imu.diagnosis.collection import ATOL_ACCELERATION, ATOL_RATE
+from grader.labs.imu.exhibits.points import curve, worst_of_each
+
+_AXES = ("x", "y", "z")
+
+
+def chart(series: Collection | None, truth: Scenario) -> Chart | None:
+    """Row by row: what `simulate_and_collect` recorded against what the sensors read in that step."""
+    if series is None:
+        return None
+    told = [
+        _sensor("Acceleration", "m/s²", series.acceleration, truth["acceleration"], truth["time"], ATOL_ACCELERATION),
+        _sensor(
+            "Angular velocity", "rad/s", series.angular_velocity, truth["angular_velocity"], truth["time"], ATOL_RATE
+        ),
+    ]
+    known = [each for each in told if each is not None]
+    if not known:
+        return None
+    sizes = " and ".join(size for _, size in known if size)
+    said = f"Largest difference: {sizes}." if sizes else "They agree."
+    caption = (
+        f"Your rows in colour, the truth as the wide pale line of the same colour beneath them, row by row. {said}"
+    )
+    return Chart(
+        "data_collection", "Your series and the truth", caption, tuple(p for panels, _ in known for p in panels)
+    )
+
+
+def _sensor(
+    name: str, unit: str, got: Array | None, true: Array, time: Array, tolerance: float
+) -> tuple[list[Panel], str] | None:
+    n = min(len(true), 0 if got is None else len(got))
+    if got is None or n < 2:
+        return None
+    error = got[:n] - true[:n]
+    worst = np.nanmax(np.abs(error), axis=1, initial=0.0)
+    rows = worst_of_each(worst)
+    at, row = time[rows], int(np.argmax(worst))
+    traces = Panel(
+        name,
+        "Time (s)",
+        unit,
+        (
+            *(curve(f"true {axis}", f"true-{axis}", at, true[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
+            *(curve(axis, axis, at, got[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
+        ),
+    )
+    residual = Panel(
+        f"{name}: yours minus the truth",
+        "Time (s)",
+        unit,
+        tuple(curve(axis, axis, at, error[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
+        spread=2 * tolerance,
+    )
+    return [traces, residual], f"{worst[row]:.2g} {unit} at {time[row]:.3g} s" if worst[row] > tolerance else ""

@@ -1,0 +1,111 @@
+"""The noise of the submission's own `NoisyIMU`: its distribution, and its Allan deviation over averaging times.
+
+References
+----------
+Riley, W. J. (2008). Handbook of Frequency Stability Analysis. NIST Special Publication 1065, equation (11).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.engine.evidence import Chart, Panel
+from grader.engine.traces import Traces
+from grader.labs.imu.answers import NoiseRun
+from grader.labs.imu.compare import Array
+from grader.labs.imu.exhibits.points import curve
+
+_BINS = 32
+_TIMES = 12
+
+
+@dataclass(frozen=True)
+class _Sensor:
+    """One sensor's reads less the truth and the bias that was given: (states, reads, 3); `asked` is the standard deviation."""
+
+    name: str
+    unit: str
+    noise: Array
+    asked: float
+
+
+def charts(run: NoiseRun | None, truth: Traces) -> list[Chart]:
+    """Nothing where no read came back whole."""
+    if run is None or not (np.isfinite(run.accel).all() and np.isfinite(run.gyro).all()):
+        return []
+    scenario = truth["noise"]
+    clean, rate = scenario["acceleration"][:, None], scenario["angular_velocity"][:, None]
+    asked = float(scenario.scalars["accel_noise_std"]), float(scenario.scalars["gyro_noise_std"])
+    sensors = (
+        _Sensor("Accelerometer", "m/s²", run.accel - clean - scenario["accel_bias"], asked[0]),
+        _Sensor("Gyroscope", "rad/s", run.gyro - rate - scenario["gyro_bias"], asked[1]),
+    )
+    return [_histogram(sensors), _allan(sensors, float(truth["push"].scalars["timestep"]))]
+
+
+def _histogram(sensors: tuple[_Sensor, ...]) -> Chart:
+    found = " and ".join(
+        f"{np.sqrt(np.mean((s.noise - s.noise.mean(axis=1, keepdims=True)) ** 2)):.3g} {s.unit} (asked for: {s.asked:g})"
+        for s in sensors
+    )
+    return Chart(
+        "noise_model",
+        "Distribution of your noise",
+        "Your readings less the true ones and the bias that was given, in units of the standard deviation that was asked for. "
+        f"The line is the normal law. Found: {found}.",
+        tuple(map(_distribution, sensors)),
+    )
+
+
+def _distribution(sensor: _Sensor) -> Panel:
+    values = np.clip(sensor.noise.ravel() / sensor.asked, -1e6, 1e6)
+    reach = max(4.0, float(np.ceil(np.quantile(np.abs(values), 0.999))))
+    counts, edges = np.histogram(np.clip(values, -reach, reach), _BINS, (-reach, reach))
+    centres, width = (edges[:-1] + edges[1:]) / 2, edges[1] - edges[0]
+    grid = np.linspace(-reach, reach, 121)
+    return Panel(
+        sensor.name,
+        f"Noise (in units of {sensor.asked:g} {sensor.unit})",
+        "Density",
+        (
+            curve("yours", "bars", centres, counts / (len(values) * width)),
+            curve("normal law", "model", grid, np.exp(-(grid**2) / 2) / np.sqrt(2 * np.pi)),
+        ),
+    )
+
+
+def _allan(sensors: tuple[_Sensor, ...], dt: float) -> Chart:
+    return Chart(
+        "noise_model",
+        "Allan deviation of your noise",
+        "White noise falls as a straight line of slope −1/2; the dashed line is the one of the size that was asked for. "
+        "A curve that flattens or rises shows noise that depends on what came before. A constant bias does not show.",
+        tuple(_deviation(sensor, dt) for sensor in sensors),
+    )
+
+
+def _deviation(sensor: _Sensor, dt: float) -> Panel:
+    reads = sensor.noise.shape[1]
+    sizes = np.unique(np.geomspace(1, max(reads // 10, 1), _TIMES).round().astype(int))
+    found = np.array([_overlapping(sensor.noise, int(m)) for m in sizes])
+    some = found > 1e-9 * sensor.asked
+    return Panel(
+        sensor.name,
+        "Averaging time (s)",
+        f"Allan deviation ({sensor.unit})",
+        (
+            curve("white noise as asked for", "model", sizes * dt, sensor.asked / np.sqrt(sizes)),
+            curve("yours", "own", (sizes * dt)[some], found[some]),
+        ),
+        log=True,
+    )
+
+
+def _overlapping(noise: Array, m: int) -> float:
+    """Root mean square over states and axes of the overlapping estimate, from (states, reads, 3)."""
+    start = np.zeros_like(noise[:, :1])
+    integral = np.concatenate([start, np.cumsum(noise, axis=1)], axis=1)
+    second = integral[:, 2 * m :] - 2.0 * integral[:, m:-m] + integral[:, : -2 * m]
+    return float(np.sqrt(np.mean(second**2) / 2.0) / m) if second.size else 0.0

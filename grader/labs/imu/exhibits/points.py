@@ -1,0 +1,37 @@
+"""From arrays to the points of a curve: few and finite."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.evidence import Curve, Role
+from grader.labs.imu.compare import Array
+
+MOST = 200
+_LARGEST = 1e12
+
+
+def curve(name: str, role: Role, x: Array, y: Array, colour: str = "") -> Curve:
+    """A curve without the points that cannot be drawn."""
+    fine = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)  # False for NaN
+    return Curve(name, role, _single(x[fine]), _single(y[fine]), colour)
+
+
+def thinned(n: int, most: int = MOST) -> np.ndarray:
+    """Indices of at most `most` of n points, first and last among them."""
+    return np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
+
+
+def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
+    """Indices of at most `most` of the errors (n,): the largest of each stretch, so that thinning hides none."""
+    n = len(error)
+    width = -(-n // most)
+    filled = np.full(width * -(-n // width), -1.0)
+    filled[:n] = np.nan_to_num(np.abs(error), nan=np.inf)
+    stretches = filled.reshape(-1, width)
+    return np.asarray(stretches.argmax(axis=1) + width * np.arange(len(stretches)))
+
+
+def _single(values: Array) -> tuple[float, ...]:
+    """As they are recorded, see `evidence.packed`."""
+    return tuple(values.astype(np.float32).tolist())

@@ -1,0 +1,70 @@
+"""Lab 04-01, Reading IMU data in MuJoCo, as one value.
+
+It is read before anything slow is imported, so what needs NumPy is imported when it is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from grader.engine.lab import Lab, Part
+
+if TYPE_CHECKING:
+    from grader.engine.evidence import Chart
+    from grader.engine.traces import Traces
+    from grader.labs.imu.student import Student
+    from grader.sandbox.wire import Frame
+
+
+def _student(*args: Any, **options: Any) -> Student:
+    from grader.labs.imu.student import Student  # noqa: PLC0415
+
+    return Student(*args, **options)
+
+
+def _charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
+    from grader.labs.imu.exhibits import charts  # noqa: PLC0415
+
+    return charts(student, truth)
+
+
+def _checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> Frame:
+    from grader.engine.replies import checked  # noqa: PLC0415
+    from grader.labs.imu.replies import RULES  # noqa: PLC0415
+
+    return checked(op, frame, fields, arrays, RULES)
+
+
+LAB = Lab(
+    module=__name__,
+    id="imu",
+    label="Lab 04-01",
+    title="Reading IMU data in MuJoCo",
+    parts=(
+        Part("sensor_access", "Sensor access", ("get_imu_readings",), "imu_reader.py"),
+        Part("data_collection", "Data collection", ("simulate_and_collect",), "imu_reader.py"),
+        Part(
+            "visualization", "Visualization", ("plot_imu_data",), "imu_reader.py",
+            needed=False, pictures=("imu_data.png", "filtered_imu.png"),
+        ),
+        Part("noise_model", "Noise model", ("NoisyIMU",), "noisy_imu.py"),
+        Part("filtering", "Filtering", ("LowPassFilter",), "filters.py"),
+    ),
+    bonuses=(
+        Part("complementary_filter", "Complementary filter", ("ComplementaryFilter",), "complementary_filter.py"),
+        Part("allan_variance", "Allan variance", ("allan_deviation",), "allan_variance.py"),
+        Part("multiple_imus", "Multiple IMUs", ("read_all_imus",), "multi_imu.py"),
+        Part("realtime_visualization", "Real-time visualization", ("live_plot",), "live_plot.py"),
+    ),
+    student=_student,
+    charts=_charts,
+    checked=_checked,
+    model="textbook/assets/robot-models/mujoco/humanoid-sensors.xml",
+    points_to={"visualization.comparison_plot": "LowPassFilter"},
+    libraries=(
+        "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation",
+    ),
+    recorder="reference.traces",
+    same_for_all=frozenset({"free_fall"}),
+)  # fmt: skip

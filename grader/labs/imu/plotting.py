@@ -1,0 +1,157 @@
+"""What a submission draws: its own plot of given data, its files run as scripts, and the pictures that were handed in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import PurePosixPath
+from typing import Any
+
+import numpy as np
+
+from grader.engine.conversation import Conversation, Missing, is_run
+from grader.engine.lab import Lab
+from grader.engine.loaded import Loaded
+from grader.engine.traces import Traces
+from grader.ground.errors import NoAnswer
+from grader.labs.imu.answers import Array, Drawing, drawing_of
+from grader.labs.imu.lab_copies import with_graded_robot
+from grader.sandbox.box import Box
+
+_IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
+_FURTHER = 3  # programs that are run to see what they draw
+
+
+class Plotting(Conversation):
+    """The questions about plots.
+
+    Parameters
+    ----------
+    truth : holds the model that is graded with, which lies where the sheet loads it from
+    """
+
+    def __init__(self, box: Box, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
+        robot = self.robot = truth.robot
+        furniture = {"model": robot.xml, "model_file": robot.file, "imu": robot.imu, "sheet_model": lab.model}
+        own = with_graded_robot(files, robot.xml, truth.models.get("students"))
+        super().__init__(box, lab, own, furniture=furniture, **limits)
+
+    def drawings(self) -> list[Drawing]:
+        """What the submission's files have drawn so far, imported or run."""
+        answers = (drawing_of(a.frame) if isinstance(a, Loaded) else a for a in self._answers.values())
+        return [answer for answer in answers if isinstance(answer, Drawing)]
+
+    def plot(self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
+        """What `plot_imu_data` draws and saves of the given data, by the submission's own keys, else by those of the sheet.
+
+        If it raises, it is given what the submission's own recorder returns, with the data in it: an object of the
+        submission's own, or a dictionary with labels and settings beside the numbers. If it raises again, it gets the
+        sheet's recording: a key that is misspelled where the data is recorded is no fault of the plot's.
+        """
+        return self.once("plot", lambda: self._plot(data, sheet, ids))
+
+    def _plot(self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
+        drawing = self._plotted(data)
+        if drawing.fault is None:
+            return drawing
+        own = self._plotted_as_recorded(data, ids)
+        if own is not None and own.fault is None:
+            return own
+        as_on_sheet = drawing if data.keys() == sheet.keys() else self._plotted(sheet)
+        return drawing if as_on_sheet.fault else as_on_sheet
+
+    def _plotted_as_recorded(self, data: Mapping[str, Array], ids: tuple[int, int]) -> Drawing | None:
+        """In what the own recorder returns, whether it lost points or not: a stand-in would return the sheet's dictionary."""
+        try:
+            with self.without_standins():
+                path = self.place_of("simulate_and_collect")
+                recorder = {"path": path, "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1]}
+                return self._plotted(data, recorder)
+        except (Missing, NoAnswer):
+            return None
+
+    def _plotted(self, data: Mapping[str, Array], recorder: Mapping[str, Any] | None = None) -> Drawing:
+        keys = {name: f"d{number}" for number, name in enumerate(data)}
+        fields = {"path": self.place_of("plot_imu_data"), "keys": keys, "recorder": recorder}
+        return drawing_of(self.ask("plot", fields, {keys[name]: value for name, value in data.items()}))
+
+    def scripts(self) -> Iterator[Drawing]:
+        """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.
+
+        What they drew while they were imported comes first: it saves the time of running them again.
+        """
+        for path in self._runnable():
+            for ask in (self._drawn_at_import, self._drawn_as_script, self._drawn_untouched):
+                drawing = self.once((ask.__name__, path), partial(ask, path))
+                if drawing is not None:
+                    yield drawing
+        for path in self.further_scripts():
+            drawing = self.once(("script", path), partial(self._run_script, path))
+            if drawing is not None:
+                yield drawing
+
+    def _runnable(self) -> list[str]:
+        others = sorted(p for p in self.paths if p.endswith(".ipynb") and p not in self.used)
+        return [p for p in ("filters.py", "noisy_imu.py", "imu_reader.py", *self.used, *others) if p in self.paths]
+
+    def _drawn_at_import(self, path: str) -> Drawing | None:
+        try:
+            return drawing_of(self.load(path).frame)
+        except NoAnswer:
+            return None
+
+    def _drawn_as_script(self, path: str) -> Drawing | None:
+        if path.endswith(".ipynb") or b"__main__" not in self.files.get(path, b"__main__"):
+            return None
+        return self._run_script(path)
+
+    def _run_script(self, path: str) -> Drawing | None:
+        self.end_session()
+        try:
+            return drawing_of(self.retried(lambda: self.ask("run_script", {"path": path})))
+        except NoAnswer:
+            return None
+        finally:
+            self.end_session()
+
+    def _drawn_untouched(self, path: str) -> Drawing | None:
+        """The same without stand-ins: a script that fits its own broken part need not fit a sound one."""
+        if not self.broken or path in self.deadly or path.endswith(".ipynb"):
+            return None
+        with self.without_standins():
+            try:
+                return drawing_of(self.retried(lambda: self.ask("run_script", {"path": path})))
+            except NoAnswer:
+                return None
+
+    def picture(self, name: str) -> Mapping[str, Any] | None:
+        """What can be seen of a handed-in picture; None where it was not handed in."""
+        if name not in self.files:
+            return None
+        return self.once(("picture", name), lambda: self._decode(name))
+
+    def _decode(self, name: str) -> Mapping[str, Any]:
+        content = np.frombuffer(self.files[name], dtype=np.uint8)
+        try:
+            frame = self.retried(lambda: self.ask_aside("image", {}, {"bytes": content}))
+            return {**self._lab.checked("image", frame, {}, {}).fields, **frame.arrays}
+        except NoAnswer:
+            return {"readable": False, "reason": "it could not be decoded"}
+
+    def further_scripts(self) -> list[str]:
+        """Programs that nothing is asked of: they save a figure, or may call what does, as nobody imports them."""
+        code = {path: content for path, content in self.files.items() if path.endswith((".py", ".ipynb"))}
+        saving = {path for path, content in code.items() if b"savefig" in content}
+        if not saving:
+            return []
+        imported = {name for content in code.values() for name in _imported(content)}
+        known = {*self._lab.homes.values(), *self.used}
+        others = [path for path in self.paths - known if path.endswith(".py") and is_run(path)]
+        programs = [path for path in others if path in saving or PurePosixPath(path).stem not in imported]
+        return sorted(programs, key=lambda p: (p not in saving, p))[:_FURTHER]
+
+
+def _imported(content: bytes) -> set[str]:
+    """Names that a file or a notebook imports modules by, as far as a glance at its lines tells."""
+    return {word.decode() for modules in _IMPORTS.findall(content) for word in re.findall(rb"\w+", modules)}

@@ -1,0 +1,105 @@
+"""Statistical tests with a stated error: each fails a sound sample with a probability of at most `ALPHA`.
+
+All stochastic checks together ask fewer than 90 such questions of a submission, so a sound one loses a point by chance with a
+probability below 1e-9. The faults that each test catches with probability 0.999 are in its docstring; they follow from the same
+formulas, and `tests/benchmarks` measures both.
+
+References
+----------
+Geary, R. C. (1936). Moments of the ratio of the mean deviation to the standard deviation for normal samples.
+    Biometrika 28, 295-307, eq. (22): mean sqrt(2/pi), variance (1 - 3/pi) / n.
+Fisher, R. A. (1921). On the "probable error" of a coefficient of correlation. Metron 1, 3-32: atanh(r) has standard error
+    1 / sqrt(n - 3).
+Cochran, W. G. (1934). The distribution of quadratic forms in a normal system: n s^2 / sigma^2 is chi-squared.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+Array = NDArray[np.float64]
+
+ALPHA = 1e-11
+"""False-failure rate of one question. Fewer than 90 are asked."""
+
+Z = float(-special.ndtri(ALPHA / 2))
+"""Two-sided normal quantile of `ALPHA`, 6.81."""
+
+READS = 1250
+"""Reads per state; two states. 2,500 reads catch a correlation of 0.2 and a bias off by a fifth of sigma (see below)."""
+
+
+def spread_bounds(values: int, estimated_means: int) -> tuple[float, float]:
+    """Bounds of the ratio sample standard deviation / sigma for normal samples, from the chi-squared law.
+
+    With 7,500 values they are 0.945 and 1.056: a standard deviation wrong by 10 % is outside with probability > 0.9999.
+    """
+    freedom = values - estimated_means
+    low, high = (2.0 * special.gammaincinv(freedom / 2.0, p) for p in (ALPHA / 2, 1 - ALPHA / 2))
+    return math.sqrt(low / freedom), math.sqrt(high / freedom)
+
+
+def mean_bound(values: int, sigma: float) -> float:
+    """Largest credible distance of a sample mean from the true one; 0.136 sigma for 2,500 values.
+
+    A bias off by a fifth of sigma is outside with probability 0.9993.
+    """
+    return Z * sigma / math.sqrt(values)
+
+
+def correlation_bound(values: int) -> float:
+    """Largest credible sample correlation of independent normal samples (Fisher's z); 0.135 for 2,500 values.
+
+    A correlation of 0.2 is outside with probability 0.9996.
+    """
+    return math.tanh(Z / math.sqrt(values - 3))
+
+
+def geary(standardised: Array) -> float:
+    """Geary's ratio of mean deviation to standard deviation; sqrt(2/pi) = 0.798 for a normal law."""
+    centred = standardised - standardised.mean()
+    return float(np.mean(np.abs(centred)) / np.sqrt(np.mean(centred**2)))
+
+
+def geary_bounds(values: int) -> tuple[float, float]:
+    """Bounds of Geary's ratio for normal samples: nine standard errors.
+
+    The normal approximation would allow 6.8; nine leave six orders of magnitude for its error in the far tail. With 7,500 values
+    the bounds are 0.798 ± 0.022: a uniform (0.866), a Laplace (0.707), an exponential (0.736) and a two-point law (1) are outside
+    with probability > 0.9999.
+    """
+    centre, error = math.sqrt(2 / math.pi), math.sqrt((1 - 3 / math.pi) / values)
+    return centre - 9 * error, centre + 9 * error
+
+
+def limited_moments(cut: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Standard deviation and mean deviation of the unit normal law within ± `cut`: clipped to it, and drawn anew beyond it.
+
+    Clipped: E x^2 = P - 2 c p(c) + 2 c^2 Q, E |x| = 2 (p(0) - p(c)) + 2 c Q; drawn anew: without Q and divided by P, where p is the
+    density, P the probability of ± c and Q that of more than c (by parts).
+    """
+    inside, beyond = float(2 * special.ndtr(cut) - 1), float(special.ndtr(-cut))
+    top, edge = 1 / math.sqrt(2 * math.pi), math.exp(-(cut**2) / 2) / math.sqrt(2 * math.pi)
+    square, mean = inside - 2 * cut * edge, 2 * (top - edge)
+    clipped = math.sqrt(square + 2 * cut**2 * beyond), mean + 2 * cut * beyond
+    return clipped, (math.sqrt(square / inside), mean / inside)
+
+
+def correlations(columns: Array) -> Array:
+    """Correlation matrix (m, m) of the columns of (n, m) samples; zero where a column does not vary."""
+    centred = columns - columns.mean(axis=0)
+    scale = np.sqrt((centred**2).mean(axis=0))
+    scale[scale == 0] = np.inf
+    return np.asarray((centred / scale).T @ (centred / scale) / len(columns))
+
+
+def autocorrelation(columns: Array, lag: int) -> Array:
+    """Autocorrelation (m,) of each column of (n, m) samples at one lag; zero where a column does not vary."""
+    centred = columns - columns.mean(axis=0)
+    power = (centred**2).sum(axis=0)
+    power[power == 0] = np.inf
+    return np.asarray((centred[lag:] * centred[:-lag]).sum(axis=0) / power)

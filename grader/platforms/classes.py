@@ -1,0 +1,245 @@
+"""A class: which submissions there are, found without reading them, in whatever shape a platform gives them."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter, defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.intake.downloads import Download, Sources, open_download
+from grader.intake.folders import is_link, status_of
+from grader.intake.layout import MAX_LEVELS
+from grader.intake.names import ARCHIVES, CODE, distinct_ids, has_suffix, is_code, is_litter, original
+from grader.intake.pile import LINK
+from grader.intake.submission import Submission, original_name, read_submission
+from grader.people.standing import NOTHING_KNOWN, HandIn
+from grader.platforms import registry
+from grader.platforms.found import Found, Shape
+
+UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
+SUPERSEDED = "an earlier attempt; the latest one is graded"
+MAX_LOOKED_AT = 50_000  # entries, to tell a class from a submission
+
+ATTEMPTS = ("latest", "best")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where a submission is and what it is called: small, picklable, read where it is graded.
+
+    Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission; `required` are the
+    names of the files that the lab asks for.
+    """
+
+    id: str
+    name: str
+    path: Path
+    required: tuple[str, ...]
+    sources: Sources = ()
+    hand_in: HandIn = NOTHING_KNOWN
+
+    def read(self) -> Submission:
+        """Read it; RequestError if it has gone meanwhile."""
+        return read_submission(self.path, self.required, id=self.id, name=self.name, sources=self.sources)
+
+
+@dataclass(frozen=True)
+class Intake:
+    """The submissions of a class in the order of their names, what could not be placed (with a reason), and what each path is."""
+
+    entries: tuple[Entry, ...]
+    leftovers: tuple[str, ...]
+    told: tuple[str, ...] = ()
+
+
+def _read_folders(download: Download) -> Shape:
+    """Forced only: every folder and archive at the top of a zip is a submission."""
+    fits = {name: is_folder or has_suffix(name, ARCHIVES) for name, is_folder in download.top.items()}
+    found = tuple(
+        Found(f"folder:{name}", called, called, download.path, _all_of(download, name))
+        for name, called in ((n, original(n) if download.top[n] else original_name(Path(n))) for n in fits if fits[n])
+    )
+    return Shape("folders of submissions", found, tuple((name, UNPLACED) for name, fit in fits.items() if not fit))
+
+
+def _all_of(download: Download, name: str) -> Sources:
+    return ((download.place(name), "" if download.top[name] else original(name)),)
+
+
+def read_class(
+    paths: Sequence[Path], required: tuple[str, ...], shape: str | None = None, attempts: str = "latest"
+) -> Intake:
+    """Find the submissions; none of them is read.
+
+    Parameters
+    ----------
+    paths
+        Each a folder of submissions (folders and archives), a platform's download (a folder or a zip), one submission, or an
+        archive of one.
+    required
+        Names of the files that the lab asks for.
+    shape
+        A platform that reads downloads, or "folders"; None recognises it for each path by itself.
+    attempts
+        One of `ATTEMPTS`: of several by the same people only the latest, or all of them, for the best to be chosen.
+
+    Raises
+    ------
+    RequestError
+        If there is nothing at a path, its folder cannot be listed, or it does not have the shape that was asked for.
+    """
+    found: dict[str, Found] = {}  # by real path and place: a submission that is named twice is graded once
+    leftovers: list[str] = []
+    told: list[str] = []
+    for path in paths:
+        whole = _shape_at(path, shape)
+        if whole is None:
+            for place, objection in _found_at(path, required):
+                if objection:
+                    leftovers.append(f"{printable(str(place), 500)}: {objection}")
+                else:
+                    found.setdefault(os.path.realpath(place), _whole(place))
+            continue
+        told.append(f"{printable(str(path), 500)}: {whole.title}, {_counted(whole)}")
+        leftovers += [f"{printable(str(path / name), 500)}: {why}" for name, why in whole.left]
+        for each in whole.found:
+            found.setdefault(f"{os.path.realpath(path)}\0{each.sources}", each)
+    chosen, earlier = _attempts(found.values(), attempts)
+    return Intake(_entries(chosen, required), tuple(sorted(leftovers + earlier)), tuple(told))
+
+
+def _counted(shape: Shape) -> str:
+    return f"{len(shape.found)} submission{'s' * (len(shape.found) != 1)}"
+
+
+def _shape_at(path: Path, wanted: str | None) -> Shape | None:
+    """What a platform's download holds; None where it is a plain folder, one submission or an archive of one."""
+    if not os.path.exists(path):
+        raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
+    if wanted == registry.FOLDERS:
+        tops = [] if os.path.isdir(path) else open_download(path)
+        return next((_read_folders(top) for top in reversed(tops)), None)
+    for top in open_download(path) if os.path.isdir(path) or has_suffix(path.name, (".zip",)) else ():
+        for platform in registry.platforms("read"):
+            shape = platform.read(top) if platform.read and wanted in (None, platform.name) else None
+            if shape is not None and shape.found:
+                return Shape(shape.title, shape.found, (*shape.left, *top.left))
+    if wanted is not None:
+        raise RequestError(f"--from {wanted}: {printable(str(path), 500)} does not have that shape; leave --from out")
+    return None
+
+
+def _whole(place: Path) -> Found:
+    name = original_name(place)
+    return Found(os.path.realpath(place), name, name, place)
+
+
+def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[str]]:
+    """Those to grade, earlier attempts of the same people before later ones, and those that are superseded."""
+    people: defaultdict[str, list[Found]] = defaultdict(list)
+    for each in found:
+        people[each.student].append(each)
+    chosen: list[Found] = []
+    earlier: list[str] = []
+    for own in people.values():
+        in_order = sorted(own, key=lambda each: each.order)
+        chosen += in_order if attempts == "best" else in_order[-1:]
+        earlier += [f"{_told(each)}: {SUPERSEDED}" for each in in_order[:-1] if attempts == "latest"]
+    return chosen, earlier
+
+
+def _told(found: Found) -> str:
+    place = found.sources[0][0] if found.sources else ""
+    return printable(str(found.path / place), 500)
+
+
+def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]:
+    """An id for each student. Plain names are without the archive's suffix, unless that would give two of them one name."""
+    shared = Counter(each.name for each in found if not each.sources)
+    named = {each: _name(each, shared) for each in found}
+    students = {each.student: named[each] if not each.sources else each.wish for each in found}
+    order = sorted(students, key=lambda student: (students[student], student))
+    ids = dict(zip(order, distinct_ids(students[student] for student in order), strict=True))
+    place = {student: number for number, student in enumerate(order)}
+    ranked = sorted(found, key=lambda each: place[each.student])  # stable: attempts stay in order
+    return tuple(
+        Entry(ids[each.student], named[each], each.path, required, each.sources, each.hand_in) for each in ranked
+    )
+
+
+def _name(found: Found, shared: Counter[str]) -> str:
+    if found.sources or shared[found.name] == 1 or os.path.isdir(found.path):
+        return found.name
+    return original(found.path.name)
+
+
+def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str]]:
+    """Submissions at a path that was asked for, with ""; leftovers with their reason."""
+    if not os.path.isdir(path):
+        yield path, "" if has_suffix(path.name, (*ARCHIVES, *CODE)) else UNPLACED
+        return
+    if _is_submission(path, required):
+        yield path, ""
+        return
+    for entry in _listed(path):
+        place = path / entry.name
+        if not _is_ignored(entry):
+            yield place, _objection(entry)
+
+
+def _listed(folder: Path) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as entries:
+            return sorted(entries, key=lambda entry: entry.name)
+    except OSError as error:
+        shown = printable(str(folder), 500)
+        raise RequestError(f"{shown}: the folder cannot be listed ({error.strerror}); check its permissions") from error
+
+
+def _is_ignored(entry: os.DirEntry[str]) -> bool:
+    """Hidden files, what tools leave behind, and the OUT of an earlier run."""
+    return entry.name.startswith(".") or is_litter((entry.name,)) or _is_graded(Path(entry.path))
+
+
+def _is_graded(folder: Path) -> bool:
+    """Whether it is an OUT: with a record, and without a program; with one, somebody handed it in."""
+    return os.path.isfile(folder / "results.sqlite") and not _holds(folder, is_code)
+
+
+def _objection(entry: os.DirEntry[str]) -> str:
+    """Why this entry of a class folder is no submission, or ""."""
+    status = status_of(entry)
+    if status is None or is_link(status):
+        return "the system refused it" if status is None else LINK
+    if entry.is_dir() or (entry.is_file() and has_suffix(entry.name, ARCHIVES)):
+        return ""
+    return UNPLACED
+
+
+def _is_submission(folder: Path, required: Collection[str]) -> bool:
+    """Whether a folder is one submission: a required file lies in it, or code does and no submissions do."""
+    entries = [entry for entry in _listed(folder) if not _is_ignored(entry)]
+    names = [entry.name for entry in entries if entry.is_file(follow_symlinks=False)]
+    if any(name in required for name in names):
+        return True
+    if not any(is_code(name) for name in names):
+        return False
+    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds(folder, required.__contains__)
+
+
+def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
+    """Whether a file with such a name lies in this folder, or up to four folders down in one of it."""
+    looked_at = 0
+    for here, folders, names in os.walk(folder):
+        level = len(Path(here).relative_to(folder).parts)
+        looked_at += len(folders) + len(names)
+        if any(map(wanted, names)):
+            return True
+        if level > MAX_LEVELS or looked_at > MAX_LOOKED_AT:
+            folders.clear()
+        folders[:] = [name for name in folders if not is_litter((name,))]
+    return False

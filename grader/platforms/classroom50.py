@@ -1,0 +1,201 @@
+"""Classroom 50: `result.json` in the student's checkout, and `scores.csv` beside the clones (`gh teacher download`).
+
+Scores are integers; the exact ones go beside them. The total is rounded once, half upwards, and shared among the tests by largest
+remainder, so that the parts always sum to it.
+"""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import io
+import json
+import math
+import subprocess
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grader.engine.results import Result
+from grader.ground.errors import GraderError, RequestError
+from grader.intake.downloads import Download
+from grader.platforms import rows
+from grader.platforms.found import Shape
+from grader.platforms.git import clone, loose
+from grader.platforms.platform import Handed, Help, Platform
+
+# --- result.json ------------------------------------------------------------------------------------------------------
+
+SCHEMA = "classroom50/result/v1"
+_REQUIRED = ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL")
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Whose submission it is, as the runner says in the environment; collection refuses one that does not match."""
+
+    classroom: str
+    assignment: str
+    assignment_type: str
+    owner: str
+    submission: str
+    commit: str
+    release: str
+    review: str
+
+    @classmethod
+    def of(cls, environ: Mapping[str, str]) -> Identity:
+        """Read it.
+
+        Raises
+        ------
+        RequestError
+            If a variable is missing; names it.
+        """
+        owner = environ.get("OWNER") or environ.get("USERNAME") or ""
+        missing = [name for name in _REQUIRED if not environ.get(name)] + ([] if owner else ["OWNER"])
+        if missing:
+            told = ", ".join(missing)
+            raise RequestError(f"--format classroom50: {told} not set; run it from a Classroom 50 autograder")
+        classroom, assignment, tag, commit, release = (environ[name] for name in _REQUIRED)
+        kind, review = environ.get("ASSIGNMENT_TYPE") or "individual", environ.get("REVIEW_URL") or commit
+        return cls(classroom, assignment, kind, owner, tag, commit, release, review)
+
+
+def classroom50(result: Result, identity: Identity, committed: str) -> str:
+    """The text of `result.json`.
+
+    Parameters
+    ----------
+    result
+        A complete one: scores are integers, and an open one has none.
+    identity
+        Whose it is.
+    committed
+        The commit's instant, ISO 8601 in UTC: late marks follow from it, so a regrade must not move it.
+
+    Raises
+    ------
+    GraderError
+        If a part of the submission could not be judged.
+    """
+    if result.status == "incomplete":
+        raise GraderError("a part of the submission could not be judged, so there is no score to report; run it again")
+    checks = [(part, check) for part in result.criteria for check in part.checks]
+    most = shares([check.max_points for _, check in checks], [math.inf] * len(checks))
+    scores = shares([check.points or 0.0 for _, check in checks], most)
+    tests: list[dict[str, Any]] = [
+        {
+            "test-name": check.id,
+            "passed": check.outcome == "passed",
+            "score": score,
+            "max-score": full,
+            "exact-score": check.points,
+            "exact-max-score": check.max_points,
+            "title": check.title,
+            "output": rows.plain(check, part, result.lab),
+        }
+        for (part, check), score, full in zip(checks, scores, most, strict=True)
+    ]
+    tests += _extra_credit(result)
+    record = {
+        "schema": SCHEMA,
+        **identity.__dict__,
+        "datetime": committed,
+        "score": sum(test["score"] for test in tests),
+        "max-score": sum(most),
+        "tests": tests,
+    }
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _extra_credit(result: Result) -> list[dict[str, Any]]:
+    """One more test, out of nothing, where the rubric gives extra credit."""
+    if result.extra_credit_cap is None:
+        return []
+    exact, score = result.extra_credit, math.floor(result.extra_credit + 0.5)
+    return [{"test-name": "extra_credit", "passed": exact > 0, "score": score, "max-score": 0, "exact-score": exact}]
+
+
+def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
+    """Whole numbers that sum to the rounded sum of `points`, each next to its own and none above its `most`."""
+    whole = [math.floor(each + 1e-9) for each in points]
+    open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
+    by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))
+    for i in [i for i in by_remainder if whole[i] < most[i]][: max(open_, 0)]:
+        whole[i] += 1
+    return whole
+
+
+def committed(path: Path) -> str:
+    """The instant of the commit that is graded, in UTC; now, where git does not know one."""
+    folder = path if path.is_dir() else path.parent
+    command = ["git", "-C", str(folder), "show", "--no-patch", "--format=%ct", "HEAD"]
+    try:
+        said = subprocess.run(command, capture_output=True, text=True, timeout=20, check=True).stdout
+        instant = datetime.datetime.fromtimestamp(int(said), datetime.timezone.utc)
+    except (OSError, ValueError, subprocess.SubprocessError):
+        instant = datetime.datetime.now(datetime.timezone.utc)
+    return instant.strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _respond(result: Result, handed: Handed) -> str:
+    return classroom50(result, Identity.of(handed.environ), committed(handed.path))
+
+
+def _refuse(environ: Mapping[str, str], min_score: float | None) -> None:
+    """It takes every exit code but 0 for a broken autograder."""
+    if min_score is not None:
+        raise RequestError("--min-score: Classroom 50 reads the points from result.json; leave it out there")
+    Identity.of(environ)
+
+
+# --- clones -----------------------------------------------------------------------------------------------------------
+
+TITLE = "Classroom 50 clones"
+SCORES = "scores.csv"
+MAX_SCORES = 16_000_000
+_COLUMNS = {"username", "first_name", "last_name", "submission_tag"}
+
+
+def read(download: Download) -> Shape | None:
+    """The clones beside a `scores.csv` of Classroom 50; None if there is none."""
+    data = download.read(SCORES, MAX_SCORES) if SCORES in download.top else None
+    table = csv.DictReader(io.StringIO("" if data is None else data.decode("utf-8-sig", "replace"), newline=""))
+    try:
+        if _COLUMNS - set(table.fieldnames or ()):
+            return None
+        rows = {row["username"].casefold(): row for row in table if row["username"]}
+    except csv.Error:
+        return None
+    folders = [name for name, is_folder in download.top.items() if is_folder]
+    found = (clone(download, name, _row(name, rows)) for name in folders)
+    return Shape(TITLE, tuple(found), loose(download, SCORES))
+
+
+def _row(folder: str, rows: Mapping[str, dict[str, str]]) -> dict[str, str]:
+    """A clone is called `<classroom>-<assignment>-<username>`; of two users that fit, the longer name is meant."""
+    fits = [user for user in rows if folder.casefold() == user or folder.casefold().endswith(f"-{user}")]
+    return rows[max(fits, key=len)] if fits else {}
+
+
+PLATFORM = Platform(
+    name="classroom50",
+    title="Classroom 50",
+    help=Help(
+        respond="""\
+    imugrade kit --classroom50 autograder
+
+writes `autograder.py` and the wheel; put both into `CLASSROOM/autograders/ASSIGNMENT/`. Classroom 50 takes whole points: the
+total is rounded once, its parts sum to it, and each test carries its `exact-score`. `datetime` is the commit's instant, so a
+regrade moves no late mark. The job exits with 0 when it ran. It runs in the student's repository, so it grades on the public
+scenarios; grade with hidden ones on your own machine, over the clones.""",
+        read=("`gh teacher download`", "`scores.csv` with its columns", "the clone; names and times from `scores.csv`"),
+    ),
+    respond=_respond,
+    recognise=lambda environ, _: all(environ.get(name) for name in ("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG")),
+    refuse=_refuse,
+    answer="result.json",
+    read=read,
+)

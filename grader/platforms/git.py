@@ -1,0 +1,54 @@
+"""Git clones, one a student.
+
+No git is run: a repository can name programs that git would start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from grader.ground.stamps import stamp
+from grader.intake.downloads import Download
+from grader.intake.names import is_code, original
+from grader.people.standing import HandIn, Person
+from grader.platforms.found import MARKED_LATE, Found, Shape, mostly
+from grader.platforms.platform import Help, Platform
+
+TITLE = "git clones"
+_NOT_OURS = "not a folder, so whose it is cannot be told"
+
+
+def read(download: Download) -> Shape | None:
+    """Folders most of which are clones; None if they are not."""
+    folders = [name for name, is_folder in download.top.items() if is_folder]
+    programs = any(is_code(name) for name, is_folder in download.top.items() if not is_folder)
+    if programs or not mostly(download.holds(name, ".git") for name in folders):  # programs: it is one submission
+        return None
+    return Shape(TITLE, tuple(clone(download, name, {}) for name in folders), loose(download))
+
+
+def loose(download: Download, *known: str) -> tuple[tuple[str, str], ...]:
+    """Files beside the clones, but for those that are known."""
+    return tuple((name, _NOT_OURS) for name, is_folder in download.top.items() if not is_folder and name not in known)
+
+
+def clone(download: Download, folder: str, row: Mapping[str, str]) -> Found:
+    """One hand-in; `row` is what `scores.csv` of Classroom 50 tells of it."""
+    user = row.get("username") or folder
+    name = " ".join(filter(None, (row.get("first_name"), row.get("last_name")))) or user
+    person = Person(
+        original(name), original(user), "git", email=row.get("email") or "", section=row.get("section") or ""
+    )
+    submitted = stamp(row.get("datetime"))
+    late = MARKED_LATE if row.get("late") == "true" else None
+    place = ((download.place(folder), ""),)
+    hand_in = HandIn((person,), submitted, late)
+    return Found(f"git:{folder}", original(folder), original(folder), download.path, place, hand_in)
+
+
+PLATFORM = Platform(
+    name="git",
+    title="git clones",
+    help=Help(read=("", "`.git` in the folders", "the name of the folder")),
+    read=read,
+)

@@ -1,0 +1,92 @@
+"""`gradebook.csv`: one row a submission; id, name, each criterion, total, status; beside the total what people and dates add."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Mapping
+
+from grader.engine.results import CriterionResult
+from grader.ground.text import csv_cell, printable
+from grader.people.standing import Standing
+from grader.platforms.platform import Help, Platform
+from grader.report import words
+
+Cell = Callable[[Standing], str]
+
+
+def gradebook(standings: Mapping[str, Standing]) -> str:
+    """The class as CSV, in the order of `standings`.
+
+    What could not be judged is a blank cell, and so is the total above it: a fault of the grader is never a zero. Criteria and
+    total are the automatic marks. Columns for extra credit, sections, adjustments and lateness are there where the class has them.
+
+    Parameters
+    ----------
+    standings
+        The present standing of each submission, by its id.
+    """
+    columns = _columns(list(standings.values()))
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    table.writerows([cell(standing) for cell in columns.values()] for standing in standings.values())
+    return text.getvalue()
+
+
+def _columns(standings: list[Standing]) -> dict[str, Cell]:
+    """What each column is called and holds; criteria in the order in which they are first met."""
+    columns: dict[str, Cell] = {"id": lambda s: csv_cell(s.id), "name": lambda s: _text(s.name)}
+    if any(s.section for s in standings):
+        columns["section"] = lambda s: _text(s.section)
+    for criterion in dict.fromkeys(c.id for s in standings for c in s.result.criteria):
+        columns[criterion] = lambda s, id_=criterion: _criterion(s, id_)  # type: ignore[misc] # a default binds the id
+    if any(s.result.extra_credit_cap is not None for s in standings):
+        columns["extra_credit"] = lambda s: words.number(s.result.extra_credit)
+    columns["total"] = lambda s: "" if s.result.status == "incomplete" else words.number(s.result.total)
+    return columns | _beside(standings) | {"status": lambda s: s.result.status}
+
+
+def _beside(standings: list[Standing]) -> dict[str, Cell]:
+    """Columns between the automatic total and the status."""
+    columns: dict[str, Cell] = {}
+    if any(s.adjustments for s in standings):
+        columns["adjusted"] = lambda s: _points(s.adjusted)
+    if any(s.hand_in.submitted for s in standings):
+        columns["submitted"] = lambda s: _text(s.hand_in.submitted)
+    if any(s.late for s in standings):
+        columns["late"] = _late
+        columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
+    if "adjusted" in columns or "late" in columns:
+        columns["final"] = lambda s: _points(s.final)
+    return columns
+
+
+def _text(text: str) -> str:
+    return csv_cell(printable(text, 500, newlines=True))
+
+
+def _points(points: float | None) -> str:
+    return "" if points is None else words.number(points)
+
+
+def _late(standing: Standing) -> str:
+    """Days that count as late; "refused" after the cut-off, "yes" where only that is known."""
+    late = standing.late
+    if late is None:
+        return "0"
+    return "refused" if late.refused else "yes" if late.seconds is None else str(late.days)
+
+
+def _criterion(standing: Standing, id_: str) -> str:
+    found: CriterionResult | None = next((c for c in standing.result.criteria if c.id == id_), None)
+    return "" if found is None or words.unjudged(found) else words.number(found.points)
+
+
+PLATFORM = Platform(
+    name="csv",
+    title="CSV",
+    help=Help(grades="one row a submission: id, name, each criterion, total, status."),
+    write=lambda standings: gradebook(standings).encode("utf-8", "replace"),
+    gradebook="gradebook.csv",
+)

@@ -1,0 +1,263 @@
+"""Gradescope: `results.json` as its specification has it, its exports, and the columns in which it exports grades itself.
+
+What could not be judged has no place in `results.json` (a missing score reads as zero), so an incomplete result is refused: the
+platform then reports that the autograder failed, and the instructor runs it again.
+"""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from grader.engine.results import CheckResult, CriterionResult, LabName, Result
+from grader.ground.errors import GraderError
+from grader.ground.stamps import stamp
+from grader.ground.text import csv_cell, printable
+from grader.intake.downloads import Download
+from grader.intake.names import original
+from grader.people.standing import HandIn, Person, Standing
+from grader.platforms import rows
+from grader.platforms.found import Found, Shape
+from grader.platforms.platform import Help, Platform, Visibility
+from grader.platforms.sheet import BOM
+from grader.report import words
+
+SUBMISSION = "autograder/submission"
+
+
+# --- results.json -----------------------------------------------------------------------------------------------------
+
+
+def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility = "visible") -> str:
+    """The text of `results.json`: one test a check, numbered as in the rubric.
+
+    Parameters
+    ----------
+    result
+        A complete one.
+    hidden
+        Whether it comes from hidden scenarios: students are then told what is wrong, and none of their data.
+    visibility
+        When students see the tests. With "hidden" Gradescope hides their total as well.
+
+    Raises
+    ------
+    GraderError
+        If a part of the submission could not be judged.
+    """
+    if result.status == "incomplete":
+        raise GraderError("a part of the submission could not be judged, so there is no score to report; run it again")
+    shown = rows.held_back(result) if hidden else result
+    record = {
+        "score": result.total,
+        "execution_time": round(result.duration_s, 3),
+        "output": _output(shown, hidden),
+        "output_format": "html",
+        "visibility": "visible",
+        "stdout_visibility": "hidden",
+        "tests": [
+            _test(check, part, f"{i}.{j}", visibility, result.lab)
+            for i, part in enumerate(rows.parts(shown), 1)
+            for j, check in enumerate(part.checks, 1)
+        ]
+        + _extra_credit(result, visibility),
+        "extra_data": _extra(result),
+    }
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _test(check: CheckResult, part: rows.Part, number: str, visibility: Visibility, lab: LabName) -> dict[str, Any]:
+    test: dict[str, Any] = {
+        "name": f"{rows.title(part)}: {printable(check.title, 300)}",
+        "name_format": "text",
+        "number": number,
+        "status": "passed" if check.outcome == "passed" else "failed",
+        "output": _told(check, part, lab),
+        "output_format": "html",
+        "tags": [part.id],
+        "visibility": visibility,
+    }
+    # A test with a status and no points is shown as information. Extensions are: Gradescope wants the sum of `max_score` to be
+    # the assignment's points, which extra credit does not change.
+    points = {"score": check.points, "max_score": check.max_points}
+    return {**test, **points} if isinstance(part, CriterionResult) else test
+
+
+def _extra_credit(result: Result, visibility: Visibility) -> list[dict[str, Any]]:
+    """What the extensions earn together, out of nothing, where the rubric gives extra credit."""
+    if result.extra_credit_cap is None:
+        return []
+    test = {"name": "Extra credit", "score": result.extra_credit, "max_score": 0.0, "status": "passed"}
+    told = f"At most {words.number(result.extra_credit_cap)}, beside the score."
+    return [{**test, "output": told, "output_format": "text", "tags": ["extensions"], "visibility": visibility}]
+
+
+def _told(check: CheckResult, part: rows.Part, lab: LabName) -> str:
+    """HTML, which Gradescope sanitises once more: the labels of a report, and its texts in a fixed width."""
+    set_lines = [_line(line) for line in rows.lines(check, part, lab)]
+    return "".join(set_lines) or f"<p>{words.row(check, part.id, lab).outcome.word}</p>"
+
+
+def _line(line: words.Line) -> str:
+    text = html.escape(line.text)
+    if line.label in ("", "Try", "Read"):
+        return f"<p><b>{line.label}</b> {text}</p>" if line.label else f"<p>{text}</p>"
+    return f"<pre>{line.label:<10}{text}</pre>"
+
+
+def _output(result: Result, hidden: bool) -> str:
+    said = [words.STATUS[result.status]] if words.STATUS[result.status] else []
+    said += ["Graded on hidden scenarios. `imugrade check` shows the numbers on the public ones."] if hidden else []
+    said += [f"Note: {note}" for note in rows.notes(result)]
+    said += [f"Known mistake: {mistake}" for mistake in words.mistakes(result)]
+    return "".join(f"<p>{html.escape(line)}</p>" for line in said) or "<p>Graded.</p>"
+
+
+def _extra(result: Result) -> dict[str, Any]:
+    """For the instructor's export: what was recognised, and with what it was graded. No data, no seed."""
+    provenance = {key: str(value) for key, value in result.provenance.items() if key != "seed"}
+    return {"status": result.status, "misconceptions": list(result.misconceptions), "provenance": provenance}
+
+
+# --- grades -----------------------------------------------------------------------------------------------------------
+
+COLUMNS = (
+    "First Name", "Last Name", "SID", "Email", "Sections", "Total Score", "Max Points", "Status", "Submission ID",
+    "Submission Time", "Lateness (H:M:S)", "View Count", "Submission Count",
+)  # fmt: skip
+_SUFFIXES = ("jr", "jr.", "sr", "sr.", "ii", "iii", "iv")
+
+
+def gradescope_csv(standings: Mapping[str, Standing]) -> str:
+    """A row a person, in the columns in which Gradescope itself exports the grades of an assignment.
+
+    Final points of each person; all members of a group have the group's. What nobody counted here is blank.
+    """
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for standing in standings.values():
+        table.writerows(_row(standing, person) for person in standing.people)
+    return text.getvalue()
+
+
+def _row(standing: Standing, person: Person) -> list[str]:
+    first, last = _names(person.name)
+    final = standing.final
+    who = (first, last, person.sid or person.key, person.email, person.section)
+    return [
+        *(csv_cell(printable(text, 500)) for text in who),
+        "" if final is None else words.number(final),
+        words.number(standing.result.max_score),
+        "Ungraded" if final is None else "Graded",
+        *(csv_cell(printable(text, 80)) for text in (standing.hand_in.number, standing.hand_in.submitted)),
+        _lateness(standing),
+        "",
+        "",
+    ]
+
+
+def _names(name: str) -> tuple[str, str]:
+    """First and last; ``Doe, Jane`` says which is which, otherwise the last word is the last name, with its suffix."""
+    last, comma, first = (part.strip() for part in name.partition(","))
+    if comma and first.casefold() not in _SUFFIXES:
+        return first, last
+    given, _, family = last.rpartition(" ")
+    return given.strip(), f"{family}, {first}" if comma else family
+
+
+def _lateness(standing: Standing) -> str:
+    seconds = standing.late.seconds if standing.late else 0
+    if seconds is None:
+        return ""
+    return f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
+
+
+# --- an export --------------------------------------------------------------------------------------------------------
+
+TITLE = "Gradescope export"
+METADATA = "submission_metadata.yml"
+MAX_METADATA = 64_000_000
+_NOT_OURS = f"{METADATA} does not name it, so whose it is cannot be told"
+_NO_FILES = f"{METADATA} names it, and it has no folder"
+
+
+def read(download: Download) -> Shape | None:
+    """The submissions of an export, groups as one; None if it is none.
+
+    It holds `submission_metadata.yml`, whose keys keep the colon of Ruby's symbols, and a folder `submission_<id>` each.
+    """
+    data = download.read(METADATA, MAX_METADATA) if METADATA in download.top else None
+    if data is None:
+        return None
+    try:
+        # CSafeLoader where PyYAML has it: the results in the file make it long, and this one is twenty times as fast
+        records = yaml.load(data, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (yaml.YAMLError, ValueError, RecursionError):
+        return None
+    if not isinstance(records, dict):
+        return None
+    told = {str(folder): record if isinstance(record, dict) else {} for folder, record in records.items()}
+    left = [(name, _NOT_OURS) for name in download.top if name not in told and name != METADATA]
+    left += [(folder, _NO_FILES) for folder in told if folder not in download.top]
+    return Shape(TITLE, tuple(_found(download, f, told[f]) for f in told if f in download.top), tuple(left))
+
+
+def _found(download: Download, folder: str, record: Mapping[str, Any]) -> Found:
+    submitters = record.get(":submitters")
+    people = (
+        tuple(_person(each) for each in submitters if isinstance(each, dict)) if isinstance(submitters, list) else ()
+    )
+    submitted = stamp(record.get(":created_at"))
+    number = folder.rpartition("_")[2]
+    keys = sorted(person.sid or person.email or person.name for person in people)
+    first = min(people, key=lambda person: person.sid or person.email or person.name, default=Person(original(folder)))
+    return Found(
+        f"gradescope:{keys or folder}",
+        "_".join(filter(None, (first.name, first.sid))),
+        "; ".join(person.name for person in people) or original(folder),
+        download.path,
+        ((download.place(folder), ""),),
+        HandIn(people, submitted, number=number if number.isdecimal() else ""),
+        (submitted, int(number[:18]) if number.isdecimal() else 0, folder),
+    )
+
+
+def _person(record: Mapping[str, Any]) -> Person:
+    name, sid, email = (original(str(record.get(key) or ""))[:500] for key in (":name", ":sid", ":email"))
+    return Person(name or email or sid, sid=sid, email=email)
+
+
+PLATFORM = Platform(
+    name="gradescope",
+    title="Gradescope",
+    help=Help(
+        respond="""\
+    IMUGRADE_SEED=... imugrade kit --gradescope autograder.zip
+
+writes the archive to upload: `setup.sh`, `run_autograder`, the wheel, and, if there is a seed, the hidden traces that were
+recorded from it (never the seed). Set the assignment to the rubric's 100 points. With hidden traces students see which checks
+they lost and what to try, not the numbers: those they find with `imugrade check`. Where the container isolates nothing, a run
+with hidden traces is refused, so try one submission before you publish. One process marks one submission and stays below
+the container's 768 MB. If a part could not be judged there is no `results.json`, and Gradescope says that the autograder
+failed; run it again from its page.""",
+        read=("*Export Submissions*", "`submission_metadata.yml`", "the submitters; a group is one submission"),
+        grades="the columns in which it exports grades, a row a person.",
+    ),
+    respond=lambda result, handed: gradescope(result, hidden=handed.hidden, visibility=handed.visibility),
+    recognise=lambda _, root: (root / SUBMISSION).is_dir(),
+    submission=SUBMISSION,
+    answer="autograder/results/results.json",
+    keeps_secrets=True,
+    read=read,
+    write=lambda standings: (
+        BOM + gradescope_csv(standings).encode("utf-8", "replace")
+    ),  # marked: a spreadsheet spoils umlauts
+    gradebook="gradescope.csv",
+)

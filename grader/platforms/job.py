@@ -1,0 +1,160 @@
+"""One submission on a CI platform: mark it, write what the platform reads, answer with the result."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast, get_args
+
+from grader.engine.lab_box import open_box_for
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.engine.rubric import Rubric
+from grader.engine.traces import Traces
+from grader.ground.errors import RequestError
+from grader.ground.files import write_whole
+from grader.ground.text import printable
+from grader.intake import read_submission
+from grader.platforms import registry
+from grader.platforms.platform import Handed, Platform, Visibility
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a CI job asks for. `path` and `out` None: where the platform has them; `out` "-" is standard output."""
+
+    platform: Platform
+    rubric: Rubric
+    traces: Traces
+    path: Path | None = None
+    out: Path | None = None
+    visibility: Visibility = "visible"
+    trusted: bool = False
+    min_score: float | None = None
+    rung: str | None = None
+    environ: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
+
+    @property
+    def hidden(self) -> bool:
+        """Whether the traces are an instructor's secret."""
+        return self.traces.name != "public"
+
+
+def visible(when: str) -> Visibility:
+    """`--visibility`, refused where Gradescope has no such word."""
+    if when not in get_args(Visibility):
+        raise RequestError(f"--visibility {printable(when)}: there are {', '.join(get_args(Visibility))}")
+    return cast(Visibility, when)
+
+
+def named(name: str) -> Platform:
+    """The platform of a `--format`; "auto" recognises it.
+
+    Raises
+    ------
+    RequestError
+        If there is no such format.
+    """
+    if name == registry.AUTO:
+        return recognise(os.environ)
+    known = (registry.AUTO, *registry.names("respond"))
+    if name not in known:
+        near = difflib.get_close_matches(name, known, 1)
+        guess = f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+        raise RequestError(f"--format {printable(name)}: there is no such format; {guess}")
+    return registry.platform(name)
+
+
+def recognise(environ: Mapping[str, str], root: Path = Path("/")) -> Platform:
+    """The platform that this process runs on.
+
+    Parameters
+    ----------
+    environ
+        The environment's variables.
+    root
+        Where absolute places start; for tests.
+    """
+    known = registry.platforms("respond")
+    return next(each for each in known if each.recognise is not None and each.recognise(environ, root))
+
+
+def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
+    """The submission where no path is given: the platform's place if it is there, else the working folder."""
+    place = root / platform.submission
+    return place if platform.submission and place.is_dir() else Path()
+
+
+def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
+    """Where the answer goes if nothing is said: None is standard output."""
+    if "/" not in platform.answer:
+        return Path(platform.answer) if platform.answer else None
+    place = root / platform.answer
+    return place if place.parent.is_dir() else None
+
+
+def run(job: Job) -> Result:
+    """Mark the submission and write the answer.
+
+    Raises
+    ------
+    RequestError
+        If hidden scenarios are wanted where students can read what the job reads, or where nothing isolates their code;
+        if there is nothing at the path; if the answer cannot be written.
+    GraderError
+        If the platform has no way to say that a part could not be judged.
+    """
+    respond = job.platform.respond
+    if respond is None:
+        raise RequestError(f"--format {job.platform.name}: {job.platform.title} takes no answer of a job")
+    _keep_secret(job)
+    if job.platform.refuse is not None:
+        job.platform.refuse(job.environ, job.min_score)
+    path = job.path or submission_of(job.platform)
+    submission = read_submission(path, job.rubric.lab.files)
+    with Marker(job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.rung)) as marker:
+        if job.hidden and marker.isolation == "none" and not job.trusted:
+            raise RequestError(
+                "hidden scenarios, but nothing here keeps students' code from reading them (`imugrade doctor` tells why); "
+                "leave --traces out, or add --trust-submissions"
+            )
+        result = marker.mark(submission)
+    handed = Handed(job.rubric.lab, submission, path, job.environ, job.hidden, job.visibility)
+    _write(job, respond(result, handed), result)
+    if job.platform.aside is not None:
+        _append(job.environ, job.platform.aside.variable, job.platform.aside.text(result, handed))
+    return result
+
+
+def _keep_secret(job: Job) -> None:
+    if job.hidden and not job.platform.keeps_secrets:
+        raise RequestError(
+            f"--traces: hidden scenarios stay out of {job.platform.title}, where students can read them; "
+            "grade with them in a class run (imugrade grade)"
+        )
+
+
+def _write(job: Job, text: str, result: Result) -> None:
+    out = job.out or answer_of(job.platform)
+    if out is None or str(out) == "-":
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    else:
+        write_whole(out, text)
+        print(f"{out} written: {result.score:g} of {result.max_score:g} points", flush=True)
+
+
+def _append(environ: Mapping[str, str], variable: str, text: str) -> None:
+    """The platform makes the file for each job and reads what stands in it."""
+    file = environ.get(variable)
+    if not file:
+        return
+    try:
+        with open(file, "a", encoding="utf-8", errors="replace") as stream:
+            stream.write(text)
+    except OSError as problem:
+        raise RequestError(f"{variable}: cannot write it ({problem.strerror}); unset it") from problem

@@ -1,0 +1,169 @@
+"""Moodle: its downloads (mod/assign `downloader.php`), and its own grading worksheet filled in (`importgradeslib.php`)."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections import defaultdict
+from collections.abc import Mapping
+
+from grader.ground.errors import RequestError
+from grader.intake.downloads import Download
+from grader.intake.names import original
+from grader.people.identity import Match, participant, spellings
+from grader.people.identity import Row as Who
+from grader.people.standing import HandIn, Person, Standing
+from grader.platforms.filled import Filled, directory, matched, refuse_other_scale
+from grader.platforms.found import Found, Shape, mostly
+from grader.platforms.platform import Help, Platform
+from grader.platforms.sheet import Row, Sheet, read_sheet
+from grader.report import words
+
+# --- the grading worksheet, filled in ---------------------------------------------------------------------------------
+
+COMMENT = "Feedback comments"
+_OURS = "Marks: "
+_NO = ("no", "nein", "non")
+
+
+def fill(template: bytes, source: str, column: str | None, standings: Mapping[str, Standing]) -> Filled:
+    """Grades, and comments where there is no other; every other byte as it was.
+
+    Parameters
+    ----------
+    template
+        The worksheet as Moodle gives it.
+    source
+        What messages call it.
+    column
+        What the column of the grades is called in the site's language; None: Grade.
+    standings
+        By id of the submission.
+
+    Raises
+    ------
+    RequestError
+        If it is no grading worksheet, or the assignment is out of other points than the rubric.
+    """
+    sheet = read_sheet(template, source)
+    grade = sheet.column(column or "Grade")
+    if grade is None or len(sheet.titles) < 3:
+        raise RequestError(
+            f"{source}: has no column {column or 'Grade'}; download the grading worksheet, or name the column with --column"
+        )
+    filled = Filled()
+    rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
+    most = sheet.column("Maximum grade")
+    found = matched(((n, _who(sheet, row)) for n, row in rows.items()), directory(standings))
+    teams = _teams(standings)
+    for number, row in rows.items():
+        refuse_other_scale(source, row.value(most), standings)
+        match = found[number] or teams.get(row.value(sheet.column("Group")).strip().casefold())
+        _set(sheet, row, grade, standings[match.id] if match else None, filled)
+    filled.data = sheet.data()
+    return filled
+
+
+def comment(standing: Standing) -> str:
+    """One line: the points of each criterion, and what was taken off. Moodle reads it as HTML."""
+    parts = [
+        f"{c.title} {words.fraction(standing.points(c), c.max_points)}{' (by hand)' * (standing.adjustment(c.id) is not None)}"
+        for c in standing.result.criteria
+    ]
+    credit = words.extra_credit(standing.result)
+    parts += [f"extra credit {credit}"] if credit else []
+    parts += [f"late −{words.number(standing.deduction)}"] if standing.deduction else []
+    return html.escape(_OURS + "; ".join(parts), quote=False)
+
+
+def _who(sheet: Sheet, row: Row) -> Who:
+    number = participant(row.value(0))
+    mail = row.value(sheet.column("Email address", "Email"))
+    ids = tuple(filter(None, (row.value(sheet.column("ID number")), row.value(sheet.column("Username")))))
+    return Who("moodle", number, ids, mail, row.value(sheet.column("Full name")))
+
+
+def _teams(standings: Mapping[str, Standing]) -> dict[str, Match]:
+    """A team hands in under its own name and number; the worksheet has its people, each with the team in `Group`."""
+    return {
+        standing.name.strip().casefold(): Match(id_, None)
+        for id_, standing in standings.items()
+        if len(standing.people) == 1 and spellings(standing.name)
+    }
+
+
+def _set(sheet: Sheet, row: Row, grade: int, standing: Standing | None, filled: Filled) -> None:
+    name = row.value(sheet.column("Full name")) or row.value(0)
+    if standing is None:
+        filled.blank.append(name)
+        return
+    filled.placed.add(standing.id)
+    if row.value(sheet.column("Grade can be changed")).strip().casefold() in _NO:
+        filled.kept.append(name)
+    elif standing.final is not None:
+        sheet.set(row, grade, words.number(standing.final))
+        filled.grades += 1
+        column = sheet.column(COMMENT)
+        if column is not None and (not row.value(column).strip() or row.value(column).startswith(_OURS)):
+            sheet.set(row, column, comment(standing))
+
+
+# --- a download -------------------------------------------------------------------------------------------------------
+
+TITLE = "Moodle submissions"
+_NAME = re.compile(
+    r"(?P<who>(?P<name>[^_]*)_(?P<number>\d+))_(?P<plugin>assign(?:submission|feedback)_[a-z]+)(?:_(?P<file>.*))?",
+    re.DOTALL,
+)
+_FILES = "assignsubmission_file"
+_NOT_OURS = "not named as Moodle names files, so whose it is cannot be told"
+_FEEDBACK = "feedback, not handed in by the student"
+
+
+def read(download: Download) -> Shape | None:
+    """The students, or teams, of a Moodle download; None if it is none.
+
+    They are called `<full name>_<number>_assignsubmission_file[_]`, a folder each or loose files.
+    """
+    told = {name: _NAME.fullmatch(name) for name in download.top}
+    if not mostly(match is not None for match in told.values()):
+        return None
+    left = [(name, _NOT_OURS) for name, match in told.items() if match is None]
+    own: defaultdict[str, list[re.Match[str]]] = defaultdict(list)
+    for name, match in told.items():
+        if match is not None and match["plugin"].startswith("assignfeedback"):
+            left.append((name, _FEEDBACK))
+        elif match is not None:
+            own[match["number"]].append(match)
+    return Shape(TITLE, tuple(_found(download, number, matches) for number, matches in own.items()), tuple(left))
+
+
+def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Found:
+    first = next((match for match in matches if match["plugin"] == _FILES), matches[0])
+    name = original(first["name"]) or number
+    sources = tuple((download.place(match[0]), original(match["file"] or "")) for match in matches)
+    hand_in = HandIn((Person(name, number, "moodle"),), reply=_reply(download, first))
+    return Found(f"moodle:{number}", f"{name}_{number}", name, download.path, sources, hand_in)
+
+
+def _reply(download: Download, match: re.Match[str]) -> str:
+    """Feedback goes back under the very name that came: a folder's, or what a loose file's begins with."""
+    if download.top[match[0]]:
+        return original(match[0]) + "/"
+    return original(match[0][: match.start("file")])
+
+
+PLATFORM = Platform(
+    name="moodle",
+    title="Moodle",
+    help=Help(
+        read=("*Download all submissions*, both modes", "`Full name_number_assignsubmission_file`", "the number"),
+        grades="""\
+download the grading worksheet, fill it, upload it. Grades and comments are filled in, and every other byte is as it
+was; a comment of your own is kept. Where the site speaks another language, name the column of grades with `--column`. The zip of
+`--feedback` goes to *Upload multiple feedback files in a zip*. Moodle takes no worksheet where a rubric of its own is in use.""",
+    ),
+    read=read,
+    fill=fill,
+    gradebook="moodle.csv",
+)

@@ -1,0 +1,69 @@
+"""PrairieLearn: the results of an external grader. What cannot be graded is told apart from zero, and costs no attempt."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from grader.engine.results import CheckResult, LabName, Result
+from grader.ground.text import printable
+from grader.platforms import rows
+from grader.platforms.platform import Help, Platform
+from grader.report import words
+
+SUBMISSION = "grade/student"
+LIMIT_BYTES = 1_000_000  # PrairieLearn refuses more
+
+
+def prairielearn(result: Result, *, hidden: bool = False) -> str:
+    """The text of `results.json`; `hidden` holds back what may contain data of hidden scenarios."""
+    shown = rows.held_back(result) if hidden else result
+    text = _text(_record(shown))
+    return text if len(text.encode()) <= LIMIT_BYTES else _text({**_record(shown), "tests": [], "output": ""})
+
+
+def _text(record: dict[str, Any]) -> str:
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _record(result: Result) -> dict[str, Any]:
+    if result.status == "incomplete":
+        return {"gradable": False, "score": 0.0, "message": words.STATUS["incomplete"]}
+    if result.status in ("empty", "unreadable"):
+        problem = [words.STATUS[result.status], *rows.notes(result)]
+        return {"gradable": False, "score": 0.0, "format_errors": problem}
+    # A score above 1 would be refused: extra credit can fill a gap and no more.
+    share = min(result.total / result.max_score, 1.0) if result.max_score else 0.0
+    return {
+        "gradable": True,
+        "score": round(share, 6),
+        "message": words.total_points(result),
+        "output": "\n".join(f"Note: {note}" for note in rows.notes(result)),
+        "tests": [_test(check, part, result.lab) for part in rows.parts(result) for check in part.checks],
+    }
+
+
+def _test(check: CheckResult, part: rows.Part, lab: LabName) -> dict[str, Any]:
+    return {
+        "name": f"{rows.title(part)}: {printable(check.title, 300)}",
+        "points": check.points,
+        "max_points": check.max_points,
+        "message": words.row(check, part.id, lab).outcome.word,
+        "output": rows.plain(check, part, lab),
+    }
+
+
+PLATFORM = Platform(
+    name="prairielearn",
+    title="PrairieLearn",
+    help=Help(
+        respond="""\
+An external grader whose `entrypoint` runs `imugrade ci --format prairielearn`. What cannot be graded (an empty or unreadable
+submission, a fault of the grader) comes back as not gradable and costs no attempt.""",
+    ),
+    respond=lambda result, handed: prairielearn(result, hidden=handed.hidden),
+    recognise=lambda _, root: (root / SUBMISSION).is_dir(),
+    submission=SUBMISSION,
+    answer="grade/results/results.json",
+    keeps_secrets=True,
+)

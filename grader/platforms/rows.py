@@ -1,0 +1,80 @@
+"""What every CI format tells: the parts of a result, the words of a check, and what is held back about hidden scenarios."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result
+from grader.ground.text import printable
+from grader.report import words
+
+Part = CriterionResult | ExtensionResult
+
+NOTES_LIMIT = 20
+_LOST: frozenset[Outcome] = frozenset({"failed", "partial", "error", "timeout", "crashed"})
+_HELD_BACK = {
+    "failed": "It does not do this in a hidden scenario.",
+    "partial": "It does a part of this in a hidden scenario.",
+    "error": "Your code raised an exception in a hidden scenario.",
+    "timeout": "Your code did not answer within the time limit in a hidden scenario.",
+    "crashed": "Your code ended its process in a hidden scenario.",
+}
+
+
+def parts(result: Result) -> Iterator[Part]:
+    """The criteria, then the extensions that were tried."""
+    yield from result.criteria
+    yield from (extension for extension in result.extensions if extension.attempted and extension.checks)
+
+
+def title(part: Part) -> str:
+    """``Sensor access``; ``Extension: allan variance``."""
+    if isinstance(part, CriterionResult):
+        return printable(part.title, words.NAME_LIMIT)
+    return f"Extension: {part.id.replace('_', ' ')}"
+
+
+def lines(check: CheckResult, part: Part, lab: LabName) -> list[words.Line]:
+    """Expected, Got, Try, Read, Again: the same labels in the same order as in a report."""
+    row = words.row(check, part.id, lab)
+    more = (words.Line("Read", row.read), words.Line("Again", row.again))
+    return [*row.lines, *(line for line in more if line.text)]
+
+
+def plain(check: CheckResult, part: Part, lab: LabName) -> str:
+    """The lines of a check as text, labels in a column."""
+    return "\n".join(_plain_line(line) for line in lines(check, part, lab))
+
+
+def _plain_line(line: words.Line) -> str:
+    text = line.text.replace("\n", "\n" + " " * 10)
+    return f"{line.label:<10}{text}" if line.label else line.text
+
+
+def notes(result: Result) -> list[str]:
+    """The first notes, and how many there are beyond them."""
+    told = words.notes(result)
+    more = [f"… and {len(told) - NOTES_LIMIT} more"] if len(told) > NOTES_LIMIT else []
+    return told[:NOTES_LIMIT] + more
+
+
+def lost(check: CheckResult) -> bool:
+    """Whether the check itself found something to lose points for."""
+    return check.outcome in _LOST
+
+
+def held_back(result: Result) -> Result:
+    """The result of hidden scenarios as students may see it: what is wrong, the hint, and no text that holds their data.
+
+    A message is not trusted to be free of it: what an exception says was written by code that had seen the input.
+    """
+    return replace(
+        result,
+        criteria=tuple(replace(part, checks=_held_back(part)) for part in result.criteria),
+        extensions=tuple(replace(part, checks=_held_back(part)) for part in result.extensions),
+    )
+
+
+def _held_back(part: Part) -> tuple[CheckResult, ...]:
+    return tuple(replace(c, message=_HELD_BACK[c.outcome]) if lost(c) else c for c in part.checks)

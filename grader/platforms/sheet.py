@@ -1,0 +1,104 @@
+"""A CSV file that someone else's program wrote and will read again: cells are set, and every other byte stays as it was."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+
+BOM = b"\xef\xbb\xbf"
+_QUOTED = r'"(?:[^"]|"")*"'
+
+
+@dataclass
+class Row:
+    """Raw cells, and the line's end."""
+
+    cells: list[str]
+    end: str
+
+    def value(self, column: int | None) -> str:
+        """What a cell says; "" for one that is not there."""
+        if column is None or column >= len(self.cells):
+            return ""
+        raw = self.cells[column]
+        return raw[1:-1].replace('""', '"') if raw.startswith('"') else raw
+
+
+@dataclass
+class Sheet:
+    """The rows of a file, the first of them its titles."""
+
+    delimiter: str
+    rows: list[Row] = field(default_factory=list)
+    marked: bool = False
+
+    @property
+    def titles(self) -> list[str]:
+        return [self.rows[0].value(i).strip() for i in range(len(self.rows[0].cells))]
+
+    def column(self, *titles: str) -> int | None:
+        """The first column that is called so, in any case of letters."""
+        known = [title.casefold() for title in self.titles]
+        return next((known.index(title.casefold()) for title in titles if title.casefold() in known), None)
+
+    def set(self, row: Row, column: int, text: str) -> None:
+        """Write a cell; in quotes only where it needs them."""
+        row.cells += [""] * (column + 1 - len(row.cells))
+        needs = any(sign in text for sign in (self.delimiter, '"', "\n", "\r", " "))
+        row.cells[column] = '"{}"'.format(text.replace('"', '""')) if needs else text
+
+    def keep(self, columns: list[int]) -> None:
+        """Leave these columns alone."""
+        for row in self.rows:
+            row.cells = [row.cells[i] for i in columns if i < len(row.cells)]
+
+    def data(self) -> bytes:
+        text = "".join(self.delimiter.join(row.cells) + row.end for row in self.rows)
+        return (BOM if self.marked else b"") + text.encode()
+
+
+def read_sheet(data: bytes, source: str) -> Sheet:
+    """Take a file apart.
+
+    Parameters
+    ----------
+    data
+        Its bytes, UTF-8, with commas, semicolons or tabs.
+    source
+        What messages call it.
+
+    Raises
+    ------
+    RequestError
+        If it is no such file.
+    """
+    try:
+        text = data.removeprefix(BOM).decode()
+    except UnicodeDecodeError as error:
+        raise RequestError(f"{source}: is not UTF-8; export it again as UTF-8 CSV") from error
+    head = re.sub(_QUOTED, "", text.partition("\n")[0])
+    sheet = Sheet(max(",;\t", key=head.count), marked=data.startswith(BOM))
+    cell = re.compile(
+        rf'({_QUOTED}|[^"{sheet.delimiter}\r\n][^{sheet.delimiter}\r\n]*|)({sheet.delimiter}|\r\n|\n|\r|\Z)'
+    )
+    cells: list[str] = []
+    at = 0
+    while at < len(text):
+        found = cell.match(text, at)
+        if found is None:
+            raise RequestError(f"{source}:{text.count(chr(10), 0, at) + 1}: is not CSV here; export the file again")
+        cells.append(found[1])
+        at = found.end()
+        if found[2] != sheet.delimiter:
+            sheet.rows.append(Row(cells, found[2]))
+            cells = []
+        elif at == len(text):
+            cells.append("")
+    if cells:
+        sheet.rows.append(Row(cells, ""))
+    if not sheet.rows:
+        raise RequestError(f"{printable(source)}: is empty; give the file that the platform exports")
+    return sheet

@@ -1,0 +1,72 @@
+"""Whether a box shows any copy of the grader or of the reference: found out by looking from inside."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import rootfs, surroundings
+from .box import Box
+from .plan import Contents
+
+_HARNESS = Path(__file__).parent / "searching"
+_PACKAGE = Path(__file__).parents[1]
+_SECRETS = (("reference", "*.py"), (f"{_PACKAGE.name}/labs", "*/standins/*.txt"))
+_WITHIN_CPU_S = 300.0
+
+
+@dataclass(frozen=True)
+class Search:
+    """How many files could be opened in a box, and which of them are ours (a hundred at most)."""
+
+    opened: int
+    found: tuple[str, ...]
+
+
+def search(rung: str) -> Search:
+    """Open whatever a submission could open on this rung, and look for our names and for lines of ours in it.
+
+    Raises
+    ------
+    GraderError
+        If the rung cannot be had here.
+    """
+    with Box(Contents(_HARNESS), rung=rung) as box, box.worker() as worker:
+        fields = {"roots": _roots(), "phrases": sorted(_phrases()), "own": _own()}
+        answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
+    return Search(int(answer["opened"]), tuple(map(str, answer["found"])))
+
+
+def _roots() -> list[str]:
+    """Where to begin: on a rung with the host's root, / itself cannot be listed."""
+    shown = surroundings.visible()
+    return list(dict.fromkeys(["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *shown]))
+
+
+def _own() -> list[str]:
+    """What every box holds of us."""
+    return [rootfs.SANDBOX, rootfs.HARNESS, str(_HARNESS), *surroundings.code()]
+
+
+def _phrases() -> Iterator[str]:
+    """Lines that no file holds by chance, of each file that a submission must not read."""
+    for folder, pattern in _SECRETS:
+        for path in (_PACKAGE.parent / folder).glob(pattern):
+            text = path.read_text(encoding="utf-8")
+            yield from filter(None, [_longest(text), _first_sentence(text)])
+
+
+def _longest(text: str) -> str:
+    return max(map(str.strip, text.splitlines()), key=len, default="")
+
+
+def _first_sentence(text: str) -> str:
+    """The first line of a module's docstring, which a compiled module holds, too."""
+    with contextlib.suppress(SyntaxError):
+        return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]
+    return ""

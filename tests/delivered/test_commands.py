@@ -1,0 +1,210 @@
+"""Every command, from an empty folder, with the sources gone: hidden scenarios from a secret wherever they may be used."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from grader.engine.results import from_dict
+from grader.platforms.registry import names, platform
+from tests.classes import ASSIGNMENT, canvas_gradebook, moodle_worksheet
+from tests.corpus.sheet import VERBATIM
+from tests.corpus.writing import write
+from tests.delivered.conftest import PIP, SECRET, Delivered
+from tests.examples import summary
+from tests.shadows import namesakes
+
+pytestmark = pytest.mark.delivered
+
+JOB = dict.fromkeys(("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL", "OWNER"), "x")
+HIDDEN = {"environ": {"IMUGRADE_SEED": SECRET}}
+NAMES = sorted(path.name for path in (Path(__file__).parents[2] / "submissions_example").iterdir())
+
+
+def results(out: Path) -> dict[str, bytes]:
+    return {path.parent.name: path.read_bytes() for path in sorted(out.glob("submissions/*/result.json"))}
+
+
+def without_durations(result: bytes) -> bytes:
+    return re.sub(rb'"duration_s": [-+.e0-9]+', b"", result)
+
+
+def marks(delivered: Delivered, out: Path) -> None:
+    """The example class has the marks that it must get."""
+    found = results(out)
+    assert sorted(found) == NAMES
+    for name, result in found.items():
+        expected = json.loads((delivered.examples / name / "expected.json").read_text(encoding="utf-8"))
+        assert summary(from_dict(json.loads(result))) == expected, name
+
+
+@pytest.fixture(scope="session")
+def out(delivered: Delivered) -> Path:
+    """The example class, graded with a secret by an ordinary user in an empty folder."""
+    here = delivered.empty()
+    done = delivered.run("grade", delivered.examples, "-o", "out", cwd=here, **HIDDEN)
+    assert done.returncode == 0, done.stderr
+    return here / "out"
+
+
+@pytest.fixture
+def lab(delivered: Delivered) -> Path:
+    """The sheet's own code, in a folder of the user's."""
+    return write(VERBATIM, delivered.empty() / "lab")
+
+
+# --- a class ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_first_command_of_the_readme_gives_the_example_class_its_marks(delivered: Delivered) -> None:
+    marks(delivered, delivered.graded)
+    assert (delivered.graded / "index.html").is_file()
+
+
+def test_with_a_secret_the_example_class_gets_the_same_marks_and_no_page_tells_it(
+    delivered: Delivered, out: Path
+) -> None:
+    marks(delivered, out)
+    written = [path for path in out.rglob("*") if path.is_file()]
+    assert [path for path in written if SECRET.encode() in path.read_bytes()] == []
+    assert all(
+        json.loads(result)["provenance"]["traces_sha256"] != public(delivered) for result in results(out).values()
+    )
+
+
+def public(delivered: Delivered) -> str:
+    result = next(iter(results(delivered.graded).values()))
+    return str(json.loads(result)["provenance"]["traces_sha256"])
+
+
+def test_graded_again_with_the_same_secret_it_is_the_same_but_for_durations(delivered: Delivered, out: Path) -> None:
+    here = delivered.empty()
+    assert delivered.run("grade", delivered.examples, "-o", "out", cwd=here, **HIDDEN).returncode == 0
+    first, second = results(out), results(here / "out")
+    assert {k: without_durations(v) for k, v in first.items()} == {k: without_durations(v) for k, v in second.items()}
+
+
+@pytest.mark.parametrize(
+    ("format_", "given"),
+    [
+        ("csv", []),
+        ("canvas", ["--template", "canvas.csv", "--column", ASSIGNMENT]),
+        ("moodle", ["--template", "moodle.csv"]),
+        ("gradescope", []),
+    ],
+)
+def test_a_class_is_exported(delivered: Delivered, out: Path, format_: str, given: list[str]) -> None:
+    here = delivered.empty()
+    (here / "canvas.csv").write_bytes(canvas_gradebook([]))
+    (here / "moodle.csv").write_bytes(moodle_worksheet([]))
+    done = delivered.run("export", out, "--format", format_, "-o", "marks.csv", *given, cwd=here)
+    assert done.returncode == 0, done.stderr
+    assert (here / "marks.csv").stat().st_size > 100
+
+
+# --- one submission ---------------------------------------------------------------------------------------------------
+
+
+def test_a_student_checks_their_own_work_in_their_own_folder(delivered: Delivered, lab: Path) -> None:
+    done = delivered.run("check", "--html", "../report.html", "--json", "../result.json", cwd=lab)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((lab.parent / "result.json").read_text(encoding="utf-8"))["score"] == 100.0
+    assert "</html>" in (lab.parent / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("format_", names("respond"))
+def test_ci_answers_in_each_format(delivered: Delivered, lab: Path, format_: str) -> None:
+    environ = {"IMUGRADE_SEED": SECRET} if platform(format_).keeps_secrets else JOB
+    done = delivered.run("ci", lab, "--format", format_, "--out", "answer", cwd=lab.parent, environ=environ)
+    assert done.returncode == 0, done.stderr
+    answer = (lab.parent / "answer").read_text(encoding="utf-8")
+    if format_ == "junit":
+        assert {suite.get("failures") for suite in ElementTree.fromstring(answer)} == {"0"}
+        return
+    assert "100" in answer
+    assert format_ == "github" or json.loads(answer)
+
+
+def test_a_folder_with_namesakes_of_our_modules_is_graded_from_within(delivered: Delivered, lab: Path) -> None:
+    here = namesakes(lab.parent / "namesakes", lab.parent / "told")
+    other = {"IMUGRADE_SEED": "another secret, which is not recorded yet"}
+    done = delivered.run("grade", "../lab", "-o", "../out", cwd=here, environ=other)
+    assert done.returncode == 0, done.stderr
+    assert (lab.parent / "told").read_text(encoding="utf-8") == ""
+    assert json.loads(results(lab.parent / "out")["lab"])["score"] == 100.0
+
+
+# --- kits, traces, and what else there is -------------------------------------------------------------------------------
+
+
+def test_each_kit_is_written(delivered: Delivered) -> None:
+    here = delivered.empty()
+    done = delivered.run("kit", "lab", "--classroom50", "classroom", "--github", "repository", cwd=here)
+    assert done.returncode == 0, done.stderr
+    assert (here / "lab/textbook/assets/robot-models/mujoco/humanoid-sensors.xml").stat().st_size > 1000
+    wheels = [path for path in here.rglob("*.whl") if path.is_file()]
+    assert len(wheels) == 3
+    with zipfile.ZipFile(wheels[0]) as archive:
+        assert {"grader/labs/imu/rubric.yaml", "grader/py.typed"} <= set(archive.namelist())
+
+
+def test_the_gradescope_kit_of_a_secret_sets_itself_up_and_grades(delivered: Delivered) -> None:
+    """As Gradescope does it: its archive, `setup.sh` and `run_autograder` alone."""
+    here = delivered.empty()
+    assert delivered.run("kit", "--gradescope", "autograder.zip", cwd=here, **HIDDEN).returncode == 0
+    for folder in ("source", "submission", "results"):
+        delivered.user.owns(here / folder)
+    write(VERBATIM, here / "submission")
+    unpacked = delivered.run(delivered.programs / "python", "-m", "zipfile", "-e", "autograder.zip", "source", cwd=here)
+    assert unpacked.returncode == 0, unpacked.stderr
+    there = {**PIP, "AUTOGRADER_ROOT": str(here), "AUTOGRADER_PYTHON": str(delivered.python)}
+    for program in ("setup.sh", "run_autograder"):
+        done = delivered.run(Path("/bin/bash"), here / "source" / program, cwd=here, environ=there)
+        assert done.returncode == 0, done.stderr
+    answer = json.loads((here / "results" / "results.json").read_text(encoding="utf-8"))
+    assert answer["score"] == 100.0
+    assert "hidden scenarios" in answer["output"]
+
+
+def test_traces_are_listed_plotted_and_recorded_from_a_secret(delivered: Delivered) -> None:
+    here = delivered.empty()
+    assert "push: " in delivered.run("traces", "list", cwd=here).stdout
+    assert delivered.run("traces", "plot", "-o", "plots", cwd=here).returncode == 0
+    assert delivered.run("traces", "record", "-o", "traces", cwd=here, **HIDDEN).returncode == 0
+    assert len(list((here / "plots").glob("*.png"))) > 1
+    assert (here / "traces" / "hidden.npz").stat().st_size > 100_000
+
+
+def test_doctor_has_recorded_from_a_secret_of_its_own(delivered: Delivered) -> None:
+    done = delivered.run("doctor", cwd=delivered.empty())
+    assert done.returncode == 0
+    assert re.search(r"✓ +reference +recorded \d+ scenarios from a throw-away secret", done.stdout)
+
+
+def test_explain_has_its_catalogue(delivered: Delivered) -> None:
+    assert "copy" in delivered.run("explain", "view-not-copy", cwd=delivered.empty()).stdout
+
+
+def test_the_reference_is_shown_live_on_a_screen(delivered: Delivered) -> None:
+    xvfb = shutil.which("xvfb-run")
+    if xvfb is None:
+        pytest.skip("no virtual screen: xvfb is not installed")
+    python, here = delivered.programs / "python", delivered.empty()
+    if delivered.run(python, "-c", "import tkinter", cwd=here).returncode:
+        pytest.skip("this Python has no tkinter to open a window with")
+    words = [Path(xvfb), "-a", python, "-m", "reference.live_plot", "--seconds", "0.2"]
+    done = delivered.run(*words, cwd=here, environ={"MPLBACKEND": "TkAgg"})
+    assert (done.returncode, done.stdout, list(here.iterdir())) == (0, "", []), done.stderr
+
+
+def test_without_a_screen_the_same_is_written_into_a_file(delivered: Delivered) -> None:
+    here = delivered.empty()
+    done = delivered.run(delivered.programs / "python", "-m", "reference.live_plot", "--seconds", "0.2", cwd=here)
+    assert done.returncode == 0, done.stderr
+    assert (here / "live_plot.gif").read_bytes().startswith(b"GIF8")

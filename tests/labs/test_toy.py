@@ -1,0 +1,70 @@
+"""Another lab is graded, reported and exported by the same engine, with no line of it changed."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from collections.abc import Iterator
+
+import pytest
+
+from grader.engine import rubric
+from grader.engine.marking import Marker
+from grader.engine.results import Result, from_dict, to_dict
+from grader.intake.submission import Submission
+from grader.people.standing import Standing
+from grader.platforms.gradebook import gradebook
+from grader.platforms.junit import junit
+from grader.report.pages import index_page, report_page
+from tests.labs.toy.lab import LAB, TRUTH
+
+SOUND = {
+    "convert.py": b"def to_celsius(fahrenheit):\n    return (fahrenheit - 32) / 1.8\n",
+    "average.py": b"from convert import to_celsius\n\ndef mean_celsius(fahrenheit):\n    return to_celsius(fahrenheit).mean()\n",
+}
+FORGETFUL = {**SOUND, "convert.py": b"def to_celsius(fahrenheit):\n    return fahrenheit / 1.8\n"}
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), TRUTH) as opened:
+        yield opened
+
+
+def graded(marker: Marker, files: dict[str, bytes]) -> Result:
+    return marker.mark(Submission("ann", "ann", files, (), "ready", "0" * 64))
+
+
+def test_a_sound_submission_gets_all_points(marker: Marker) -> None:
+    result = graded(marker, SOUND)
+    assert (result.status, result.score, result.max_score) == ("graded", 10.0, 10.0)
+
+
+def test_one_fault_costs_once_and_is_named(marker: Marker) -> None:
+    """Who averages with a wrong conversion averages right: a sound stand-in takes its place."""
+    result = graded(marker, FORGETFUL)
+    assert [criterion.points for criterion in result.criteria] == [0.0, 4.0]
+    assert result.misconceptions == ("no-offset",)
+
+
+def test_it_is_reported_and_exported_under_its_own_name(marker: Marker) -> None:
+    result = graded(marker, FORGETFUL)
+    standing = Standing("ann", result)
+    assert from_dict(json.loads(json.dumps(to_dict(result)))) == result
+    page = report_page(standing)
+    assert "Lab 0 · Temperatures" in page
+    assert "Lab 0, Step 1" in page
+    assert "Lab 04-01" not in page + index_page({"ann": standing}) + junit(result)
+    assert "conversion" in gradebook({"ann": standing}).splitlines()[0]
+
+
+def test_it_travels_by_its_name() -> None:
+    assert pickle.loads(pickle.dumps(LAB)) is LAB
+
+
+def test_its_rubric_lists_its_own_parts() -> None:
+    with pytest.raises(rubric.RubricError, match="sensor_access"):
+        rubric.parse(
+            LAB,
+            b"criteria: [{id: sensor_access, title: x, points: 1, checks: {a: 1}}]\nextensions: []\nlimits: {call_cpu_s: 1, submission_cpu_s: 1}\n",
+        )

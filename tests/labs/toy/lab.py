@@ -1,0 +1,69 @@
+"""Lab 0, Temperatures: convert Fahrenheit to Celsius, and average a series."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from grader.engine.conversation import Conversation
+from grader.engine.evidence import Chart
+from grader.engine.findings import Fault, raised
+from grader.engine.lab import Lab, Part
+from grader.engine.replies import Answer, checked, maybe, node
+from grader.engine.traces import Scenario, Traces
+from grader.sandbox.wire import Frame
+
+
+class Student(Conversation):
+    """The proxy that the checks talk to."""
+
+    def __init__(self, *args: Any, truth: Traces, **limits: Any) -> None:
+        super().__init__(*args, furniture={}, **limits)
+
+    def call(self, name: str, values: np.ndarray) -> np.ndarray | None:
+        """What the function makes of an array; None where no array of numbers came."""
+        return self.once((name, values.tobytes()), lambda: self._call(name, values))
+
+    def _call(self, name: str, values: np.ndarray) -> np.ndarray | None:
+        frame = self.ask("call", {"path": self.place_of(name), "name": name}, {"values": values})
+        raised(Fault.of(frame.fields.get("error")), f"calling {name}")
+        value = frame.fields["value"]
+        return frame.arrays[value["key"]] if value and "key" in value else None
+
+
+def _call_rule(answer: Answer) -> None:
+    answer.part("value", maybe(node(answer)))
+
+
+def _checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> Frame:
+    return checked(op, frame, fields, arrays, {"call": _call_rule})
+
+
+def _charts(student: Conversation, truth: Traces) -> tuple[Chart, ...]:
+    return ()
+
+
+LAB = Lab(
+    module=__name__,
+    id="toy",
+    label="Lab 0",
+    title="Temperatures",
+    parts=(
+        Part("conversion", "Conversion", ("to_celsius",), "convert.py"),
+        Part("averaging", "Averaging", ("mean_celsius",), "average.py", needed=False),
+    ),
+    bonuses=(),
+    student=Student,
+    charts=_charts,
+    checked=_checked,
+)
+FAHRENHEIT = np.array([32.0, 212.0, -40.0, 98.6])
+TRUTH = Traces(
+    "public",
+    "0" * 64,
+    {"models": {}, "versions": {}},
+    {},
+    {"readings": Scenario("readings", "A few temperatures.", None, {}, {"fahrenheit": FAHRENHEIT})},
+)

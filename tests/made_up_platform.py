@@ -1,0 +1,79 @@
+"""A platform that nobody has heard of, listed as a new one would be: `python -m tests.made_up_platform` prints who knows it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
+from io import StringIO
+from pathlib import Path
+
+from grader.engine.results import Result
+from grader.intake.downloads import Download
+from grader.people.standing import HandIn, Person
+from grader.platforms import registry
+from grader.platforms.found import Found, Shape
+from grader.platforms.platform import Handed, Help, Platform
+
+
+def _respond(result: Result, handed: Handed) -> str:
+    return f"made up: {result.score:g} in {handed.lab.id}\n"
+
+
+def _read(download: Download) -> Shape | None:
+    if "made-up.txt" not in download.top:
+        return None
+    found = Found("u", "uma", "Uma", download.path, ((download.place("work"), ""),), HandIn((Person("Uma"),)))
+    return Shape("Made-up download", (found,))
+
+
+PLATFORM = Platform(
+    name="made-up",
+    title="Made-up Campus",
+    help=Help("Told of jobs.", ("*Take all*", "`made-up.txt`", "told of downloads"), "told of grades."),
+    respond=_respond,
+    read=_read,
+    write=lambda standings: f"made up: {', '.join(standings)}\n".encode(),
+    gradebook="campus.csv",
+)
+
+
+@contextmanager
+def listed(*does: registry.Deed) -> Iterator[None]:
+    """A line of the registry for it, as long as a test lasts."""
+    registry.LISTED["made-up"] = registry.Listed("tests.made_up_platform", does)
+    yield
+    del registry.LISTED["made-up"]
+
+
+def who_knows_it() -> dict[str, object]:
+    """What lists platforms, and what a test finds missing. All of it is imported after the platform is listed."""
+    from grader import cli
+    from grader.handbook import pages
+    from tests import test_platforms
+    from tests.hostile import outputs
+
+    made = pages.pages(cli.app)
+    return {
+        **{
+            command: _printed(lambda command=command: cli.main([command, "--help"]))
+            for command in ("ci", "export", "grade")
+        },
+        **{page: made[f"{page}.md"] for page in ("platforms", "classes", "commands")},
+        "writers": sorted(outputs.WRITERS),
+        "unread": sorted(test_platforms.unread()),
+        "unnamed in the README": test_platforms.unnamed(
+            (Path(__file__).parent.parent / "README.md").read_text("utf-8")
+        ),
+    }
+
+
+def _printed(run: Callable[[], object]) -> str:
+    with redirect_stdout(StringIO()) as out:
+        run()
+    return " ".join(out.getvalue().split())
+
+
+if __name__ == "__main__":
+    with listed("respond", "read", "write"):
+        print(json.dumps(who_knows_it()))

@@ -1,0 +1,239 @@
+"""No second copy: what lies beside the grader that runs (an install, a checkout, an egg) is not to be read in any box."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import grader
+import reference
+from grader.sandbox import one_copy, packages, surroundings
+from grader.sandbox.box import Box
+from grader.sandbox.plan import Contents
+
+from .conftest import HARNESS, WALLED, run
+
+SOLUTION = Path(reference.__file__).parent
+PACKAGE = Path(grader.__file__).parent
+
+
+def installed(folder: Path, name: str, files: list[str], *, requires: str = "", asked_for: bool = False) -> None:
+    """Write the record of a distribution as pip does."""
+    record = folder / f"{name}-1.0.dist-info"
+    record.mkdir(parents=True)
+    (record / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\n{requires}\n\nWords.\n")
+    (record / "RECORD").write_text("".join(f"{file},sha256=x,1\n" for file in [*files, f"{record.name}/METADATA,,"]))
+    (record / "direct_url.json").write_text(
+        json.dumps({"url": "file:///home/prof/imugrade", "dir_info": {"editable": True}})
+    )
+    if asked_for:
+        (record / "REQUESTED").write_text("")
+
+
+def write(folder: Path, name: str, text: str) -> None:
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+
+
+@pytest.fixture
+def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout with a virtual environment in it, which holds an installed copy, an egg, a path file and packages for students."""
+    place = tmp_path / "checkout"
+    shutil.copytree(SOLUTION, place / "reference")
+    folder = place / ".venv/lib/python3/site-packages"
+    for name, source in (("reference", SOLUTION), ("grader/labs/imu/standins", PACKAGE / "labs" / "imu" / "standins")):
+        shutil.copytree(source, folder / name)
+    write(folder, "grader/__init__.py", "")
+    installed(folder, "imugrade", ["grader/__init__.py", "reference/filters.py"], requires="Requires-Dist: ourtool\n")
+    shutil.copytree(SOLUTION, folder / "imugrade-0.0.9-py3.11.egg/reference")
+    write(folder, "__editable__.imugrade-0.1.0.pth", str(place))
+    write(folder, "_imugrade.pth", str(place))
+    shutil.copytree(SOLUTION, folder / "stray")
+    shutil.copytree(SOLUTION, folder / "solutions")
+    installed(folder, "solutions", ["solutions/filters.py", "reference/filters.py"])
+    write(folder, "labtools/__init__.py", "from labneeds import ANSWER")
+    installed(
+        folder,
+        "labtools",
+        ["labtools/__init__.py", "labtools.pth"],
+        requires='Requires-Dist: Lab_Needs[fast] ; python_version > "3"\n',
+    )
+    write(folder, "labneeds.py", "ANSWER = 42")
+    installed(folder, "lab.needs", ["labneeds.py", "../../../bin/labneeds"])
+    for tool, asked_for in (("ourtool", False), ("theirtool", True)):
+        write(folder, f"{tool}.py", "")
+        installed(folder, tool, [f"{tool}.py"], asked_for=asked_for)
+    with zipfile.ZipFile(folder / "imugrade-0.1.0-py3-none-any.whl", "w") as archive:
+        archive.write(SOLUTION / "filters.py", "reference/__init__.py")
+    for path in (str(place), str(folder)):
+        monkeypatch.syspath_prepend(path)
+    return place
+
+
+SEARCH = """
+import os
+found = []
+for root in ROOTS:
+    for top, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if top != "/" or name not in ("proc", "sys", "dev")]
+        for path in (os.path.join(top, name) for name in names):
+            try:
+                with open(path, "rb") as file:
+                    if PHRASE in file.read(1 << 20): found.append(path)
+            except OSError:
+                pass
+result = sorted(set(found))
+"""
+
+
+@pytest.mark.parametrize("rung", WALLED)
+def test_a_submission_that_searches_everything_finds_no_copy(
+    rung: str, checkout: Path, rungs: dict[str, object], box_on: object
+) -> None:
+    box_on(rung)  # type: ignore[operator] # skips where there is no such rung
+    roots = [str(checkout), str(checkout.parent), "/", *sys.path, *surroundings.visible()]
+    phrase = b"get_imu_readings"
+    assert phrase in (checkout / "reference/imu_reader.py").read_bytes()
+    with Box(Contents(HARNESS), rung=rung) as box, box.worker() as worker:
+        source = SEARCH.replace("ROOTS", repr(list(dict.fromkeys(roots)))).replace("PHRASE", repr(phrase))
+        assert run(worker, source, cpu_s=120) == {"result": []}
+        for name in ("reference", "grader", "stray", "solutions"):
+            assert run(worker, f"import {name}")["error"] == "ModuleNotFoundError"
+
+
+@pytest.mark.parametrize("rung", WALLED)
+def test_what_was_installed_for_students_works_and_the_graders_own_tools_are_not_there(
+    rung: str, checkout: Path, box_on: object
+) -> None:
+    box_on(rung)  # type: ignore[operator]
+    with Box(Contents(HARNESS), rung=rung) as box, box.worker() as worker:
+        assert run(worker, "import labtools; result = labtools.ANSWER") == {"result": 42}
+        assert run(worker, "import theirtool; result = 1") == {"result": 1}
+        assert run(worker, "import ourtool")["error"] == "ModuleNotFoundError"
+        versions = (
+            "import importlib.metadata as m; result = sorted(d.name for d in m.distributions() if 'lab' in d.name)"
+        )
+        assert run(worker, versions) == {"result": ["lab.needs", "labtools"]}
+
+
+def test_the_search_of_the_doctor_finds_a_copy_where_one_is_shown(
+    checkout: Path, monkeypatch: pytest.MonkeyPatch, best: Box
+) -> None:
+    """Three copies that the box must not show, shown all the same: by name, by content, and within an archive."""
+    folder = checkout / ".venv/lib/python3/site-packages"
+    visible = surroundings.visible
+
+    def careless(extra: tuple[Path, ...] = ()) -> tuple[str, ...]:
+        return (
+            *visible(extra),
+            str(folder / "grader"),
+            str(folder / "stray"),
+            str(folder / "imugrade-0.1.0-py3-none-any.whl"),
+        )
+
+    assert one_copy.search(best.rung).found == ()
+    monkeypatch.setattr(surroundings, "visible", careless)
+    found = one_copy.search(best.rung).found
+    assert str(folder / "grader/__init__.py") in found
+    assert str(folder / "stray/filters.py") in found
+    assert str(folder / "imugrade-0.1.0-py3-none-any.whl") in found
+    assert not [path for path in found if not path.startswith(str(folder))]
+
+
+# What is shown --------------------------------------------------------------------------------------------------------
+
+
+def test_no_whole_folder_of_libraries_or_packages_is_shown() -> None:
+    shown = set(surroundings.visible())
+    whole = {
+        "/",
+        "/usr",
+        "/lib",
+        "/usr/lib",
+        "/usr/local/lib",
+        "/nix/store",
+        sys.prefix,
+        f"{sys.prefix}/lib",
+        sysconfig.get_path("purelib"),
+    }
+    assert not shown & whole
+    assert not [path for path in shown if path.endswith((".pth", ".egg-link"))]
+
+
+def test_what_lies_in_the_folder_of_the_standard_library_and_is_no_part_of_it_is_hidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in (
+        "os.py",
+        "json/__init__.py",
+        "lib-dynload/_csv.so",
+        "_sysconfigdata__x.py",
+        "site-packages/numpy.py",
+        "reference/filters.py",
+    ):
+        write(tmp_path, name, "")
+    monkeypatch.setattr(surroundings, "_standard", lambda: (str(tmp_path),))
+    beside = [Path(path).name for path in surroundings.hidden() if path.startswith(str(tmp_path))]
+    assert beside == ["reference", "site-packages"]
+
+
+def test_a_requirement_of_another_extra_shows_nothing(tmp_path: Path) -> None:
+    installed(tmp_path, "imugrade", [], requires="Requires-Dist: tool\nRequires-Dist: tester ; extra == 'test'\n")
+    installed(tmp_path, "numpy", [], requires="Requires-Dist: tester>=1 ; extra == 'test'\n")
+    installed(tmp_path, "pandas", [], requires="Requires-Dist: scipy[fast] (>=1)\n")
+    installed(
+        tmp_path,
+        "scipy",
+        [],
+        requires='Requires-Dist: tool ; extra == "fast"\nRequires-Dist: tester ; extra == "slow"\n',
+    )
+    for name in ("tool", "tester", "pip"):
+        installed(tmp_path, name, [])
+    kept = packages.for_students(packages.installed(str(tmp_path)))
+    assert sorted(one.name for one in kept) == ["numpy", "pandas", "scipy", "tool"]
+
+
+def test_a_distribution_without_a_record_shows_what_it_says_that_it_brings(tmp_path: Path) -> None:
+    record = tmp_path / "Old_Tool-1.0.egg-info"
+    for name, text in (
+        ("top_level.txt", "oldtool\n_oldtool\n"),
+        ("requires.txt", "six>=1\n\n[test]\npytest\n"),
+        ("PKG-INFO", "Name: Old_Tool"),
+    ):
+        write(record, name, text)
+    for name in ("oldtool/__init__.py", "oldtool/fast.so", "_oldtool.cpython-311.so", "oldtools.py"):
+        write(tmp_path, name, "")
+    (one,) = packages.installed(str(tmp_path))
+    assert (one.name, one.needs) == ("old-tool", (("six", frozenset(), ""),))
+    contents = packages.contents_of(one)
+    assert [Path(path).name for path in contents.entries] == [record.name, "_oldtool.cpython-311.so", "oldtool"]
+    assert {Path(path).name for path in contents.shared_objects} == {"_oldtool.cpython-311.so", "fast.so"}
+
+
+def test_a_distribution_that_says_nothing_shows_the_module_of_its_name(tmp_path: Path) -> None:
+    for name in ("Fast_Fits-2.egg-info", "fast_fits/__init__.py", "other.py"):
+        write(tmp_path, name, "")
+    (one,) = packages.installed(str(tmp_path))
+    assert [Path(path).name for path in packages.contents_of(one).entries] == ["Fast_Fits-2.egg-info", "fast_fits"]
+
+
+def test_the_libraries_shown_are_those_that_the_loader_would_take() -> None:
+    """What this very process has mapped from the system, but for the C library's own data."""
+    import _ctypes
+    import _sqlite3
+
+    from grader.sandbox import libraries
+
+    needed = libraries.needed_by(sys.executable, [_ctypes.__file__, _sqlite3.__file__], [])
+    real = {os.path.realpath(path) for path in needed}
+    mapped = {line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if ".so" in line}
+    names = ("libffi", "libsqlite3", "libc.so", "libc-", "ld-linux", "libm.so", "libm-")
+    assert real >= {os.path.realpath(path) for path in mapped if Path(path).name.startswith(names)}

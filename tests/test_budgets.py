@@ -1,0 +1,197 @@
+"""Whatever is handed in, the trusted side reads it in bounded time and memory. Each bound is far below what the bad case took."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import tarfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader.engine import fingerprint
+from grader.ground.errors import Malformed
+from grader.intake import read_submission
+from grader.labs.imu.diagnosis import comparing, labels
+from grader.labs.imu.lab import LAB
+from grader.sandbox.wire import Frame
+from tests.budgets import cpu_within, memory_within
+
+# Archives -------------------------------------------------------------------------------------------------------------
+
+
+def tar_that_claims(size: int, how: str) -> bytes:
+    """A tar of two files, the first of which says that it is larger than any disk."""
+    buffer = io.BytesIO()
+    with tarfile.open(
+        fileobj=buffer, mode="w", format=tarfile.PAX_FORMAT if how == "pax" else tarfile.GNU_FORMAT
+    ) as archive:
+        for name in ("filters.py", "imu_reader.py", "noisy_imu.py"):
+            info = tarfile.TarInfo(name)
+            if name == "noisy_imu.py":
+                info.size = size if how == "header" else 0
+                info.pax_headers = {"size": str(size)} if how == "pax" else {}
+                archive.fileobj.write(info.tobuf(archive.format))  # type: ignore[union-attr]
+            else:
+                info.size = 10
+                archive.addfile(info, io.BytesIO(b"answer=42\n"))
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("how", ["header", "pax"])
+@pytest.mark.parametrize("size", [2**63 - 1, 2**40, 10**9])
+def test_a_tar_is_read_to_its_end_and_no_further_whatever_it_claims(
+    tmp_path: Path, size: int, how: str, packed: bool
+) -> None:
+    """With 2**63 - 1 bytes it was read for ever: `tarfile` looks for the next file, a block at a time, behind the end."""
+    data = tar_that_claims(size, how)
+    path = tmp_path / "alice.tar"
+    path.write_bytes(gzip.compress(data) if packed else data)
+    with cpu_within(5):
+        submission = read_submission(path, LAB.files)
+    assert sorted(submission.files) == ["filters.py", "imu_reader.py"]
+    assert submission.status != "unreadable"
+
+
+# Fingerprints ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        '"' + '\\"' * 190_000,
+        "'" + "\\'" * 190_000,
+        '"\\' * 190_000,
+        '"""' + "\"'" * 190_000,
+        "'''" + '""" \'' * 70_000,
+        "rb" * 190_000 + '"',
+        'f"{' * 130_000,
+        "'\n\"" * 130_000,
+        "#" * 380_000,
+        "." * 380_000,
+    ],
+    ids=range(10),
+)
+def test_a_fingerprint_takes_time_in_proportion_to_the_code(source: str) -> None:
+    """A quotation mark and 200,000 escaped ones took half an hour: each one was the start of a string that never ends."""
+    with cpu_within(10):
+        fingerprint.fingerprint({"filters.py": source.encode()})
+
+
+# Labels ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "word",
+    ["metersec", "meterssec", "metrosporseg", "deg", "radian", "grad", "a", "°", "m/s", "\\frac{", "in ", "метр", "("],
+)
+def test_a_label_is_read_in_time_in_proportion_to_its_length(word: str) -> None:
+    """A title of 8,000 letters of repeated units took a minute."""
+    text = (word * 20_000)[:20_000]
+    with cpu_within(3):
+        for read in (
+            labels.unit_of,
+            labels.claims,
+            labels.axis_of,
+            labels.has_time_unit,
+            labels.in_milliseconds,
+            labels.counts_samples,
+        ):
+            read(text)
+
+
+def test_a_label_is_read_once_however_many_curves_bear_it() -> None:
+    text = "metersec" * 25
+    with cpu_within(2):
+        for _ in range(100_000):
+            labels.unit_of(text), labels.claims(text), labels.axis_of(text), labels.plain(text)
+
+
+def test_units_in_words_are_still_read() -> None:
+    assert labels.unit_of("Aceleración (metros por segundo al cuadrado)") == "m/s²"
+    assert labels.unit_of("Meter pro Quadratsekunde, meters per second squared") == "m/s²"
+    assert labels.unit_of("velocidad angular (radianes por segundo)") == "rad/s"
+    assert labels.unit_of("angular rate in degrees per second") == "deg/s"
+    assert labels.unit_of("ускорение (метров в секунду), м/с2") == "m/s²"
+
+
+# Replies --------------------------------------------------------------------------------------------------------------
+
+
+def nested(key: str) -> dict[str, object]:
+    """A list of 64 lists of 64 times the same array."""
+    leaf = {"kind": "array", "key": key}
+    return {"kind": "list", "items": [{"kind": "list", "items": [leaf] * 64}] * 64}
+
+
+def curve(key: str) -> dict[str, object]:
+    words = dict.fromkeys(("label", "colour", "kind", "style", "marker", "stroke"), "line")
+    return {**words, "visible": True, "n": 1000, "x": key, "y": key}
+
+
+def test_a_reply_that_names_one_array_many_times_is_no_answer() -> None:
+    """0.3 MB that came over the line became 2.6 GB."""
+    frame = Frame({"error": None, "value": nested("a0"), "changed": []}, {"a0": np.zeros(40_000)})
+    with memory_within(20), cpu_within(5), pytest.raises(Malformed, match="array 'a0' in two places"):
+        LAB.checked("simulate", frame, {}, {})
+
+
+def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
+    """One pair of such curves was compared for nine seconds, and there were 14,400 pairs."""
+    axes = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "y_limits": [0.0, 1.0], "legend": None, "texts": []}
+    axes |= dict.fromkeys(("xlabel", "ylabel", "title"), "")
+    figure = {
+        "event": "saved",
+        "path": None,
+        "format": "png",
+        "size_px": [1, 1],
+        "axes": [axes | {"curves": [curve("a0")]}],
+    }
+    figure |= {"title": "", "xlabel": "", "ylabel": "", "texts": [], "legends": []}
+    frame = Frame({"error": None, "pictures": [], "figures": [figure]}, {"a0": np.zeros(40_000)})
+    with pytest.raises(Malformed, match="array 'a0' in two places"):
+        LAB.checked("plot", frame, {}, {})
+
+
+def test_many_long_curves_are_compared_in_time() -> None:
+    """As many numbers as a reply may hold, as 240 curves of one figure: comparing all pairs took a quarter of an hour."""
+    rng = np.random.default_rng(0)
+    rows = 4_000_000 // 480
+    widths = [
+        3 if number % 2 else 40 for number in range(240)
+    ]  # half of them smoother than the others, and none a version of one
+    arrays = {
+        f"y{n}": np.convolve(rng.normal(size=rows + k - 1), np.ones(k) / k, "valid") for n, k in enumerate(widths)
+    }
+    arrays |= {f"x{number}": np.arange(rows) * 1.0 for number in range(240)}
+    words = {"label": "metersec" * 25, "colour": "#1f77b4", "kind": "line", "visible": True, "n": rows}
+    words |= dict.fromkeys(("style", "marker", "stroke"), "-")
+    curves = [{**words, "x": f"x{number}", "y": f"y{number}"} for number in range(240)]
+    axes = {
+        "visible": True,
+        "ylabel": "metersec" * 25,
+        "legend": [],
+        "texts": [],
+        "position": [0, 0, 1, 1],
+        "title": "",
+    }
+    with cpu_within(40):
+        assert comparing.comparisons({"axes": [axes | {"curves": curves}]}, arrays) == []
+
+
+def test_filtered_curves_are_found_among_five_versions_of_each_channel() -> None:
+    rng = np.random.default_rng(0)
+    raw = rng.normal(size=(500, 6))
+    versions = [raw, *(np.apply_along_axis(np.convolve, 0, raw, np.ones(k) / k, "same") for k in (3, 5, 7, 9, 11))]
+    arrays = {f"y{number}": column for number, column in enumerate(np.hstack(versions).T)} | {"x": np.arange(500.0)}
+    words = {"label": "", "colour": "#1f77b4", "kind": "line", "visible": True, "n": 500}
+    words |= dict.fromkeys(("style", "marker", "stroke"), "-")
+    axes = {"visible": True, "ylabel": "m/s²", "legend": [], "texts": [], "position": [0, 0, 1, 1], "title": ""}
+    panels = [
+        axes | {"curves": [words | {"x": "x", "y": f"y{n}"} for n in range(36) if n % 6 // 3 == sensor]}
+        for sensor in (0, 1)
+    ]
+    panels[1]["ylabel"] = "rad/s"
+    assert len(comparing.comparisons({"axes": panels}, arrays)) >= 30

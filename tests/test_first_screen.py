@@ -1,0 +1,243 @@
+"""What a student sees of `imugrade check` beside the table: the last check remembered, their own prints, a screen that is watched."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from rich.text import Text
+
+from grader import cli
+from grader.commands import history
+from grader.commands.prints import Prints
+from grader.commands.watching import View
+from grader.engine import traces
+from grader.engine.conversation import Conversation
+from grader.engine.lab_box import open_box_for
+from grader.engine.marking import Marker
+from grader.engine.rubric import load
+from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
+from grader.report.terminal import screen
+from grader.sandbox.wire import Frame
+from tests.corpus.sheet import VERBATIM
+from tests.corpus.writing import write
+from tests.made_up import check, result
+
+ROOT = Path(__file__).parent.parent
+POINTS = {"sensor_access.follows_address": 6.0, "allan_variance.white_noise": 0.0}
+
+
+# --- the last check ---------------------------------------------------------------------------------------------------
+
+
+def test_a_check_remembers_the_points_of_the_last_one(tmp_path: Path) -> None:
+    assert history.recalled(tmp_path, result()) == {}
+    history.remember(tmp_path, result(check()), {})
+    assert history.recalled(tmp_path, result()) == POINTS
+
+
+def test_a_check_of_one_criterion_forgets_nothing_of_the_others(tmp_path: Path) -> None:
+    history.remember(tmp_path, result(check()), {"filtering.a": 3.0})
+    assert history.recalled(tmp_path, result()) == {"filtering.a": 3.0, **POINTS}
+
+
+@pytest.mark.parametrize("key", ["rubric_sha256", "traces_sha256"])
+def test_points_of_another_rubric_or_another_truth_are_not_compared(tmp_path: Path, key: str) -> None:
+    history.remember(tmp_path, result(), {})
+    other = replace(result(), provenance={**result().provenance, key: "f" * 64})
+    assert history.recalled(tmp_path, other) == {}
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["", "[]", "{}", '{"points": 3}', "[" * 50_000, '{"points": {"a": 1e999, "b": "1", "c": true}}', "\udcff"],
+)
+def test_whatever_stands_in_its_place_is_no_history_and_no_complaint(tmp_path: Path, content: str) -> None:
+    history.remember(tmp_path, result(), {})
+    place = tmp_path / ".imugrade" / "last_check.json"
+    known = json.loads(place.read_text())
+    if content.startswith('{"points": {'):
+        content = json.dumps({**known, "points": json.loads(content)["points"]})
+    place.write_text(content, encoding="utf-8", errors="surrogateescape")
+    assert history.recalled(tmp_path, result()) == {}
+
+
+def test_nothing_is_kept_of_an_archive_a_folder_that_is_missing_or_a_place_that_leads_elsewhere(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    for folder in ("me", "elsewhere"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "me" / ".imugrade").symlink_to(elsewhere)
+    (tmp_path / "me.zip").touch()
+    for path in (tmp_path / "me", tmp_path / "me.zip", tmp_path / "no"):
+        assert history.remember(path, result(check()), {}) == POINTS
+    assert list(elsewhere.iterdir()) == []
+    assert not (tmp_path / "no").exists()
+
+
+def test_a_file_where_the_cache_should_be_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / ".imugrade").write_text("mine")
+    history.remember(tmp_path, result(), {})
+    assert history.recalled(tmp_path, result()) == {}
+    assert (tmp_path / ".imugrade").read_text() == "mine"
+
+
+def test_what_is_remembered_is_ignored_by_git_and_never_handed_in(tmp_path: Path) -> None:
+    (tmp_path / "filters.py").write_text("alpha = 0.1\n")
+    before = read_submission(tmp_path, LAB.files)
+    history.remember(tmp_path, result(), {})
+    assert read_submission(tmp_path, LAB.files) == before
+    assert (tmp_path / ".imugrade" / ".gitignore").read_text() == "*\n"
+
+
+# --- their own prints -------------------------------------------------------------------------------------------------
+
+
+def test_equal_lines_are_counted_under_the_part_that_was_checked() -> None:
+    prints = Prints()
+    prints.hear("sensor_access", "hello\n\nhello\n\x1b[31mred\n")
+    prints.hear("bonuses", "extra\n")
+    prints.hear("filtering", "\n")
+    assert [line.plain for line in prints.told(LAB)] == [
+        "", "Printed by your code", "", "While checking: Sensor access", "  hello  (×2)", "  \\x1b[31mred",
+        "", "While checking: extensions", "  extra",
+    ]  # fmt: skip
+
+
+def test_a_flood_is_cut_and_silence_is_said() -> None:
+    prints = Prints()
+    assert [line.plain for line in prints.told(LAB)] == ["", "Your code printed nothing."]
+    prints.hear("filtering", "\n".join(map(str, range(100))))
+    assert [line.plain for line in prints.told(LAB)][-1] == "  … 70 more lines"
+
+
+# --- a real check -----------------------------------------------------------------------------------------------------
+
+PRINTING = """
+print("loaded")
+
+class LowPassFilter:
+    def __init__(self, alpha=0.1, initial_value=None):
+        self.alpha, self.value = alpha, initial_value
+
+    def update(self, measurement):
+        print("asked", flush=True)
+        return measurement
+"""
+
+
+def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path: Path) -> None:
+    (tmp_path / "filters.py").write_text(PRINTING)
+    submission = read_submission(tmp_path, LAB.files)
+    public = traces.obtain(None)
+    heard: dict[str, str] = {}
+    for name in ("public", "hidden"):
+        box = open_box_for(LAB, submission.files)
+        with Marker(load(LAB), replace(public, name=name), box=box) as marker:
+            marker.mark(submission, only="filtering", listen=lambda _, text, name=name: heard.update({name: text}))  # type: ignore[misc]
+    assert set(heard) == {"public"}
+    assert heard["public"].startswith("loaded\nasked\nasked\n")
+
+
+def test_a_syntax_error_is_told_once_with_its_line_and_a_caret(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "imu_reader.py").write_text("import numpy as np\n\ndef get_imu_readings(model:\n    return (1, 2\n")
+    assert cli.main(["check", str(tmp_path), "--only", "sensor_access"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("SyntaxError") == 1
+    assert "   Got       SyntaxError: " in shown
+    assert re.search(r"at imu_reader.py, line \d\n {13}(\S.*)\n {13} *\^\n", shown)
+    assert (tmp_path / ".imugrade" / "last_check.json").exists()
+    assert cli.main(["check", str(tmp_path), "--only", "sensor_access", "-s"]) == 0
+    assert capsys.readouterr().out.endswith("\n\nYour code printed nothing.\n")
+
+
+def test_an_interrupt_shows_what_was_judged_until_then(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def asked(student: Conversation, op: str, *arguments: object) -> Frame:
+        if op == "simulate":
+            raise KeyboardInterrupt
+        return ask(student, op, *arguments)  # type: ignore[arg-type]
+
+    ask = Conversation.ask
+    monkeypatch.setattr(Conversation, "ask", asked)
+    write(VERBATIM, tmp_path)
+    assert cli.main(["check", str(tmp_path)]) == cli.INTERRUPTED
+    said = capsys.readouterr()
+    assert said.out.partition("\n\n\n")[2] == (
+        " ✓ Sensor access  20 / 20\n"
+        " ? Data collection  – / 20\n"
+        " ? Visualization  – / 20\n"
+        " ? Noise model  – / 20\n"
+        " ? Filtering  – / 20\n"
+        "   Score  – / 100\n"
+        "\n"
+        " ? not judged  25 checks, 80 points: the check was stopped before them\n"
+    )
+    assert said.err == "imugrade: stopped; run the same command again to go on\n"
+    assert not (tmp_path / ".imugrade").exists()
+
+
+def test_the_screen_in_the_readme_is_that_of_the_example_which_takes_the_id_for_the_address() -> None:
+    submission = read_submission(ROOT / "submissions_example" / "s06-id-as-address", LAB.files)
+    with Marker(load(LAB), traces.obtain(None), box=open_box_for(LAB, submission.files)) as marker:
+        made = marker.mark(submission)
+    console = Console(file=io.StringIO(), width=80, force_terminal=True, color_system=None)
+    shown = "".join(f"{line.plain}\n" for line in screen(made, console, LAB))
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert without_digits(f"```\n{shown}```\n") in without_digits(readme)
+
+
+def without_digits(text: str) -> str:
+    """MuJoCo's last digits differ between versions; a minus takes a blank's place."""
+    return re.sub(r"[ -]\d+\.\d+", " 0.0", text)
+
+
+# --- a screen that is watched -----------------------------------------------------------------------------------------
+
+
+def viewed(height: int, rows: int) -> tuple[io.StringIO, View, Console]:
+    out = io.StringIO()
+    console = Console(file=out, width=40, height=height, force_terminal=True, color_system=None)
+    view = View(console, "me", "imugrade check")
+    view.show(lambda: [Text(f"row {n}") for n in range(rows)], "checked")
+    return out, view, console
+
+
+def painted(out: io.StringIO) -> list[str]:
+    """The rows since the screen was cleared last."""
+    return out.getvalue().rpartition("\x1b[2J\x1b[H")[2].splitlines()
+
+
+@pytest.mark.parametrize(
+    ("rows", "shown"),
+    [(3, ["row 0", "row 1", "row 2"]), (5, ["row 0", "row 1", "row 2", "row 3", "row 4"]),
+     (6, ["row 0", "row 1", "row 2", "row 3", "… 2 more lines: imugrade check"])],
+)  # fmt: skip
+def test_the_top_of_a_result_stays_on_a_screen_of_eight_lines(rows: int, shown: list[str]) -> None:
+    out, _, console = viewed(8, rows)
+    assert painted(out) == ["me  checked", "", *shown]
+    assert len(painted(out)) < console.height
+
+
+def test_while_it_checks_the_last_result_stays() -> None:
+    out, view, _ = viewed(8, 2)
+    view.tell("checking …")
+    assert painted(out) == ["me  checking …", "", "row 0", "row 1"]
+
+
+def test_a_terminal_of_another_size_is_laid_out_again_and_one_of_the_same_size_is_not() -> None:
+    out, view, console = viewed(6, 9)
+    before = out.getvalue()
+    view.refit()
+    assert out.getvalue() == before
+    console.size = (40, 7)  # type: ignore[assignment]
+    view.refit()
+    assert painted(out)[2:] == ["row 0", "row 1", "row 2", "… 6 more lines: imugrade check"]

@@ -1,0 +1,61 @@
+"""What students write on axes and into legends is read in every language that has a block in `languages.yaml`."""
+
+from __future__ import annotations
+
+import pytest
+
+from grader.labs.imu.diagnosis import labels
+
+KEYS = {
+    "acceleration", "angular_velocity", "hints", "axes", "raw", "filtered", "metre", "radian", "degree", "second", "per", "squared",
+    "seconds", "milliseconds", "samples", "labels",
+}  # fmt: skip
+SAMPLES = [(code, text, kind) for code, block in labels.languages().items() for text, kind in block["labels"].items()]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("code", labels.languages())
+def test_a_language_has_every_kind_of_word_and_samples(code: str) -> None:
+    block = labels.languages()[code]
+    assert set(block) == KEYS
+    assert len(block["axes"]) == 3
+    assert {"m/s²", "rad/s", "s"} <= set(block["labels"].values())
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("code", "text", "kind"), SAMPLES)
+def test_a_label_is_read_as_what_it_says(code: str, text: str, kind: str) -> None:
+    if kind == "samples":
+        assert labels.counts_samples(text)
+    elif kind in ("s", "ms"):
+        assert labels.has_time_unit(text)
+        assert labels.in_milliseconds(text) == (kind == "ms")
+    else:
+        assert labels.unit_of(text) == kind
+        assert labels.claims(text) == {0 if kind == "m/s²" else 1}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("code", labels.languages())
+def test_the_words_for_axes_and_for_the_comparison_are_told_apart(code: str) -> None:
+    block = labels.languages()[code]
+    assert [labels.axis_of(word) for words in block["axes"] for word in words] == [
+        axis for axis, words in enumerate(block["axes"]) for _ in words
+    ]
+    assert all(labels.says_raw(word) for word in block["raw"])
+    assert all(labels.says_smooth(word) for word in block["filtered"])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    "text", ["Acceleration", "Angular velocity", "Angular acceleration (rad/s²)", "Time", "Zeit", "x"]
+)
+def test_a_label_without_a_unit_of_ours_has_none(text: str) -> None:
+    assert labels.unit_of(text) is None
+    assert not labels.has_time_unit(text)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name", ["denoised", "de-noised z"])
+def test_what_was_freed_of_noise_is_not_raw(name: str) -> None:
+    assert labels.says_smooth(name)

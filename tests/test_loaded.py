@@ -1,0 +1,62 @@
+"""Statements that end their process: what is believed of what such a process wrote down."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from grader.engine.loaded import Endings
+from grader.ground.errors import Crashed, TimedOut
+from grader.sandbox.wire import Frame
+
+CRASH, LATE = Crashed("it ended"), TimedOut("no answer", cpu_s=1.0, wall_s=1.0)
+PLACE = json.dumps([["lab.py", 3]]).ljust(100)
+
+
+def overran(path: str, number: int, *within: str) -> dict[str, object]:
+    facts = {"type": "", "message": "", "file": None, "line": None, "text": None, "name": None}
+    return facts | {"path": path, "number": number, "at": 1, "how": "overran", "defines": [], "within": list(within)}
+
+
+def frame(*stepped_over: dict[str, object]) -> Frame:
+    return Frame({"stepped_over": list(stepped_over)}, dict[str, np.ndarray]())
+
+
+def test_who_ends_the_process_once_may_be_innocent_and_twice_is_not_run_again() -> None:
+    endings = Endings()
+    endings.learn_place(PLACE, CRASH, ())
+    assert (endings.beside(()), endings.found_out) == ([], 1)
+    endings.learn_place(PLACE, CRASH, ())
+    assert endings.beside(()) == [("lab.py", 3, "it ends the process")]
+
+
+def test_what_had_to_be_ended_is_not_run_again_but_beside_other_stand_ins() -> None:
+    endings = Endings()
+    endings.learn_place(PLACE, LATE, ["NoisyIMU"])
+    assert [where[:2] for where in endings.beside(["NoisyIMU"])] == [("lab.py", 3)]
+    assert endings.beside(["NoisyIMU", "LowPassFilter"]) == []
+
+
+def test_what_overran_by_itself_does_so_beside_any_stand_in_and_what_overran_in_a_part_not_beside_its_own() -> None:
+    endings = Endings()
+    endings.learn_overrun(frame(overran("lab.py", 3), overran("lab.py", 7, "LowPassFilter")), ())
+    assert [number for _, number, _ in endings.beside(["get_imu_readings"])] == [3, 7]
+    assert [number for _, number, _ in endings.beside(["LowPassFilter"])] == [3]
+
+
+@pytest.mark.parametrize(
+    "written", ["", "\0\0", "[]", "null", "[[1, 2]]", '[["lab.py"]]', '[["lab.py", true]]', "[" * 9000]
+)
+def test_a_place_that_is_none_is_not_believed(written: str) -> None:
+    endings = Endings()
+    endings.learn_place(written, LATE, ())
+    assert (endings.beside(()), endings.found_out) == ([], 0)
+
+
+def test_no_process_can_claim_so_many_that_the_next_question_grows_too_long() -> None:
+    endings = Endings()
+    for start in range(0, 400, 40):
+        endings.learn_overrun(frame(*(overran("lab.py", start + n) for n in range(40))), ())
+    assert len(endings.beside(())) == 24

@@ -1,0 +1,107 @@
+"""The sheet's own layout, everything at module level, with one edit: each costs what a fair marker takes, in every layout."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.intake import Submission
+from grader.labs.imu.lab import LAB
+from tests.corpus.module_level import EDITS, LAYOUTS, Edit, above
+from tests.corpus.writing import as_bytes
+from tests.scoreboard import Case, Verdict, look_at_edit
+
+_WAITING = (
+    "loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard",
+)  # fmt: skip
+_ALIKE = ("sys-exit-in-", "segfault-in-", "abort-in-")
+"""The first are waited for, some seconds each, the others end like `exit-in-`; `tests.scoreboard` has them all."""
+_ALSO_WAITED_FOR = ("loop-between", "loop-in-filter")
+QUICK = [edit for edit in EDITS if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name in _ALSO_WAITED_FOR]
+ELSEWHERE = (
+    "exit-in-reader",
+    "exit-between",
+    "misspelled-call",
+    "pandas-unused",
+    "pylab-star",
+    "pdb-in-the-noise",
+    "defined-in-an-if",
+)
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+        yield marker
+
+
+def marked(marker: Marker, edit: Edit, layout: str) -> Result:
+    files = {
+        name: as_bytes(content) for name, content in LAYOUTS[layout](edit.steps).items() if isinstance(content, str)
+    }
+    return marker.mark(Submission("s", "s", files, (), "ready", ""))
+
+
+@pytest.mark.parametrize(
+    ("edit", "layout"),
+    [
+        *(pytest.param(edit, "three-files", id=edit.name) for edit in QUICK),
+        *(
+            pytest.param(edit, layout, id=f"{edit.name}-{layout}")
+            for edit in EDITS
+            for layout in ("one-file", "notebook")
+            if edit.name in ELSEWHERE
+        ),
+    ],
+)
+def test_an_edit_costs_what_a_fair_marker_takes(marker: Marker, edit: Edit, layout: str) -> None:
+    verdict = Verdict(Case("module level", edit.name, {}))
+    look_at_edit(verdict, marked(marker, edit, layout), edit)
+    assert verdict.troubles == []
+
+
+def test_there_are_at_least_thirty_edits_and_each_is_another() -> None:
+    assert len({edit.name for edit in EDITS}) == len(EDITS) >= 30
+    assert len({str(edit.steps) for edit in EDITS}) == len(EDITS)
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("import os\nos._exit(0)", "imu_reader.py, line 50 was stepped over: it ends the process; what the file defines counts"),
+        ("1 / 0", "imu_reader.py, line 49 was stepped over: ZeroDivisionError: division by zero; what the file defines counts"),
+        (
+            "import pandas as pd\nmean = pd.Series(accel).mean()",
+            "imu_reader.py, line 49 was stepped over: ModuleNotFoundError: No module named 'pandas'; 1 statement after it too; "
+            "what the file defines counts",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_stepped_over_is_a_note_with_file_and_line(marker: Marker, code: str, said: str) -> None:
+    result = marked(marker, Edit("one", above("recorder", code)), "three-files")
+    assert (result.score, result.notes) == (100.0, (said,))
+
+
+def test_the_same_bytes_give_the_same_result_whatever_is_stepped_over(marker: Marker) -> None:
+    edit = next(each for each in EDITS if each.name == "exit-in-reader")
+    one, other = (marked(marker, edit, "three-files") for _ in range(2))
+    assert [(c.id, c.points, c.message) for part in one.criteria for c in part.checks] == [
+        (c.id, c.points, c.message) for part in other.criteria for c in part.checks
+    ]
+    assert one.notes == other.notes
+
+
+def test_who_waits_is_told_for_what(marker: Marker) -> None:
+    edit = next(each for each in EDITS if each.name == "loop-between")
+    files = {
+        name: as_bytes(content)
+        for name, content in LAYOUTS["three-files"](edit.steps).items()
+        if isinstance(content, str)
+    }
+    said: list[str] = []
+    marker.mark(Submission("s", "s", files, (), "ready", ""), only="sensor_access", waiting=said.append)
+    assert said == ["Waiting for imu_reader.py to be imported: 10 s of CPU time at most."]

@@ -1,0 +1,58 @@
+"""Where a student's folder holds a `numpy.py` or a `signal.py`, the grader imports its own; it may be called from there."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.corpus.sheet import VERBATIM
+from tests.corpus.writing import write
+from tests.shadows import namesakes
+
+COMMAND = str(Path(sys.executable).with_name("imugrade"))
+#: What Python itself reads before the first line of a program that is called by `-m`, in one version or another.
+READ_BEFORE = frozenset(
+    [
+        "__future__",
+        "collections",
+        "contextlib",
+        "functools",
+        "grader",
+        "importlib",
+        "keyword",
+        "operator",
+        "pkgutil",
+        "reprlib",
+        "runpy",
+        "types",
+        "warnings",
+    ]
+)
+
+
+def called(command: list[str], cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["check", "../lab"], ["ci", "../lab", "--format", "json"], ["grade", "../lab", "-o", "../out"], ["traces", "list"], ["doctor"]],
+    ids=lambda words: words[0],
+)  # fmt: skip
+def test_the_command_imports_nothing_from_the_folder_that_it_is_called_in(tmp_path: Path, words: list[str]) -> None:
+    write(VERBATIM, tmp_path / "lab")
+    here = namesakes(tmp_path / "here", tmp_path / "told")
+    done = called([COMMAND, *words], here)
+    assert (tmp_path / "told").read_text(encoding="utf-8") == ""
+    assert done.returncode == 0, done.stderr
+
+
+def test_python_m_grader_imports_nothing_more_from_there_once_it_runs(tmp_path: Path) -> None:
+    write(VERBATIM, tmp_path / "lab")
+    here = namesakes(tmp_path / "here", tmp_path / "told", but=READ_BEFORE)
+    done = called([sys.executable, "-m", "grader", "grade", "../lab", "-o", "../out"], here)
+    assert (tmp_path / "told").read_text(encoding="utf-8") == ""
+    assert done.returncode == 0, done.stderr

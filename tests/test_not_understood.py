@@ -1,0 +1,69 @@
+"""An answer that the judging stumbles over costs its check, not the grader's word: `not_judged` is for faults that any hand-in meets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.course.remarks import remarks
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.ground.errors import GraderError
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.student import Student
+from grader.people.standing import Standing
+from tests.corpus.pieces import edit, verbatim
+from tests.scoreboard import Case, handed_in
+
+SOUND = Case("sound", "verbatim", verbatim())
+SIGNED = Case(
+    "faulty", "signed", edit(verbatim(), "filters.py", ("self.alpha * measurement +", "-self.alpha * measurement +"))
+)
+
+
+@pytest.fixture
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+        yield opened
+
+
+def _filtering(marker: Marker, case: Case) -> Result:
+    return marker.mark(handed_in(case), only="filtering")
+
+
+def _stumbles_over(monkeypatch: pytest.MonkeyPatch, wanted: bytes | None, problem: type[Exception]) -> None:
+    """Let the judging of filters fail: for one submission's file, or for all."""
+    really = Student.filter
+
+    def stumbling(student: Student, *args: object) -> object:
+        if wanted is None or student.files.get("filters.py") == wanted:
+            raise problem("a number that nobody has thought of")
+        return really(student, *args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Student, "filter", stumbling)
+
+
+def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
+    marker: Marker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _stumbles_over(monkeypatch, SIGNED.files["filters.py"].encode(), ZeroDivisionError)  # type: ignore[union-attr]
+    result = _filtering(marker, SIGNED)
+    assert result.status == "graded"
+    assert {check.outcome for check in result.criteria[0].checks} == {"failed"}
+    assert "its answer could not be understood" in result.notes[0]
+    (told,) = remarks({"a": Standing("a", result)}, (), ())
+    assert told == "an answer that could not be understood (look at what the code returns): a"
+
+
+def test_what_sound_code_meets_too_is_a_fault_of_ours(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
+    _stumbles_over(monkeypatch, None, ZeroDivisionError)
+    result = _filtering(marker, SOUND)
+    assert result.status == "incomplete"
+    assert {check.points for check in result.criteria[0].checks} == {None}
+
+
+def test_a_box_that_fails_is_a_fault_of_ours(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
+    _stumbles_over(monkeypatch, SIGNED.files["filters.py"].encode(), GraderError)  # type: ignore[union-attr]
+    assert _filtering(marker, SIGNED).status == "incomplete"

@@ -1,0 +1,32 @@
+"""Nothing for nothing: a part that does none of its job keeps a few points for its form at most, and costs no other part any."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.labs.imu.lab import LAB
+from tests.corpus.nothing import NOTHING, Nothing
+from tests.scoreboard import Case, handed_in
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("nothing", NOTHING, ids=lambda nothing: nothing.name)
+def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Nothing, marker: Marker) -> None:
+    result = marker.mark(handed_in(Case("sound", nothing.name, nothing.files)))
+    points = {criterion.id: criterion.points for criterion in result.criteria}
+    kept = {
+        c.id: c.points for each in result.criteria for c in each.checks if each.id == nothing.criterion and c.points
+    }
+    assert points.pop(nothing.criterion) <= nothing.most, kept
+    assert set(points.values()) == {20.0}, {
+        c.id: c.message for each in result.criteria for c in each.checks if c.points != c.max_points
+    }

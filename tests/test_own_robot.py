@@ -1,0 +1,409 @@
+"""The instructor's own robot: graded on like the lab's, hidden like the lab's, and refused by line where it cannot be graded."""
+
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.ground.errors import RequestError
+from grader.intake import read_submission
+from grader.kit import give, wheel
+from grader.labs.imu.lab import LAB
+from reference.self_contained import self_contained
+from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
+
+SECRET = "a secret of the tests of other robots"
+
+ROBOT = """\
+<mujoco model="rover">
+  {head}
+  <worldbody>
+    <geom type="plane" size="5 5 0.1"/>
+    <body name="hull" pos="0 0 0.4">
+      {joint}
+      <geom type="ellipsoid" size="0.3 0.2 0.1" mass="3"/>
+      <geom type="sphere" pos="0.2 0.1 0.1" size="0.05" mass="0.4"/>
+      <site name="imu" pos="0.05 0.02 0.1" quat="0.8 0.1 0.5 0.3"/>
+      <body name="arm" pos="0.1 0 0.1">
+        {arm}
+        <geom type="capsule" fromto="0 0 0 0.1 0.1 0.3" size="0.03" mass="0.5"/>
+      </body>
+    </body>
+  </worldbody>
+  <sensor>
+    <clock name="now"/>
+    <gyro name="rates" site="imu"/>
+    <framequat name="pose" objtype="site" objname="imu"/>
+    <accelerometer name="force" site="imu"/>
+  </sensor>
+</mujoco>
+"""
+
+
+def rover(
+    folder: Path, *, head: str = "", joint: str = "<freejoint/>", arm: str = '<joint type="ball" stiffness="2"/>'
+) -> Path:
+    path = folder / "rover.xml"
+    path.write_text(ROBOT.format(head=head, joint=joint, arm=arm), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def wheel_of_robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The models of dm_control, kept with what pytest keeps from run to run."""
+    cache = getattr(request.config, "cache", None)
+    return fetched(Path(cache.mkdir("dm_control")) if cache else tmp_path_factory.mktemp("dm_control"))
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+def marked(rubric_file: Path, submission: Path, cache: Path, seed: str | None = None) -> Result:
+    chosen = rubric.load(LAB, rubric_file)
+    with Marker(chosen, traces.obtain(seed, cache, chosen.model)) as marker:
+        return marker.mark(read_submission(submission, LAB.files))
+
+
+def lost(result: Result) -> dict[str, str]:
+    return {c.id: c.message for part in result.criteria for c in part.checks if c.outcome != "passed"}
+
+
+def refusal(rubric_file: Path, cache: Path) -> str:
+    with pytest.raises(rubric.RubricError) as refused:
+        traces.obtain(None, cache, rubric.load(LAB, rubric_file).model)
+    return str(refused.value).replace(str(rubric_file), "rubric.yaml")
+
+
+def line_of(rubric_file: Path, start: str) -> int:
+    lines = rubric_file.read_text(encoding="utf-8").splitlines()
+    return next(number for number, line in enumerate(lines, start=1) if line.strip().startswith(start))
+
+
+# --- robots that nobody here made -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [None, SECRET], ids=["public", "secret"])
+@pytest.mark.parametrize("name", OTHERS)
+def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
+    name: str, seed: str | None, wheel_of_robots: Path, cache: Path, tmp_path: Path
+) -> None:
+    other = OTHERS[name]
+    model = wheel_of_robots / other.path
+    file = rubric_for(tmp_path, model, other.accelerometer, other.gyroscope)
+    # The sheet's path leads to the robot, and so does any that ends in the name of its file.
+    path = {} if seed else {"file": model.name}
+    submission = exchanged(tmp_path / "lab", other.accelerometer, other.gyroscope, **path)
+    result = marked(file, submission, cache, seed)
+    assert (result.score, result.status, lost(result)) == (100.0, "graded", {})
+
+
+def test_a_robot_that_walks_free_is_graded_as_one_that_stands_on_a_stand(
+    wheel_of_robots: Path, cache: Path, tmp_path: Path
+) -> None:
+    other = OTHERS["ant"]
+    body, floor = '<body name="torso" pos="0 0 0.522">', '<worldbody><geom type="plane" size="9 9 0.1"/>'
+    text = (wheel_of_robots / other.path).read_text(encoding="utf-8")
+    assert body in text
+    text = text.replace(body, f"{body}<freejoint/>").replace("<worldbody>", floor, 1)
+    (tmp_path / "free.xml").write_text(text, encoding="utf-8")
+    file = rubric_for(tmp_path, "free.xml", other.accelerometer, other.gyroscope)
+    result = marked(file, exchanged(tmp_path / "lab", other.accelerometer, other.gyroscope), cache, SECRET)
+    assert (result.score, lost(result)) == (100.0, {})
+
+
+@pytest.mark.parametrize("name", ["humanoid", "dog"])
+def test_under_a_secret_the_robot_moves_otherwise(name: str, wheel_of_robots: Path, cache: Path) -> None:
+    other = OTHERS[name]
+    model = rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
+    public, hidden = (traces.obtain(seed, cache, model)["push"] for seed in (None, SECRET))
+    n = min(len(public["time"]), len(hidden["time"]))
+    for key in ("acceleration", "angular_velocity"):
+        apart = np.sqrt(np.mean((public[key][:n] - hidden[key][:n]) ** 2))
+        assert apart > 0.05 * public[key].std(), key
+
+
+def test_the_lab_robots_facts_are_not_asked_of_another_one(wheel_of_robots: Path, cache: Path) -> None:
+    other = OTHERS["humanoid"]  # it falls: nothing holds it up
+    bundle = traces.obtain(
+        None, cache, rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
+    )
+    assert "standing" not in bundle.scenarios
+    assert not [s.name for s in bundle.scenarios.values() if s.model == "lab" and "lab model" in s.description]
+
+
+def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
+    wheel_of_robots: Path, cache: Path, tmp_path: Path
+) -> None:
+    other = OTHERS["ant"]  # its torso hangs in the air, fixed
+    bundle = traces.obtain(
+        None, cache, rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
+    )
+    assert traces.blind_spot(bundle) == (
+        "ant.xml: the push moves nothing that its IMU reads, so a run without a push or from another start can hardly be told "
+        "from a right one"
+    )
+    assert traces.blind_spot(traces.shipped()) == ""
+    assert traces.blind_spot(traces.obtain(None, cache, rubric.Model(rover(tmp_path), "force", "rates"))) == ""
+
+
+# --- it is this robot, and no other -----------------------------------------------------------------------------------
+
+
+def test_names_of_the_labs_robot_find_nothing_on_another_one(cache: Path, tmp_path: Path) -> None:
+    rover(tmp_path)
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    result = marked(file, ROOT / "submissions_example" / "s02-vectorised", cache)
+    assert result.score < 100.0
+    assert "data_collection.matches_truth" in lost(result)
+
+
+@pytest.mark.parametrize(
+    ("example", "check"),
+    [
+        ("s06-id-as-address", "sensor_access.follows_address"),
+        ("s08-no-reset", "data_collection.starts_from_reset"),
+        ("s13-rows-all-the-same", "data_collection.matches_truth"),
+    ],
+)
+def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
+    example: str, check: str, cache: Path, tmp_path: Path
+) -> None:
+    rover(tmp_path)
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    (tmp_path / "lab").mkdir()
+    for path in (ROOT / "submissions_example" / example).iterdir():
+        text = path.read_bytes().replace(b"torso_accelerometer", b"force").replace(b"torso_gyroscope", b"rates")
+        (tmp_path / "lab" / path.name).write_bytes(text)
+    assert list(lost(marked(file, tmp_path / "lab", cache))) == [check]
+
+
+def test_the_labs_robot_can_be_graded_with_the_imu_of_its_head(cache: Path, tmp_path: Path) -> None:
+    names = ("head_accelerometer", "head_gyroscope")
+    file = rubric_for(tmp_path, None, *names)
+    assert lost(marked(file, exchanged(tmp_path / "lab", *names), cache, SECRET)) == {}
+    result = marked(file, ROOT / "submissions_example" / "s02-vectorised", cache)
+    assert "data_collection.matches_truth" in lost(result)
+
+
+def test_a_copy_without_the_files_that_it_includes_is_the_robot(cache: Path, tmp_path: Path) -> None:
+    rover(tmp_path, head='<include file="more.xml"/>')
+    (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    submission = exchanged(tmp_path / "lab", "force", "rates", "rover.xml")
+    rover(submission, head='<include file="more.xml"/>')
+    assert lost(marked(file, submission, cache)) == {}
+
+
+def test_traces_of_another_robot_are_refused_with_the_line(tmp_path: Path) -> None:
+    rover(tmp_path)
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    with pytest.raises(rubric.RubricError) as refused:
+        Marker(rubric.load(LAB, file), traces.shipped())
+    assert str(refused.value) == (
+        f"{file}:{line_of(file, 'path:')}: the traces are of humanoid-sensors.xml (torso_accelerometer, torso_gyroscope), "
+        "not of rover.xml (force, rates); record them with this rubric"
+    )
+
+
+def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tmp_path: Path) -> None:
+    rover(tmp_path, head='<include file="more.xml"/>')
+    model = rubric.Model(tmp_path / "rover.xml", "force", "rates")
+    seen = []
+    for timestep in ("0.004", "0.005", "0.004"):
+        (tmp_path / "more.xml").write_text(f'<mujoco><option timestep="{timestep}"/></mujoco>')
+        seen.append(traces.obtain(None, cache, model).sha256)
+    assert seen[0] == seen[2] != seen[1]
+
+
+# --- what cannot be graded --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"joint": "", "arm": ""},
+            "path: the model has no joint, so there is no velocity to push (data.qvel[0]); give its robot a freejoint",
+        ),
+        (
+            {"head": '<include file="common/sky.xml"/>'},
+            "path: the model includes 'common/sky.xml', which is not there; paths in it are relative to the model",
+        ),
+        (
+            {"head": '<option timestep="0.2"/>', "arm": '<joint type="hinge" stiffness="90000"/>'},
+            "path: the simulation of the model becomes unstable within 2 s of the push; try a smaller timestep",
+        ),
+    ],
+)
+def test_a_model_that_cannot_be_graded_is_refused_with_the_line(
+    change: dict[str, str], said: str, cache: Path, tmp_path: Path
+) -> None:
+    rover(tmp_path, **change)
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    key, text = said.split(" ", 1)
+    assert refusal(file, cache) == f"rubric.yaml:{line_of(file, key)}: {text}"
+
+
+def test_each_sensor_that_is_missing_or_of_another_type_is_refused_with_its_line(cache: Path, tmp_path: Path) -> None:
+    rover(tmp_path)
+    file = rubric_for(tmp_path, "rover.xml", "torso_accel", "pose")
+    first, second = line_of(file, "accelerometer:"), line_of(file, "gyroscope:")
+    assert refusal(file, cache).splitlines() == [
+        f"rubric.yaml:{first}: the model has no sensor 'torso_accel'; its accelerometers are force",
+        f"rubric.yaml:{second}: the model's sensor 'pose' is of type framequat; its gyroscopes are rates",
+    ]
+
+
+def test_sensors_that_a_rubric_leaves_out_are_missed_where_it_names_the_model(cache: Path, tmp_path: Path) -> None:
+    path = rover(tmp_path)
+    path.write_text(path.read_text().replace('<gyro name="rates" site="imu"/>', ""))
+    text = (ROOT / "rubric.yaml").read_text(encoding="utf-8")
+    head = text[: text.index("\nmodel:")]
+    file = tmp_path / "rubric.yaml"
+    file.write_text(f"{head}\nmodel: {{path: rover.xml}}\n", encoding="utf-8")
+    line = line_of(file, "model:")
+    assert refusal(file, cache).splitlines() == [
+        f"rubric.yaml:{line}: the model has no sensor 'torso_accelerometer'; its accelerometers are force",
+        f"rubric.yaml:{line}: the model has no sensor 'torso_gyroscope'; it has no named gyroscope",
+    ]
+
+
+@pytest.mark.parametrize("content", ["<mujoco><worldbody>", "no XML at all", "<mujoco><wordlbody/></mujoco>"])
+def test_a_file_that_mujoco_cannot_load_is_refused_in_its_words(content: str, cache: Path, tmp_path: Path) -> None:
+    (tmp_path / "rover.xml").write_text(content)
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    said = refusal(file, cache)
+    assert said.startswith(f"rubric.yaml:{line_of(file, 'path:')}: MuJoCo cannot load the model: ")
+    assert "\n" not in said
+
+
+def test_a_refusal_is_the_commands_one_line_and_exit_code_2(tmp_path: Path) -> None:
+    rover(tmp_path, joint="", arm="")
+    file = rubric_for(tmp_path, "rover.xml", "force", "rates")
+    (tmp_path / "class" / "a").mkdir(parents=True)
+    for command in (["grade", "class", "-o", "out"], ["check", "class/a"], ["traces", "record", "-o", "out"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "grader", *command, "--rubric", "rubric.yaml"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 2, done.stderr
+        assert done.stderr.splitlines()[-1].endswith(
+            f"rubric.yaml:{line_of(file, 'path:')}: the model has no joint, so there is no velocity to push "
+            "(data.qvel[0]); give its robot a freejoint"
+        )
+        assert not (tmp_path / "out").exists()
+
+
+# --- one text ---------------------------------------------------------------------------------------------------------
+
+_CUBE = "".join(
+    f"v {x} {y} {z}\n" for x in (0.0, 0.4) for y in (0.0, 0.2) for z in (0.0, 0.1)
+) + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"  # fmt: skip
+_MESHED = """\
+<mujoco>
+  <compiler meshdir="shapes"/>
+  <asset><mesh name="brick" file="brick.obj" scale="1 1 2"/><texture name="t" type="2d" file="brick.png"/>
+    <material name="m" texture="t"/></asset>
+  <worldbody>
+    <geom type="plane" size="5 5 0.1"/>
+    <body name="brick" pos="0 0 0.3" euler="5 0 0">
+      <freejoint/>
+      <geom name="touching" type="mesh" mesh="brick" pos="0.01 0.02 0.03" euler="0 0 20" material="m"/>
+      <geom name="shown" type="mesh" mesh="brick" pos="0.3 0 0" contype="0" conaffinity="0"/>
+      <geom name="fitted" type="box" mesh="brick" pos="-0.4 0 0"/>
+      <site name="imu"/>
+    </body>
+  </worldbody>
+  <sensor><accelerometer name="force" site="imu"/><gyro name="rates" site="imu"/></sensor>
+</mujoco>
+"""
+
+
+def test_a_mesh_becomes_what_it_weighs_and_what_it_touches_with(tmp_path: Path) -> None:
+    import PIL.Image
+
+    (tmp_path / "shapes").mkdir()
+    (tmp_path / "shapes" / "brick.obj").write_text(_CUBE)
+    PIL.Image.new("RGB", (8, 8)).save(tmp_path / "shapes" / "brick.png")
+    PIL.Image.new("RGB", (8, 8)).save(tmp_path / "brick.png")
+    (tmp_path / "brick.xml").write_text(_MESHED)
+    text = self_contained(tmp_path / "brick.xml")
+    assert "file=" not in text
+    one, other = mujoco.MjModel.from_xml_path(str(tmp_path / "brick.xml")), mujoco.MjModel.from_xml_string(text)
+    np.testing.assert_allclose(other.body_mass, one.body_mass, rtol=1e-6)
+    np.testing.assert_allclose(other.body_inertia, one.body_inertia, rtol=1e-6)
+    ends = []
+    for model in (one, other):
+        data = mujoco.MjData(model)
+        for _ in range(1000):
+            mujoco.mj_step(model, data)
+        assert data.ncon > 0  # it lies on the floor
+        ends.append(np.array(data.qpos))
+    # The same contacts; what is left is rounding in the shapes' frames, seen through a thousand steps.
+    np.testing.assert_allclose(ends[1], ends[0], atol=2e-3)
+
+
+def test_a_height_field_stays_as_high_as_it_was(tmp_path: Path) -> None:
+    heights = np.arange(12, dtype="<f4").reshape(3, 4) ** 2
+    (tmp_path / "hills.bin").write_bytes(np.array([3, 4], "<i4").tobytes() + heights.tobytes())
+    hills = '<asset><hfield name="hills" file="hills.bin" size="1 1 0.3 0.1"/></asset>'
+    path = rover(tmp_path, head=hills)
+    path.write_text(path.read_text().replace('type="plane" size="5 5 0.1"', 'type="hfield" hfield="hills"'))
+    one = mujoco.MjModel.from_xml_path(str(path))
+    other = mujoco.MjModel.from_xml_string(self_contained(path))
+    assert np.ptp(one.hfield_data) > 0
+    np.testing.assert_allclose(other.hfield_data, one.hfield_data, atol=1e-6)
+
+
+def test_a_model_in_one_file_is_taken_word_for_word(tmp_path: Path) -> None:
+    path = rover(tmp_path, head="<!-- ours -->")
+    assert self_contained(path) == path.read_text(encoding="utf-8")
+
+
+# --- kits -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(traces.CACHE_VARIABLE, str(tmp_path / "cache"))
+    rover(tmp_path, head='<include file="more.xml"/>')
+    (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
+    give.student(LAB, tmp_path / "kit", rubric_for(tmp_path, "./rover.xml", "force", "rates"))
+    beside_the_sheets = f"{LAB.model.rpartition('/')[0]}/rover.xml"
+    model = tmp_path / "kit" / beside_the_sheets
+    assert mujoco.MjModel.from_xml_path(str(model)).opt.timestep == 0.004
+    starter = (tmp_path / "kit" / "imu_reader.py").read_text(encoding="utf-8")
+    assert f'MODEL = "{beside_the_sheets}"' in starter
+    assert '"force")' in starter
+    assert "torso" not in starter
+    with zipfile.ZipFile(io.BytesIO((tmp_path / "kit" / wheel.name()).read_bytes())) as archive:
+        archive.extractall(tmp_path / "installed")
+    work = exchanged(tmp_path / "kit" / "work", "force", "rates", "rover.xml")
+    program = [sys.executable, "-c", "from grader.cli import main; main()", "check", str(work), "--json", "result.json"]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "installed"), "PYTHONSAFEPATH": "1"}
+    done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert '"score": 100.0' in (tmp_path / "result.json").read_text(encoding="utf-8")
+
+
+def test_without_the_reference_another_model_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(traces, "_reference", lambda: None)
+    with pytest.raises(RequestError, match="use the kit that your instructor gave you"):
+        traces.obtain(None, tmp_path, rubric.Model(rover(tmp_path), "force", "rates"))

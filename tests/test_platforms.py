@@ -1,0 +1,229 @@
+"""One record a platform, from which everything that lists platforms is made; a new one is forgotten nowhere."""
+
+from __future__ import annotations
+
+import json
+import pkgutil
+import re
+import subprocess
+import sys
+from dataclasses import fields, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer.main
+
+from grader import cli, platforms
+from grader.course import exporting
+from grader.course.record import Key, Store
+from grader.engine import traces
+from grader.engine.rubric import load
+from grader.ground.errors import GraderError, RequestError
+from grader.labs.imu.lab import LAB
+from grader.platforms import job, registry
+from grader.platforms.classes import read_class
+from grader.platforms.platform import Platform
+from tests import classes, made_up_platform
+from tests.hostile import outputs
+from tests.made_up import result
+
+ROOT = Path(__file__).resolve().parent.parent
+EVERY = tuple(registry.LISTED)
+
+
+def sentences() -> dict[str, str]:
+    """How the README names the platforms, by what they do."""
+    answering, *last = registry.names("respond")[:-1], registry.names("respond")[-1]
+    titles = [each.title for each in registry.platforms("read")]
+    takers = [f"`{name}`" for name in registry.names("fill", "write")]
+    return {
+        "respond": f"{', '.join(f'`{name}`' for name in answering)} and `{last[0]}`; `auto` recognises the platform.",
+        "read": f"What comes from {', '.join(titles[:-1])} or {titles[-1]} is recognised by its shape",
+        "grades": f"grades go back to {', '.join(takers[:-1])} or {takers[-1]}",
+    }
+
+
+def unnamed(readme: str) -> list[str]:
+    """What platforms do that the README does not say of exactly these, in this order."""
+    told = " ".join(readme.split())
+    return [deed for deed, sentence in sentences().items() if sentence not in told]
+
+
+def unread() -> set[str]:
+    """What platforms are given that no test of hostile submissions looks into."""
+    return set(outputs.WRITERS) - set(outputs.LOOKS)
+
+
+# --- the records --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_line_of_the_registry_says_what_the_record_does(name: str) -> None:
+    assert registry.platform(name).name == name
+
+
+def test_every_module_that_ends_in_a_record_is_listed() -> None:
+    modules = (f"grader.platforms.{each.name}" for each in pkgutil.iter_modules(platforms.__path__))
+    assert {name for name in modules if hasattr(import_module(name), "PLATFORM")} == {
+        listed.module for listed in registry.LISTED.values()
+    }
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_what_a_platform_does_has_a_word_in_the_handbook(name: str) -> None:
+    each = registry.platform(name)
+    assert bool(each.help.respond) == (each.respond is not None)
+    assert bool(each.help.read[1] and each.help.read[2]) == (each.read is not None)
+    assert bool(each.help.grades) == bool(each.gradebook) == (each.fill is not None or each.write is not None)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_what_belongs_to_a_job_stands_only_where_a_job_is_answered(name: str) -> None:
+    each = registry.platform(name)
+    of_a_job = (each.recognise, each.refuse, each.aside, each.submission, each.answer, each.keeps_secrets)
+    assert each.respond is not None or not any(of_a_job)
+
+
+def test_the_last_platform_that_answers_is_there_where_no_other_is_recognised(tmp_path: Path) -> None:
+    *others, last = registry.platforms("respond")
+    assert last.recognise is not None
+    assert last.recognise({}, tmp_path)
+    assert not any(each.recognise({}, tmp_path) for each in others if each.recognise is not None)
+
+
+def test_the_readme_names_every_platform_for_what_it_does() -> None:
+    assert unnamed((ROOT / "README.md").read_text(encoding="utf-8")) == []
+
+
+def test_every_text_that_a_platform_is_given_is_read_by_the_hostile_tests() -> None:
+    assert unread() == set()
+
+
+def test_every_platform_that_fills_a_file_has_one_for_the_hostile_tests() -> None:
+    assert set(outputs.TEMPLATES) == set(registry.names("fill"))
+
+
+def test_every_platform_that_reads_downloads_has_one_made_for_the_tests() -> None:
+    assert {name.partition("_")[0] for name in classes.SHAPES} == {registry.FOLDERS, *registry.names("read")}
+
+
+def test_the_page_on_adding_one_names_every_field_and_tests_and_files_that_there_are() -> None:
+    page = (ROOT / "grader/handbook/contributing.md").read_text(encoding="utf-8")
+    assert [field.name for field in fields(Platform) if f"`{field.name}`" not in page] == []
+    tests = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
+    assert [name for name in re.findall(r"`(test_\w+)`", page) if f"def {name}(" not in tests] == []
+    assert [path for path in re.findall(r"`(\w+/[\w/.]+)`", page) if not (ROOT / path).exists()] == []
+
+
+def test_a_kit_is_written_for_the_platforms_that_tell_of_one() -> None:
+    group: Any = typer.main.get_command(cli.app)
+    options = {option for each in group.commands["kit"].params for option in each.opts if option.startswith("--")}
+    told = {
+        f"--{each.name}"
+        for each in registry.platforms("respond")
+        if f"imugrade kit --{each.name} " in each.help.respond
+    }
+    assert options & {f"--{name}" for name in EVERY} == told
+
+
+# --- one that is new ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def known() -> dict[str, Any]:
+    """Who knows the made-up platform, in a process in which it is listed from the start."""
+    command = [sys.executable, "-m", "tests.made_up_platform"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.parametrize("command", ["ci", "export", "grade"])
+def test_help_names_a_new_platform(known: dict[str, Any], command: str) -> None:
+    assert "made-up" in known[command]
+
+
+def test_the_handbook_tells_of_a_new_platform(known: dict[str, Any]) -> None:
+    assert "| `made-up` | Made-up Campus | working folder | standard output |" in known["platforms"]
+    assert "## Made-up Campus\n\nTold of jobs." in known["platforms"]
+    assert "| Made-up Campus, *Take all* | `made-up.txt` | told of downloads |" in known["classes"]
+    assert "- **Made-up Campus**: told of grades." in known["classes"]
+    assert known["commands"].count("made-up") == 3
+
+
+def test_hostile_submissions_are_written_for_a_new_platform_and_what_reads_that_is_asked_for(
+    known: dict[str, Any],
+) -> None:
+    assert {"made-up", "campus.csv"} <= set(known["writers"])
+    assert known["unread"] == ["campus.csv", "made-up"]
+
+
+def test_the_readme_is_found_silent_of_a_new_platform(known: dict[str, Any]) -> None:
+    assert known["unnamed in the README"] == ["respond", "read", "grades"]
+
+
+@pytest.fixture
+def _listed() -> Any:
+    with made_up_platform.listed("respond", "read", "write"):
+        yield
+
+
+@pytest.mark.usefixtures("_listed")
+def test_a_class_is_read_from_a_new_platform(tmp_path: Path) -> None:
+    (tmp_path / "in" / "work").mkdir(parents=True)
+    (tmp_path / "in" / "made-up.txt").touch()
+    for shape in (None, "made-up"):
+        (entry,) = read_class([tmp_path / "in"], LAB.files, shape).entries
+        assert entry.name == "Uma"
+
+
+@pytest.mark.usefixtures("_listed")
+def test_grades_go_to_a_new_platform(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.keep(Key("alice", "s", "r", "t", "0"), result())
+    assert cli.main(["export", str(tmp_path), "--format", "made-up"]) == 0
+    assert (tmp_path / "campus.csv").read_text() == "made up: alice\n"
+
+
+@pytest.mark.usefixtures("_listed")
+def test_a_job_knows_a_new_platform_by_its_name() -> None:
+    assert job.named("made-up") is made_up_platform.PLATFORM
+
+
+# --- one that does less -------------------------------------------------------------------------------------------------
+
+
+def silent() -> Platform:
+    return replace(made_up_platform.PLATFORM, respond=None, write=None)
+
+
+def test_a_line_that_promises_what_the_record_does_not_do_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(made_up_platform, "PLATFORM", silent())
+    with (
+        made_up_platform.listed("respond", "read", "write"),
+        pytest.raises(GraderError, match="its line in the registry"),
+    ):
+        job.named("made-up")
+
+
+def test_a_platform_without_an_answer_is_given_to_no_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(made_up_platform, "PLATFORM", silent())
+    with (
+        made_up_platform.listed("read"),
+        pytest.raises(RequestError, match="--format made-up: there is no such format"),
+    ):
+        job.named("made-up")
+
+
+def test_nothing_is_written_for_a_platform_without_an_answer(capsys: pytest.CaptureFixture[str]) -> None:
+    order = job.Job(silent(), load(LAB), traces.shipped())
+    with pytest.raises(RequestError, match="--format made-up: Made-up Campus takes no answer of a job"):
+        job.run(order)
+    assert capsys.readouterr().out == ""
+
+
+def test_a_platform_that_takes_no_grades_is_exported_to_by_no_program(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="--format made-up: Made-up Campus takes no grades"):
+        exporting.export(exporting.Export(tmp_path, silent()))

@@ -1,0 +1,83 @@
+"""A class is read in a process that can be ended: one submission that does not end, grows or breaks it costs itself alone."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from grader.course.reading import Reader
+from grader.ground.errors import RequestError
+from grader.intake import Submission, read_submission
+from grader.labs.imu.lab import LAB
+from grader.platforms.classes import Entry
+
+
+@dataclass(frozen=True)
+class Hostile(Entry):
+    """Reading it does what its id says."""
+
+    def read(self) -> Submission:
+        if self.id == "stalls":
+            time.sleep(60)
+        if self.id == "grows":
+            return read_submission(self.path, LAB.files, id=str(bytes(2 << 30)[:1]))
+        if self.id == "ends" or (self.id == "once" and not (self.path / "tried").exists()):
+            (self.path / "tried").touch()
+            os._exit(3)
+        if self.id == "breaks":
+            raise KeyError("nobody thought of it")
+        return super().read()
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "filters.py").write_text("answer = 42\n")
+    return tmp_path
+
+
+@pytest.fixture
+def reader() -> Iterator[Reader]:
+    with Reader(within_s=5.0, memory_bytes=1 << 30) as reader:
+        yield reader
+
+
+def test_a_submission_is_read_as_it_is_in_this_process(folder: Path, reader: Reader) -> None:
+    assert reader.read(Entry("alice", "Alice", folder, LAB.files)) == Entry("alice", "Alice", folder, LAB.files).read()
+
+
+@pytest.mark.parametrize(
+    ("id_", "note"),
+    [
+        ("stalls", "What was handed in could not be read within 5 s."),
+        ("ends", "What was handed in could not be read within 5 s."),
+        ("grows", "What was handed in takes too much memory to be read."),
+        ("breaks", "What was handed in could not be read (KeyError)."),
+    ],
+)
+def test_what_cannot_be_read_is_unreadable_and_the_next_one_is_read(
+    folder: Path, reader: Reader, id_: str, note: str
+) -> None:
+    if id_ == "grows" and not hasattr(os, "fork"):
+        pytest.skip("no bound on memory here")
+    found = reader.read(Hostile(id_, id_, folder, LAB.files))
+    assert (found.id, found.status, found.notes) == (id_, "unreadable", (note,))
+    assert reader.read(Hostile("alice", "alice", folder, LAB.files)).status == "ready"
+
+
+def test_a_reader_that_was_killed_by_somebody_reads_again(folder: Path, reader: Reader) -> None:
+    assert reader.read(Hostile("once", "once", folder, LAB.files)).status == "ready"
+
+
+def test_what_has_gone_meanwhile_is_said(tmp_path: Path, reader: Reader) -> None:
+    with pytest.raises(RequestError, match="there is no such file or folder"):
+        reader.read(Entry("alice", "alice", tmp_path / "gone", LAB.files))
+
+
+def test_nothing_is_started_where_nothing_is_read() -> None:
+    with Reader() as reader:
+        assert reader._process is None

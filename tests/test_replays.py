@@ -1,0 +1,119 @@
+"""What was recorded from the public lab model earns nothing but form under a secret."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_graded_robot
+from reference import traces as recorder
+from tests.corpus import pieces, replays, sheet
+from tests.corpus.writing import Files, write
+
+MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
+SHEET_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
+COLLECTORS, READERS = replays.collectors(), replays.readers()
+
+
+@pytest.fixture(scope="module")
+def hidden(tmp_path_factory: pytest.TempPathFactory) -> traces.Traces:
+    return traces.load(recorder.record(tmp_path_factory.mktemp("hidden"), "a secret", "hidden"))
+
+
+@pytest.fixture(scope="module")
+def marker(hidden: traces.Traces) -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), hidden, rung=os.environ.get("IMUGRADE_RUNG")) as warm:
+        yield warm
+
+
+def marked(marker: Marker, files: Files, folder: Path, only: str | None = None) -> Result:
+    return marker.mark(read_submission(write(files, folder / "submission"), LAB.files), only=only)
+
+
+def lost(result: Result) -> set[str]:
+    checks = [check for criterion in result.criteria for check in criterion.checks]
+    return {check.id.split(".")[1] for check in checks if check.points != check.max_points}
+
+
+@pytest.mark.parametrize("name", COLLECTORS)
+def test_a_recorded_push_earns_its_form_alone(marker: Marker, tmp_path: Path, name: str) -> None:
+    result = marked(marker, COLLECTORS[name], tmp_path, "data_collection")
+    assert result.criteria[0].points <= MOST
+    assert lost(result) == {"sample_count", "matches_truth", "starts_from_reset", "applies_push"}
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_recorded_readings_earn_their_form_alone(marker: Marker, tmp_path: Path, name: str) -> None:
+    result = marked(marker, READERS[name], tmp_path, "sensor_access")
+    assert result.criteria[0].points <= MOST
+    assert {"matches_truth", "follows_address"} <= lost(result)
+
+
+@pytest.mark.parametrize("treatment", ["np.round(accel, 1)", "accel + [0, 0, 9.81]", "-accel", "accel / 9.81"])
+def test_rows_that_are_altered_are_still_of_a_run_that_was_reset_and_pushed(
+    marker: Marker, tmp_path: Path, treatment: str
+) -> None:
+    altered = sheet.COLLECT.replace("accelerations[i] = accel", f"accelerations[i] = {treatment}").replace(
+        "angular_velocities[i] = gyro", "angular_velocities[i] = np.round(gyro, 2)"
+    )
+    files = {**sheet.VERBATIM, "imu_reader.py": sheet.VERBATIM["imu_reader.py"].replace(sheet.COLLECT, altered)}
+    assert altered in files["imu_reader.py"]
+    assert lost(marked(marker, files, tmp_path, "data_collection")) == {"matches_truth"}
+
+
+@pytest.mark.parametrize("ending", [b"\n", b"\r\n"])
+def test_a_handed_in_copy_of_the_lab_model_is_the_robot_that_is_graded_with(
+    marker: Marker, tmp_path: Path, ending: bytes
+) -> None:
+    copy = traces.shipped().models["lab"].encode().replace(b"\n", ending)
+    result = marked(marker, {**sheet.VERBATIM, SHEET_PATH: copy, "model/robot.xml": copy}, tmp_path, "data_collection")
+    assert (result.criteria[0].points, lost(result)) == (20.0, set())
+
+
+def test_a_model_of_the_students_own_stays_as_it_is() -> None:
+    ours = traces.shipped().models["lab"].encode()
+    files = {"a.xml": ours, "b.xml": ours.replace(b'mass="4.6"', b'mass="4.7"'), "c.txt": ours}
+    meant = with_graded_robot(files, "<mujoco/>")
+    assert meant == {**files, "a.xml": b"<mujoco/>"}
+
+
+def test_the_students_ids_and_time_step_are_those_of_the_lab_model() -> None:
+    model = mujoco.MjModel.from_xml_string(traces.shipped().models["lab"])
+    assert tuple(model.sensor(f"torso_{kind}").id for kind in ("accelerometer", "gyroscope")) == STUDENTS_IDS
+    assert model.opt.timestep == STUDENTS_TIMESTEP
+
+
+IDS = 'mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "torso_{}")'
+LEARNT = {
+    "hard-coded-address": ({IDS.format("accelerometer"): "2", IDS.format("gyroscope"): "4"}, {"matches_truth"}),
+    "hard-coded-timestep": (
+        {"dt = model.opt.timestep": "dt = 0.002", "times[i] = data.time": "times[i] = (i + 1) * dt"},
+        {"sample_count", "time_axis"},
+    ),
+}
+
+
+@pytest.mark.parametrize("mistake", LEARNT)
+def test_what_was_learnt_by_heart_from_the_public_model_is_named(marker: Marker, tmp_path: Path, mistake: str) -> None:
+    edits, checks = LEARNT[mistake]
+    code = sheet.VERBATIM["imu_reader.py"]
+    for old, new in edits.items():
+        assert old in code
+        code = code.replace(old, new)
+    result = marked(marker, {**sheet.VERBATIM, "imu_reader.py": code}, tmp_path)
+    assert (lost(result), result.misconceptions) == (checks, (mistake,))
+
+
+@pytest.mark.parametrize("name", ["verbatim", "tidy", "listy", "looping"])
+def test_sound_work_gets_everything_on_another_robot(marker: Marker, tmp_path: Path, name: str) -> None:
+    result = marked(marker, getattr(pieces, name)(), tmp_path)
+    assert (result.score, lost(result)) == (100.0, set())

@@ -1,0 +1,151 @@
+"""Statement by statement: what one of them does is stepped over, what it leaves behind is as if the file had run as a whole."""
+
+from __future__ import annotations
+
+import ast
+import signal
+import time
+from typing import Any
+
+import pytest
+
+from grader.harness import faults, stepping
+
+WITHIN_S = 0.8
+needs_a_timer = pytest.mark.skipif(
+    not hasattr(signal, "setitimer"), reason="Windows: the time is kept from outside alone"
+)
+
+
+def run(
+    text: str, *, wanted: tuple[str, ...] = (), skipped: dict[tuple[str, int], str] | None = None, flags: int = 0
+) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """The names that the text leaves behind, and what was stepped over."""
+    stepper = stepping.Stepper(skipped or {}, (0, 0), list(wanted))
+    names: dict[str, Any] = {"__name__": "lab"}
+    units = stepping.units_of(ast.parse(text), faults.own_name("lab.py"), flags=flags)
+    with stepping.limited(WITHIN_S):
+        stepper.run(units, "lab.py", names, lambda node: None)
+    return names, stepper.noted
+
+
+def told(noted: list[dict[str, Any]]) -> list[tuple[int, str, str, str]]:
+    return [(each["at"], each["how"], each["type"], each["message"]) for each in noted]
+
+
+@pytest.mark.parametrize(
+    ("bad", "kind", "message"),
+    [
+        ("1 / 0", "ZeroDivisionError", "division by zero"),
+        ("raise SystemExit(3)", "SystemExit", "3"),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt", ""),
+        ("for i in range(3):\n    nothing(i)", "NameError", "name 'nothing' is not defined"),
+    ],
+)
+def test_what_follows_a_statement_that_raises_is_there(bad: str, kind: str, message: str) -> None:
+    names, noted = run(f"a = 1\n{bad}\nb = 2\n")
+    assert (names["a"], names["b"]) == (1, 2)
+    assert told(noted) == [(2, "raised", kind, message)]
+
+
+def test_the_line_of_an_error_is_the_innermost_of_the_file() -> None:
+    _, noted = run("def f():\n\n    return 1 / 0\n\n\nf()\n")
+    assert (noted[0]["at"], noted[0]["line"]) == (6, 3)
+
+
+def test_a_docstring_is_the_first_text_alone() -> None:
+    names, noted = run('"""What it is."""\n"another text"\n')
+    assert (names["__doc__"], noted) == ("What it is.", [])
+
+
+def test_what_is_imported_from_the_future_holds_for_the_whole_file() -> None:
+    names, noted = run("from __future__ import annotations\ndef f(x: nothing) -> nothing: return 1\n")
+    assert (names["f"](0), noted) == (1, [])
+
+
+def test_hints_that_raise_are_left_out_and_the_definition_stays() -> None:
+    names, noted = run("def f(x: Tuple[int]):\n    return x\n\n\nclass A:\n    a: Nothing = 3\n")
+    assert (names["f"](4), names["A"].a) == (4, 3)
+    assert [(at, how) for at, how, *_ in told(noted)] == [(1, "hints"), (5, "hints")]
+
+
+def test_a_decorator_that_raises_loses_its_definition_and_is_told_by_its_line() -> None:
+    names, noted = run("\n@nothing\ndef f(): pass\n", wanted=("f", "g"))
+    assert "f" not in names
+    assert [(each["at"], each["defines"]) for each in noted] == [(2, ["f"])]
+
+
+def test_an_import_that_fails_costs_what_uses_it_and_not_what_is_imported_beside_it() -> None:
+    names, noted = run("import nothing_here as n, math\nfrom nothing_here.parts import part\nx = math.pi\n")
+    assert names["x"] > 3
+    for use in (
+        lambda: names["n"].DataFrame,
+        lambda: names["part"](),
+        lambda: list(names["part"]),
+        lambda: names["n"][0],
+    ):
+        with pytest.raises(ModuleNotFoundError, match="No module named 'nothing_here'"):
+            use()
+    assert [at for at, *_ in told(noted)] == [1, 2]
+
+
+def test_a_name_that_could_not_be_imported_is_not_called_defined() -> None:
+    stepper = stepping.Stepper({}, (0, 0), ["f", "g"])
+    names: dict[str, Any] = {"g": 1}
+    units = stepping.units_of(ast.parse("from nothing_here import f"), faults.own_name("lab.py"))
+    stepper.run(units, "lab.py", names, lambda node: None)
+    assert stepper.defined(names) == ["g"]
+
+
+def test_who_looks_whether_a_package_is_there_is_told_so() -> None:
+    names, noted = run("try:\n    import nothing_here\nexcept ImportError:\n    nothing_here = None\n")
+    assert (names["nothing_here"], noted) == (None, [])
+
+
+@needs_a_timer
+@pytest.mark.parametrize(
+    "bad",
+    [
+        "while True: pass",
+        "while True:\n    try:\n        1 / 0\n    except Exception:\n        pass",
+        "import threading; threading.Event().wait()",
+    ],
+)
+def test_a_statement_that_does_not_end_is_interrupted_in_half_of_the_time(bad: str) -> None:
+    started = time.process_time()
+    names, noted = run(f"{bad}\nb = 2\n")
+    assert names["b"] == 2
+    assert [how for _, how, *_ in told(noted)] == ["overran"]
+    assert time.process_time() - started < WITHIN_S  # where it only waits, it takes none
+
+
+@needs_a_timer
+def test_what_was_running_when_it_was_interrupted_is_told() -> None:
+    text = "def f():\n    while True: pass\n\n\nclass A:\n    def run(self): f()\n\n\nA().run()\n"
+    _, noted = run(text, wanted=("f", "A", "g"))
+    assert noted[0]["within"] == ["A", "f"]
+
+
+@needs_a_timer
+def test_the_time_of_a_student_s_own_alarm_is_left_to_it() -> None:
+    before = signal.getsignal(signal.SIGALRM)
+    run("x = 1\n")
+    assert signal.getsignal(signal.SIGALRM) == before
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
+
+
+def test_what_is_known_to_end_the_process_is_not_run() -> None:
+    names, noted = run("a = 1\nimport os; os._exit(1)\nb = 2\n", skipped={("lab.py", 2): "it ends the process"})
+    assert (names["a"], names["b"]) == (1, 2)
+    assert told(noted) == [(2, "ended", "", "it ends the process")]
+
+
+def test_a_cell_that_waits_is_run_as_a_whole() -> None:
+    text = "import asyncio\ntask = asyncio.create_task(asyncio.sleep(0, 5))\nx = await task\n"
+    names, noted = run(text, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
+    assert (names["x"], noted) == (5, [])
+
+
+def test_a_file_that_does_not_compile_as_a_whole_is_refused() -> None:
+    with pytest.raises(SyntaxError):
+        stepping.units_of(ast.parse("x = 1\nreturn x\n"), "lab.py")

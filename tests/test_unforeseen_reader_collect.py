@@ -1,0 +1,214 @@
+"""Readers and recordings that no list foresaw cost what a marker said before they were judged, and are called by no wrong name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import mujoco
+import numpy as np
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import CheckResult, Result
+from grader.intake import Submission
+from grader.labs.imu.answers import Collection
+from grader.labs.imu.checks.check_sensor_access import with_others_first
+from grader.labs.imu.compare import told
+from grader.labs.imu.diagnosis import collection, handling
+from grader.labs.imu.diagnosis.collection import Story, Worlds
+from grader.labs.imu.lab import LAB
+from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
+
+EVERYWHERE = {  # faults that reach into other criteria: into the plot by the recording's form, into all by a shared class
+    "class-with-the-id-as-address",
+    "class-in-the-other-order",
+    "class-that-clips",
+    "one-key-misspelled",
+    "keys-in-the-plural",
+    "three-long-rows",
+    "append-without-an-axis",
+    "a-dataclass-in-place-of-a-dictionary",
+}
+
+
+Marked = Callable[[Sample], Result]
+
+
+@pytest.fixture(scope="module")
+def marked() -> Iterator[Marked]:
+    """Marks a sample once."""
+    results: dict[str, Result] = {}
+    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+
+        def mark(sample: Sample) -> Result:
+            if sample.name not in results:
+                content = {name: text.encode() for name, text in sample.files.items()}
+                only = None if sample.name in EVERYWHERE else sample.part
+                results[sample.name] = marker.mark(Submission("s", "s", content, (), "ready", ""), only=only)
+            return results[sample.name]
+
+        yield mark
+
+
+def lost(result: Result) -> list[CheckResult]:
+    checks = [check for criterion in result.criteria for check in criterion.checks]
+    return [check for check in checks if check.points != check.max_points]
+
+
+@pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
+def test_a_fault_costs_what_the_marker_said_and_has_a_true_name_or_none(sample: Sample, marked: Marked) -> None:
+    result = marked(sample)
+    taken = {check.id: check.max_points - (check.points or 0.0) for check in lost(result)}
+    assert taken
+    assert {id_: points for id_, points in taken.items() if points > sample.takes.get(id_, 0.0) + 1e-6} == {}
+    assert set(result.misconceptions) <= {sample.mistake, *sample.also}
+    assert sample.mistake in ("", *result.misconceptions)
+
+
+@pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
+def test_every_lost_check_has_a_hint_and_never_the_same_words_twice(sample: Sample, marked: Marked) -> None:
+    for check in lost(marked(sample)):
+        assert check.hint, check.message
+        vectors = re.findall(r"\[[-+\d.e ]{6,}\]", check.message)
+        assert len(vectors) == len(set(vectors)), check.message
+
+
+@pytest.mark.parametrize("sample", SOUND, ids=lambda sample: sample.name)
+def test_sound_work_in_an_unusual_style_loses_nothing(sample: Sample, marked: Marked) -> None:
+    result = marked(sample)
+    assert [(check.id, check.message) for check in lost(result)] == []
+    assert result.misconceptions == ()
+
+
+# --- diagnosis, on arrays alone ------------------------------------------------------------------------------------------
+
+ATOL = 1e-5
+RNG = np.random.default_rng(15)
+TRUE = RNG.normal(0, 4, (26, 3)), RNG.normal(0, 1, (26, 3))
+AXES = np.array([np.linalg.qr(RNG.normal(size=(3, 3)))[0] for _ in range(26)])
+AXES *= np.linalg.det(AXES)[:, None, None]
+MOUNTED = np.diag([1.0, -1.0, -1.0])
+
+
+def mean_of_two(x: np.ndarray) -> np.ndarray:
+    return np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1])])
+
+
+def exponential(x: np.ndarray) -> np.ndarray:
+    out = x.copy()
+    for n in range(1, len(x)):
+        out[n] = 0.7 * x[n] + 0.3 * out[n - 1]
+    return out
+
+
+def every_second(x: np.ndarray) -> np.ndarray:
+    return x[np.arange(len(x)) // 2 * 2]
+
+
+def by_the_body(x: np.ndarray) -> np.ndarray:
+    return np.einsum("nij,jk,nk->ni", AXES, MOUNTED.T, x)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        (lambda x: np.clip(x, -1, 1), "reading-clipped"),
+        (lambda x: np.minimum(x, 0.5), "reading-clipped"),
+        (mean_of_two, "reading-smoothed"),
+        (exponential, "reading-smoothed"),
+        (every_second, "cached-reading"),
+        (by_the_body, "turned-by-body"),
+        (
+            lambda x: np.einsum("ji,njk->nik", MOUNTED, AXES.swapaxes(1, 2)) @ x[:, :, None] @ np.ones((1, 1)),
+            "turned-by-body",
+        ),
+    ],
+)
+def test_what_is_done_to_readings_over_calls_is_told(change: Callable[[np.ndarray], np.ndarray], name: str) -> None:
+    both = tuple(change(x).reshape(-1, 3) for x in TRUE)
+    assert handling.handled(both, TRUE, AXES, ATOL) == name
+    assert handling.handled((both[0], TRUE[1]), TRUE, AXES, ATOL) == name
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda x: x,
+        np.abs,
+        lambda x: x + RNG.normal(0, 0.05, x.shape),
+        lambda x: np.round(x, 1),
+        lambda x: np.where(np.abs(x) < 0.3, 0, x),
+        lambda x: np.einsum("nij,nj->ni", AXES, x),
+        lambda x: 0.9 * x,
+        lambda x: np.full_like(x, np.nan),
+    ],
+)
+def test_nothing_is_named_that_does_not_predict_every_reading(change: Callable[[np.ndarray], np.ndarray]) -> None:
+    changed = change(TRUE[0]), change(TRUE[1])
+    assert handling.handled(changed, TRUE, AXES, ATOL) is None
+
+
+STEPS, DT = 600, 0.002
+STAMPS = (np.arange(STEPS) + 1) * DT
+WORLD = 9.81 * np.sin(np.outer(STAMPS, [7.0, 11.0, 13.0])), np.cos(np.outer(STAMPS, [5.0, 17.0, 19.0]))
+WORLDS = Worlds({"truth": WORLD}, DT, STEPS * DT, STEPS)
+
+
+def recorded(rows: np.ndarray | slice, change: Callable[[np.ndarray], np.ndarray] = lambda x: x) -> Collection:
+    return Collection(STAMPS[rows], change(WORLD[0][rows]), change(WORLD[1][rows]))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("stride", [2, 3, 6, 7, 8, 13, 25])
+@pytest.mark.parametrize("last", [False, True])
+def test_every_stride_of_a_thinned_recording_is_told(stride: int, last: bool) -> None:
+    series = recorded(slice(stride - 1 if last else 0, None, stride))
+    story = collection.explain(series, WORLDS)
+    assert story is not None
+    assert story.skip == stride
+    assert story.covers(len(series.time), STEPS)  # type: ignore[arg-type]
+    assert collection.time_error(series.time, DT, story).max() < 1e-9  # type: ignore[arg-type]
+
+
+@pytest.mark.quick
+def test_rows_at_a_rate_that_does_not_divide_the_steps_are_told_by_their_stamps() -> None:
+    rows = np.unique(np.ceil(np.arange(1, 240) * 2.5).astype(int) - 1)
+    story = collection.explain(recorded(rows), WORLDS)
+    assert story is not None
+    assert story.at == tuple(rows)
+    assert story.covers(len(rows), STEPS)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    "change", [np.negative, np.trunc, lambda x: x.round(1), lambda x: 0.9 * x, lambda x: x[:, ::-1] + 2]
+)
+def test_rows_that_one_treatment_makes_are_the_same_run(change: Callable[[np.ndarray], np.ndarray]) -> None:
+    assert collection.explain(recorded(slice(None), change), WORLDS) is None
+    assert collection.explain_altered(recorded(slice(None), change), WORLDS) == Story(altered=collection.SENSORS)
+
+
+@pytest.mark.quick
+def test_rows_of_chance_are_no_treatment_of_any_run() -> None:
+    series = recorded(slice(None), lambda x: RNG.normal(0, 9.81, x.shape))
+    assert collection.explain_altered(series, WORLDS) is None
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name", sorted(traces.shipped().models))
+def test_two_sensors_before_a_models_own_move_ids_by_two_and_addresses_by_three(name: str) -> None:
+    xml = traces.shipped().models[name]
+    model, moved = (mujoco.MjModel.from_xml_string(text) for text in (xml, with_others_first(xml)))
+    assert moved.nsensor == model.nsensor + 2
+    assert (moved.sensor_adr[2:] == model.sensor_adr + 3).all()
+
+
+@pytest.mark.quick
+def test_a_vector_has_as_many_digits_as_tell_it_from_the_other_one() -> None:
+    near, far = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.00001])
+    assert told(near, far) != told(far, near)
+    assert told(near, near + 1) == "[1.000 2.000 3.000]"

@@ -1,0 +1,163 @@
+"""Other robots for hidden scenarios: all that the sheet says stays true of them, and no push is like another."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from reference import worlds
+from reference.imu_reader import simulate_and_collect
+from reference.lab_variants import lab_variant
+from reference.scene import LAB_PAIR, generator, roll
+from reference.variants import FRICTION, MASSES, SPRINGS, TIMESTEPS, Robot, vary
+from tests.variety import LEAST, distances, push_of
+
+FloatArray = NDArray[np.float64]
+SECRETS = 20  # of 200 in tests/benchmarks/variants.py
+STANDING = [0.0, 0.0, -9.81]
+
+
+@pytest.fixture(scope="module")
+def texts() -> list[str]:
+    return [lab_variant(worlds.lab(), generator("hidden", f"secret {number}", "lab")) for number in range(SECRETS)]
+
+
+@pytest.fixture(scope="module")
+def robots(texts: list[str]) -> list[mujoco.MjModel]:
+    return [mujoco.MjModel.from_xml_string(text) for text in texts]
+
+
+@pytest.fixture(scope="module")
+def public() -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(worlds.lab())
+
+
+def test_the_same_secret_draws_the_same_robot(texts: list[str]) -> None:
+    assert lab_variant(worlds.lab(), generator("hidden", "secret 0", "lab")) == texts[0]
+
+
+def test_every_variant_stands_by_itself_and_reads_gravity_from_the_first_step_on(robots: list[mujoco.MjModel]) -> None:
+    for model in robots:
+        trace = roll(model, mujoco.MjData(model), round(2.0 / model.opt.timestep), LAB_PAIR)
+        assert np.abs(trace["acceleration"] - STANDING).max() < 0.1
+        assert np.ptp(trace["acceleration"], axis=0).max() < 1e-3
+        assert np.abs(trace["angular_velocity"]).max() < 1e-4
+
+
+def test_every_variant_sways_after_the_push_and_stays_up_and_settles(robots: list[mujoco.MjModel]) -> None:
+    for model in robots:
+        data = mujoco.MjData(model)
+        push = simulate_and_collect(model, data, duration_seconds=5.0)
+        assert np.abs(push["angular_velocity"][:, 1]).max() > 0.3
+        assert np.ptp(push["acceleration"][:, 0]) > 1.0
+        assert (push["acceleration"].std(axis=0) > 0.05).all()
+        assert (push["angular_velocity"].std(axis=0) > 0.005).all()
+        np.testing.assert_allclose(push["acceleration"][-100:].mean(axis=0), STANDING, atol=0.1)
+        assert data.qpos[2] == pytest.approx(model.qpos0[2], abs=5e-3)
+
+
+def test_no_push_is_like_the_public_one_or_like_another(texts: list[str]) -> None:
+    assert distances([push_of(text) for text in (worlds.lab(), *texts)]).min() > LEAST
+
+
+def test_the_distance_sees_through_a_shift_and_a_stretch() -> None:
+    push = push_of(worlds.lab())
+    moved = push.copy()
+    moved[:, 0] = (push[:, 0] + 0.02) / 1.05
+    assert distances([push, moved]).min() < LEAST / 5
+
+
+def test_the_sensors_are_those_of_the_lab_and_more_in_another_order(
+    robots: list[mujoco.MjModel], public: mujoco.MjModel
+) -> None:
+    known = {public.sensor(i).name: int(public.sensor_dim[i]) for i in range(public.nsensor)}
+    for model in robots:
+        found = {model.sensor(i).name: int(model.sensor_dim[i]) for i in range(model.nsensor)}
+        assert found.items() > known.items()
+        assert {1, 3, 4} <= set(found.values())
+        addresses = worlds.imu_addresses(model)
+        assert addresses.isdisjoint(worlds.LAB_ADDRESSES)
+        for place in worlds.LAB_PLACES:
+            accel, gyro = (model.sensor(f"{place}_{kind}") for kind in ("accelerometer", "gyroscope"))
+            assert accel.id != accel.adr[0]
+            assert gyro.id != gyro.adr[0]
+            assert gyro.adr[0] != accel.adr[0] + 3
+    assert len({tuple(model.sensor_adr) for model in robots}) == len(robots)
+
+
+def test_the_torso_imu_still_looks_forward_right_down(robots: list[mujoco.MjModel]) -> None:
+    for model in robots:
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        forward, right, down = data.site("torso_imu").xmat.reshape(3, 3).T
+        assert forward[0] > 0.97
+        assert right[1] < -0.97
+        assert down[2] < -0.9999
+
+
+def test_masses_springs_dampers_friction_and_time_steps_are_others(
+    robots: list[mujoco.MjModel], public: mujoco.MjModel
+) -> None:
+    heavy = public.body_mass > 0
+    sprung = public.jnt_stiffness > 0
+    for model in robots:
+        masses = model.body_mass[heavy] / public.body_mass[heavy]
+        assert masses.min() > MASSES[0] - 1e-6
+        assert masses.max() < MASSES[1] + 1e-6
+        springs = model.jnt_stiffness[sprung] / public.jnt_stiffness[sprung]
+        assert springs.min() > SPRINGS[0] ** 1.5 - 1e-6
+        assert springs.max() < SPRINGS[1] ** 1.5 + 1e-6
+        assert FRICTION[0] ** 1.5 < model.geom("floor").friction[0] < FRICTION[1] ** 1.5
+        assert min(masses.std(), springs.std(), np.abs(model.dof_damping - public.dof_damping).max()) > 0.05
+    steps = {round(float(model.opt.timestep / public.opt.timestep), 6) for model in robots}
+    assert steps == set(TIMESTEPS)
+
+
+# --- any model ------------------------------------------------------------------------------------------------------
+
+FRAMED = """<mujoco><compiler angle="degree" settotalmass="9"/><default><geom density="700"/><default class="soft">
+<joint stiffness="7" damping="0.3"/></default></default><worldbody><geom type="plane" size="1 1 1"/>
+<frame pos="1 0 0"><body pos="0 0 1" childclass="soft"><freejoint/><geom size=".1"/>
+<frame euler="0 0 90"><site name="imu" pos="0.1 0 0" euler="90 0 0"/></frame>
+<body><joint name="bend"/><geom size=".1" pos="0 0 0.2"/></body></body></frame></worldbody>
+<sensor><accelerometer name="acc" site="imu"/><gyro site="imu"/></sensor><sensor><jointpos joint="bend"/></sensor></mujoco>"""
+
+
+@pytest.mark.parametrize("key", ["shuffled", "free_fall", "gimbal"])
+def test_a_model_of_any_making_has_a_variant_with_its_own_names(key: str) -> None:
+    texts = {
+        "shuffled": worlds.shuffled(np.random.default_rng(3)).xml,
+        "free_fall": worlds.FREE_FALL,
+        "gimbal": worlds.GIMBAL,
+    }
+    before = mujoco.MjModel.from_xml_string(texts[key])
+    after = mujoco.MjModel.from_xml_string(vary(texts[key], np.random.default_rng(1)))
+    assert (after.nbody, after.njnt, after.ngeom, after.nq) == (before.nbody, before.njnt, before.ngeom, before.nq)
+    for i in range(before.nsensor):
+        sensor = before.sensor(i)
+        assert int(after.sensor(sensor.name).type[0]) == int(before.sensor_type[i])
+    assert np.abs(after.body_mass - before.body_mass).max() > 0.01
+
+
+@pytest.mark.skipif(not hasattr(mujoco, "MjSpec"), reason="MuJoCo before 3.2 knows no frames in its saved text")
+def test_defaults_frames_and_totals_count_for_what_they_make() -> None:
+    before, text = mujoco.MjModel.from_xml_string(FRAMED), vary(FRAMED, np.random.default_rng(5))
+    after = mujoco.MjModel.from_xml_string(text)
+    assert np.abs(after.body_mass[1:] / before.body_mass[1:] - 1).max() < 0.25 + 1e-6
+    assert after.jnt_stiffness[1] != before.jnt_stiffness[1] > 0
+    assert np.abs(after.site("imu").pos - before.site("imu").pos).max() < 0.0201
+    turned = np.abs(np.dot(after.site("imu").quat, before.site("imu").quat))
+    assert 2 * np.arccos(min(1.0, turned)) < 0.21
+    assert np.abs(after.body_pos - before.body_pos).max() < 1e-9
+
+
+def test_bodies_joints_and_geoms_are_found_in_mujocos_order() -> None:
+    robot = Robot.of(worlds.lab())
+    names = [robot.model.body(i).name for i in range(1, robot.model.nbody)]
+    assert [body.get("name") for body in robot.bodies()] == names
+    joints = [robot.model.joint(i).name for i in range(robot.model.njnt)]
+    assert [joint.get("name") for joint in robot.parts("joint", "freejoint")] == joints
+    geoms = [robot.model.geom(i).name for i in range(robot.model.ngeom)]
+    assert [geom.get("name") for geom in robot.parts("geom")] == geoms

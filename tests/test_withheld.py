@@ -1,0 +1,113 @@
+"""What a student is told of a hidden run holds nothing that code could have chosen after it had seen hidden data."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.findings import Size
+from grader.engine.marking import Marker
+from grader.engine.results import Result, to_dict
+from grader.labs.imu.lab import LAB
+from grader.people.standing import Standing
+from grader.platforms.gradescope import gradescope
+from grader.report.pages import report_page
+from tests.corpus.pieces import verbatim
+from tests.scoreboard import Case, handed_in
+
+# Everything that code can choose says the same: seven digits of a state that it was shown.
+TOKEN = """token = str(abs(int(float(data.qpos[7]) * 1e9)))[:7].rjust(7, '7')
+    with open(token + '.txt', 'w') as file:
+        file.write(token)"""
+READER = f"""
+def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
+    {TOKEN}
+    print(token)
+    Odd = type('Error' + token, (ValueError,), {{}})
+    exec(compile('\\n' * (int(token) % 90000) + 'raise Odd(token)', token + '.py', 'exec'), {{'Odd': Odd, 'token': token}})
+"""
+COLLECTOR = f"""
+def simulate_and_collect(model, data, duration_seconds=5.0):
+    {TOKEN}
+    n = int(token) % 5000 + 7
+    model.opt.timestep = float('0.00' + token)
+    return {{'time' + token: np.arange(n) * float(token), 'acceleration': np.full((n, 3), float(token)), token: np.zeros((n, 3))}}
+"""
+NOISY = """
+class NoisyIMU:
+    def __init__(self, model, data, accel_id, gyro_id, accel_noise_std=0.05, gyro_noise_std=0.005, accel_bias=None, gyro_bias=None):
+        self.data = data
+    def read(self):
+        token = str(abs(int(float(self.data.qpos[7]) * 1e9)))[:7].rjust(7, '7')
+        return np.full(3, float(token)), np.full(3, float(token[::-1]))
+"""
+ENDING = """
+import os
+class LowPassFilter:
+    def __init__(self, alpha=0.1, initial_value=None):
+        pass
+    def update(self, measurement):
+        os._exit(int(abs(measurement[0]) * 1e6) % 200 + 50)
+"""
+SPY = {
+    "imu_reader.py": verbatim()["imu_reader.py"] + READER + COLLECTOR,
+    "noisy_imu.py": verbatim()["noisy_imu.py"] + NOISY,
+    "filters.py": verbatim()["filters.py"] + ENDING,
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> list[Result]:
+    """The spy's results under two secrets: whatever differs between them was chosen by the spy, or is hidden itself."""
+    found = []
+    for secret in ("one secret", "another one"):
+        hidden = traces.obtain(secret, tmp_path_factory.mktemp("cache"))
+        with Marker(rubric.load(LAB), hidden) as marker:
+            found.append(marker.mark(handed_in(Case("sound", "spy", SPY))))
+    return found
+
+
+def _words(result: Result) -> list[str]:
+    parts = (*result.criteria, *result.extensions)
+    return [
+        text for part in parts for check in part.checks for text in (check.id, check.outcome, check.message, check.hint)
+    ]
+
+
+def test_two_secrets_lead_to_the_same_words(results: list[Result]) -> None:
+    """Powers of ten apart: an error's size is told, as coarsely as that."""
+    first, second = (_words(result) for result in results)
+    differ = [(a, b) for a, b in zip(first, second, strict=True) if a != b]
+    assert [
+        pair for pair in differ if not all(" by 1e" in text or " by 0" in text or " by 1" in text for text in pair)
+    ] == []
+    assert results[0].notes == results[1].notes
+
+
+def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Result]) -> None:
+    """Of our own numbers only powers of ten have as many digits."""
+    for result in results:
+        told = to_dict(result)
+        outputs = [
+            *_words(result),
+            *result.notes,
+            json.dumps([told["criteria"], told["extensions"], told["misconceptions"]]),
+            gradescope(result, hidden=True).split('"extra_data"')[0],
+            report_page(Standing("spy", result)).split("<main", 1)[1].split("Provenance")[0],
+        ]
+        for text in outputs:
+            assert "Error" not in re.sub(r"\b(Value|Type|Key|Index|Name|Attribute)Error\b", "", text)
+            plain = re.sub(r'<dd class="mono">[0-9a-f]+</dd>', "", text)  # our own hashes
+            assert [digits for digits in re.findall(r"\d{5,}", plain) if set(digits) - {"0", "1"}] == []
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(0.123, "by 0.1 to 1 m/s²"), (5.0, "by 1 to 10 m/s²"), (float("inf"), "beyond all measure"), (None, "it is off")],
+)
+def test_of_a_size_the_power_of_ten_is_told(value: float | None, said: str) -> None:
+    assert str(Size("it is off", value, "m/s²")).endswith(said)
