@@ -16,6 +16,7 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
+from grader.sandbox.rungs import RUNGS, Rung
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
 SHA = "0123456789abcdef" * 4
@@ -74,7 +75,7 @@ class FakeMarker:
     """Does what the submission's id says."""
 
     folder: Path
-    isolation: str = "full"
+    isolation: Rung = RUNGS[0]
     pid: int = field(default_factory=os.getpid)
 
     def mark(self, submission: Submission, *, only: str | None = None) -> Result:

@@ -16,6 +16,7 @@ from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import FILE_NAME, Store
 from grader.engine.results import Result
 from grader.intake import Submission
+from grader.sandbox.rungs import RUNGS
 from tests.made_up import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 
@@ -26,7 +27,7 @@ Run = Callable[..., tuple[int, str, str]]
 class ByWords:
     """Marks what the first line of filters.py asks for: ``# 14`` has 14 of 20, ``# open`` is not judged."""
 
-    isolation = "full"
+    isolation = RUNGS[0]
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder

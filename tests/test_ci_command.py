@@ -16,6 +16,7 @@ from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.platforms import job
+from grader.sandbox.rungs import RUNGS, UNWALLED
 from tests import made_up_platform
 from tests.made_up import check, lost, result
 from tests.test_ci_formats import ID
@@ -25,7 +26,7 @@ class Given:
     """Stands in for the marker: gives the result that the test wants, and the rung that it says."""
 
     answer: Result
-    isolation = "full"
+    isolation = RUNGS[0]
 
     def __init__(self, rubric: Rubric, bundle: Traces, *, box: object) -> None:
         pass
@@ -57,7 +58,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
     monkeypatch.setattr(job, "open_box_for", lambda lab, files, rung: None)
-    monkeypatch.setattr(Given, "isolation", "full")
+    monkeypatch.setattr(Given, "isolation", RUNGS[0])
     monkeypatch.setattr(
         Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False
     )
@@ -166,7 +167,7 @@ def test_hidden_scenarios_are_refused_where_students_can_read_them(
 def test_hidden_scenarios_are_refused_where_nothing_isolates_the_code(
     monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(Given, "isolation", "none")
+    monkeypatch.setattr(Given, "isolation", UNWALLED)
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret]) == 2
     assert "nothing here keeps students' code from reading them" in capsys.readouterr().err
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret, "--trust-submissions"]) == 0

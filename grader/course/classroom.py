@@ -249,7 +249,7 @@ def opener(order: Order) -> OpenMarker:
 def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bool) -> Iterator[Marker]:
     """A marker for other people's code: refused where nothing isolates it."""
     with Marker(rubric, traces, rung=rung) as marker:
-        if marker.isolation == "none" and not trusted:
+        if not marker.isolation.walled and not trusted:
             raise RequestError(
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "
                 "grade on Linux, or add --trust-submissions if you trust every one of them"

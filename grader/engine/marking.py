@@ -24,6 +24,7 @@ from grader.engine.traces import Traces, match_robot
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.sandbox.box import Box
+from grader.sandbox.rungs import Rung
 
 
 class Stopped(KeyboardInterrupt):
@@ -63,7 +64,7 @@ class Marker:
             raise
 
     @property
-    def isolation(self) -> str:
+    def isolation(self) -> Rung:
         return self._box.rung
 
     def __enter__(self) -> Marker:
@@ -231,7 +232,7 @@ class Marker:
             "python": platform.python_version(),
             "mujoco": _version("mujoco"),
             "numpy": _version("numpy"),
-            "isolation": self._box.rung,
+            "isolation": self._box.rung.name,
             "seed": SEED,
         }
 

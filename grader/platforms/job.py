@@ -117,7 +117,7 @@ def run(job: Job) -> Result:
     path = job.path or submission_of(job.platform)
     submission = read_submission(path, job.rubric.lab.files)
     with Marker(job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.rung)) as marker:
-        if job.hidden and marker.isolation == "none" and not job.trusted:
+        if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(
                 "hidden scenarios, but nothing here keeps students' code from reading them (`imugrade doctor` tells why); "
                 "leave --traces out, or add --trust-submissions"

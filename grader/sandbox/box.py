@@ -23,9 +23,10 @@ from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, Time
 from . import ladder, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
 from .plain import PlainProcess
-from .plan import RUNGS, Contents
+from .plan import Contents
 from .printed import Printed
 from .process import Process, WallsRefusedError, ZygoteGoneError
+from .rungs import RUNGS, UNWALLED, Rung, named
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,7 +44,7 @@ class Box:
     contents
         What it is opened for; its harness answers the questions.
     rung
-        One of ``"full"``, ``"bubblewrap"``, ``"landlock"``, ``"none"``; None for the best that this machine allows.
+        The name of one of `RUNGS`; None for the best that this machine allows.
 
     Attributes
     ----------
@@ -70,9 +71,9 @@ class Box:
         _hide_this_process()
         if rung is None:
             self._zygote, self.why = ladder.climb(self._contents)
-            self.rung = self._zygote.rung if self._zygote else "none"
+            self.rung = self._zygote.rung if self._zygote else UNWALLED
         else:
-            self.rung, self.why = rung, f"{rung} was asked for"
+            self.rung, self.why = _asked_for(rung), f"{rung} was asked for"
             self._zygote = self._start()
 
     def __enter__(self) -> Box:
@@ -112,17 +113,15 @@ class Box:
             self._zygote = None
 
     def _start(self) -> Zygote | None:
-        if self.rung not in RUNGS:
-            raise GraderError(f"there is no rung {self.rung!r}, only {', '.join(RUNGS)}")
-        if self.rung == "none":
+        if not self.rung.walled:
             return None
         try:
             return ladder.raise_walls(self.rung, self._contents)
         except WallsRefusedError as error:
-            raise GraderError(f"this machine does not allow the rung {self.rung!r}: {error}") from None
+            raise GraderError(f"this machine does not allow the rung {self.rung.name!r}: {error}") from None
 
     def _spawn(self, printed: Printed) -> Process:
-        if self.rung == "none":
+        if not self.rung.walled:
             return PlainProcess(self._contents, printed)
         try:
             return self._spawn_once(printed)
@@ -242,6 +241,13 @@ class Worker:
         used_up = error.cpu_s >= cpu_limit
         limit = f"{cpu_limit:g} s of CPU time" if used_up else f"{wall_limit:g} s"
         return TimedOut(f"no answer within {limit}", cpu_s=error.cpu_s, wall_s=error.wall_s)
+
+
+def _asked_for(name: str) -> Rung:
+    rung = named(name)
+    if rung is None:
+        raise GraderError(f"there is no rung {name!r}, only {', '.join(each.name for each in RUNGS)}")
+    return rung
 
 
 def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:

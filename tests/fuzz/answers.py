@@ -30,6 +30,7 @@ from grader.ground.errors import Crashed, Malformed
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Box, Worker
+from grader.sandbox.rungs import UNWALLED
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, write
@@ -116,7 +117,7 @@ class Bench:
     @contextmanager
     def open(self) -> Iterator[Bench]:
         def no_box(box: Box, *args: Any, **kwargs: Any) -> None:
-            box.rung = "none"
+            box.rung = UNWALLED
 
         write_down = Examination.end
 

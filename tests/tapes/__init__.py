@@ -17,6 +17,7 @@ import numpy as np
 
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.sandbox.box import Box, Worker
+from grader.sandbox.rungs import named
 from grader.sandbox.wire import Frame
 
 _KINDS = {kind.__name__: kind for kind in (Crashed, Malformed)}
@@ -159,11 +160,11 @@ class RecordingBox:
     """A box that keeps what its workers answer."""
 
     def __init__(self, box: Box) -> None:
-        self._box, self.rung, self.tape = box, box.rung, Tape(box.rung)
+        self._box, self.rung, self.tape = box, box.rung, Tape(box.rung.name)
 
     def begin(self) -> Tape:
         """An empty tape, for the next submission."""
-        self.tape = Tape(self.rung)
+        self.tape = Tape(self.rung.name)
         return self.tape
 
     def worker(self) -> RecordedWorker:
@@ -177,7 +178,7 @@ class PlayingBox:
     """A box without a process: `tape` is what it plays."""
 
     def __init__(self, rung: str) -> None:
-        self.rung, self.tape = rung, Tape(rung)
+        self.rung, self.tape = named(rung), Tape(rung)
 
     def worker(self) -> PlayedWorker:
         return PlayedWorker(self.tape)
