@@ -33,7 +33,8 @@ from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
 
 _WALL_PER_CPU = 5
-"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code."""
+"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
+parts of a conversation have together."""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,9 @@ _CALLS = {
     "simulate": "simulate_and_collect", "noise": "NoisyIMU", "default_bias": "NoisyIMU", "filter": "LowPassFilter",
     "plot": "plot_imu_data",
 }  # fmt: skip
+_WALL_PER_CPU = (
+    4  # seconds on the clock that a part has for each of its CPU time: who waits and answers pays for it, too
+)
 _SLOW_S = 2.0  # after which somebody who waits is told for what
 _OF_ITS_TIME = 0.8  # is what loading has before the process is ended: it may interrupt its statements itself
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
@@ -98,6 +101,7 @@ class Conversation:
         self._waiting = waiting
         self._part = ""
         self._used_cpu_s: defaultdict[str, float] = defaultdict(float)
+        self._used_wall_s: defaultdict[str, float] = defaultdict(float)
         self._overrun: Counter[str] = Counter()
         self._session: _Session | None = None
         self.deadly: dict[str, NoAnswer] = {}
@@ -198,12 +202,12 @@ class Conversation:
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
         session = self._fresh_session()
         worker = session.worker
-        if self._used_cpu_s[self._part] >= self._share_cpu_s:
-            raise TimedOut("this part used up its CPU time", cpu_s=0.0, wall_s=0.0)
+        if self._used_cpu_s[self._part] >= self._share_cpu_s or self._left_s() <= 0:
+            raise TimedOut("this part used up its time", cpu_s=0.0, wall_s=0.0)
         limit_s = self._limit_s()
         if op in _LOADING:
             fields = {**fields, "within_s": _OF_ITS_TIME * limit_s}
-        before = worker.cpu_s
+        before, began = worker.cpu_s, worker.wall_s
         try:
             return self._asked(session, op, fields, arrays or {}, limit_s)
         except TimedOut:
@@ -214,18 +218,23 @@ class Conversation:
             raise
         finally:
             self._used_cpu_s[self._part] += max(0.0, worker.cpu_s - before)
+            self._used_wall_s[self._part] += max(0.0, worker.wall_s - began)
             session.has_seen_data |= op not in ("load", "outline")
 
     def _limit_s(self) -> float:
         """Half as much after each call that did not end: all together they take no more than twice the first."""
         return float(self._call_cpu_s / 2 ** self._overrun[self._part])
 
+    def _left_s(self) -> float:
+        """What the part that is examined still has on the clock."""
+        return _WALL_PER_CPU * self._share_cpu_s - self._used_wall_s[self._part]
+
     def _asked(
         self, session: _Session, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray], limit_s: float
     ) -> Frame:
         try:
             with self._telling_if_slow(op, fields, limit_s):
-                frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s)
+                frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s, most_s=self._left_s())
         except (Crashed, TimedOut) as nothing:
             if op in _LOADING and not session.has_seen_data:  # or what it wrote down may tell of data
                 self._endings.learn_place(session.worker.place(), nothing, self.broken)

@@ -10,6 +10,7 @@ Whatever the code in the box does, `ask` ends in a frame, in a `NoAnswer`, or, i
 from __future__ import annotations
 
 import contextlib
+import math
 import secrets
 import signal
 import sys
@@ -168,6 +169,11 @@ class Worker:
         """CPU seconds used since the worker was ready."""
         return self._process.cpu_s()
 
+    @property
+    def wall_s(self) -> float:
+        """Seconds on the clock since the worker was ready, without those in which it waited for a processor."""
+        return self._process.wall_s()
+
     def ask(
         self,
         op: str,
@@ -176,6 +182,7 @@ class Worker:
         *,
         cpu_s: float = 10.0,
         wall_s: float | None = None,
+        most_s: float = math.inf,
     ) -> wire.Frame:
         """Ask one question and wait for its answer.
 
@@ -187,6 +194,8 @@ class Worker:
             CPU seconds that the answer may take, all threads together.
         wall_s
             Seconds on the clock while next to no CPU time is used; by default max(3 * cpu_s, cpu_s + 20).
+        most_s
+            Seconds on the clock whatever is used; never more than ten times `wall_s`.
 
         Raises
         ------
@@ -201,10 +210,15 @@ class Worker:
         question = _packed(nonce, op, fields or {}, arrays or {})
         limit = max(3 * cpu_s, cpu_s + 20) if wall_s is None else wall_s
         try:
-            frame = exchange(self._process.line, nonce, question, Deadline(self._process.cpu_s, cpu_s, limit))
+            frame = exchange(
+                self._process.line,
+                nonce,
+                question,
+                Deadline(self._process.cpu_s, self._process.wall_s, cpu_s, limit, most_s),
+            )
             return _answered(frame)
         except DeadlineError as error:
-            failure: NoAnswer = self._timed_out(error, cpu_s, limit)
+            failure: NoAnswer = TimedOut(f"no answer within {error.within}", cpu_s=error.cpu_s, wall_s=error.wall_s)
         except LineClosedError:
             self.alive = False
             failure = Crashed(_last_act(self._process.end(_LAST_MOMENT_S)))
@@ -236,11 +250,6 @@ class Worker:
         self.alive = False
         with contextlib.suppress(GraderError):  # the zygote is gone, and the worker with it
             self._process.end()
-
-    def _timed_out(self, error: DeadlineError, cpu_limit: float, wall_limit: float) -> TimedOut:
-        used_up = error.cpu_s >= cpu_limit
-        limit = f"{cpu_limit:g} s of CPU time" if used_up else f"{wall_limit:g} s"
-        return TimedOut(f"no answer within {limit}", cpu_s=error.cpu_s, wall_s=error.wall_s)
 
 
 def _asked_for(name: str) -> Rung:

@@ -26,7 +26,7 @@ from . import bubblewrap, namespaces, rootfs, surroundings, wire
 from .paths import empty
 from .plan import Contents, Plan
 from .printed import Printed
-from .process import WallsRefusedError, ZygoteGoneError, is_main_thread
+from .process import WallClock, WallsRefusedError, ZygoteGoneError, is_main_thread
 from .rungs import Rung
 
 _WALLS_WITHIN_S = 60.0
@@ -288,10 +288,12 @@ class Boxed:
         self._number = number
         self._pidfd = pidfd
         self._code: int | None = None
-        self._cpu_s = 0.0
+        self._cpu_s = self._wall_s = 0.0
+        self._clock: WallClock | None = None
         try:
             self._pid = _await_hello(line)
             self._before_s = time.clock_gettime(_cpu_clock(self._pid))
+            self._clock = WallClock(self._pid)
         except BaseException:
             self.end()
             raise
@@ -302,9 +304,15 @@ class Boxed:
                 self._cpu_s = time.clock_gettime(_cpu_clock(self._pid)) - self._before_s
         return self._cpu_s
 
+    def wall_s(self) -> float:
+        if self._code is None and self._clock is not None:
+            self._wall_s = self._clock.read()
+        return self._wall_s
+
     def end(self, grace_s: float = 0.0) -> int:
         if self._code is not None:
             return self._code
+        self.wall_s()
         self.line.close()
         _wait_for(self._pidfd, grace_s)
         with contextlib.suppress(ProcessLookupError):

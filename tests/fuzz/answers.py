@@ -69,7 +69,7 @@ def recorded(files: Files) -> Answers:
 class _Replay:
     """A worker that answers from a record, with some of the answers changed."""
 
-    alive, closed, cpu_s = True, False, 0.0
+    alive, closed, cpu_s, wall_s = True, False, 0.0, 0.0
 
     def __init__(self, answers: Answers, changed: set[str], seed: int) -> None:
         self._answers, self._changed, self._seed = answers, changed, seed

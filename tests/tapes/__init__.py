@@ -104,6 +104,10 @@ class RecordedWorker(_Line):
     def cpu_s(self) -> float:
         return self._worker.cpu_s
 
+    @property
+    def wall_s(self) -> float:
+        return self._worker.wall_s
+
     def ask(
         self,
         op: str,
@@ -136,7 +140,7 @@ class RecordedWorker(_Line):
 class PlayedWorker(_Line):
     """A worker that is only a tape."""
 
-    cpu_s = 0.0
+    cpu_s = wall_s = 0.0
 
     def ask(
         self,
