@@ -50,13 +50,13 @@ def check(
       imugrade check my_lab.zip --html report.html
     """
     from grader.engine.lab_box import open_box_for  # noqa: PLC0415
-    from grader.intake import read_submission  # noqa: PLC0415
+    from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     wanted = _Wanted(path, only, html, json, prints)
     if watch:
         return _watch(wanted, rubric, rung)
-    submission = read_submission(path, LAB.files)
+    submission = read_apart(path, LAB.files)
     with open_box_for(LAB, submission.files, rung) as box:
         from grader.commands import opening  # noqa: PLC0415 - this and the next while the box warms up
         from grader.engine import rubric as rubrics  # noqa: PLC0415

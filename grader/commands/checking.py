@@ -10,10 +10,11 @@ from pathlib import Path
 from grader.engine.conversation import Listener
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
+from grader.engine.reading import Alone, Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
-from grader.intake import Submission, read_submission
+from grader.intake import Submission
 from grader.intake.names import is_litter
 from grader.sandbox.box import Box
 
@@ -59,12 +60,14 @@ def check_on_save(
     begins, waits : called before each marking, and again and again between two
     listen : hears what the student's code prints
     """
-    with Marker(
-        rubric, traces, box=open_box_for(rubric.lab, read_submission(path, rubric.lab.files).files, rung)
-    ) as marker:
+    handed_in = Alone(path, rubric.lab.files)
+    with (
+        Reader() as reader,
+        Marker(rubric, traces, box=open_box_for(rubric.lab, reader.read(handed_in).files, rung)) as marker,
+    ):
         for _ in saves(path, written, waits):
             begins()
-            yield marker.mark(read_submission(path, rubric.lab.files), only=only, listen=listen)
+            yield marker.mark(reader.read(handed_in), only=only, listen=listen)
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:

@@ -16,12 +16,12 @@ from grader.course import cluster
 from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import publish, publish_class
-from grader.course.reading import Reader
 from grader.course.record import Key, Store
 from grader.course.remarks import forgotten, remarks
 from grader.engine.evidence import Evidence
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
+from grader.engine.reading import Reader
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import Criterion, Rubric
 from grader.engine.traces import Traces

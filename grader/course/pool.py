@@ -17,11 +17,12 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from grader.engine.processes import begin_process, interrupts_ignored, started_beside_no_student
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 
@@ -259,62 +260,10 @@ def _memory_of(pid: int) -> int:
     return 0
 
 
-@contextmanager
-def interrupts_ignored() -> Iterator[None]:
-    """A process started in here is deaf to Ctrl-C: the terminal sends it to all, and one process is to answer it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def started_beside_no_student() -> Iterator[None]:
-    """A new Python first looks for its modules in the folder that it is started in: not for a `signal.py` of a student's."""
-    before = os.getcwd()
-    os.chdir(os.path.dirname(os.__file__))
-    try:
-        yield
-    finally:
-        os.chdir(before)
-
-
 # What follows runs in the worker process.
 
 _open_marker: AbstractContextManager[Marking] | None = None
 _marker: Marking | None = None
-
-
-def begin_process(folder: str, in_main: bool) -> None:
-    """What a process of ours does first: go back to the folder that it is to work in, and see to its own end."""
-    os.chdir(folder)
-    leave_with_parent(in_main)
-
-
-def leave_with_parent(in_main: bool) -> None:
-    """From its first moment: a worker whose run was killed would wait for work for ever, with both ends of its own queue.
-
-    A thread cannot see to it while a long operation in C is going on, so the kernel is asked where it can be. What it waits for
-    is the end of the thread that started this process, so only the main one will do.
-    """
-    parent = multiprocessing.parent_process()
-
-    def wait() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    if sys.platform == "linux" and in_main:
-        from grader.sandbox.namespaces import die_with_parent  # noqa: PLC0415 - of Linux only
-
-        die_with_parent()
-        if parent is not None and os.getppid() != parent.pid:
-            os._exit(1)  # it ended before it could take this process along
-    threading.Thread(target=wait, daemon=True).start()
 
 
 def _open(open_marker: OpenMarker) -> int:

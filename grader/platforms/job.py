@@ -12,13 +12,13 @@ from typing import cast, get_args
 
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
+from grader.engine.reading import read_apart
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
 from grader.ground.text import printable
-from grader.intake import read_submission
 from grader.platforms import registry
 from grader.platforms.platform import Handed, Platform, Visibility
 
@@ -115,7 +115,7 @@ def run(job: Job) -> Result:
     if job.platform.refuse is not None:
         job.platform.refuse(job.environ, job.min_score)
     path = job.path or submission_of(job.platform)
-    submission = read_submission(path, job.rubric.lab.files)
+    submission = read_apart(path, job.rubric.lab.files)
     with Marker(job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.rung)) as marker:
         if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(
