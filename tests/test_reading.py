@@ -102,18 +102,21 @@ sys.exit(cli.main(sys.argv[1:]))
 """
 
 
+CHECK, CI = ("check", "--json", "result.json"), ("ci", "-f", "json", "-o", "result.json")
+LATE = "What was handed in could not be read within 0.5 s."
+
+
 @pytest.mark.skipif(
     sys.platform != "linux", reason="what is put in the place of the reading is not there in a fresh process"
 )
 @pytest.mark.parametrize(
-    ("hangs", "note"),
+    ("command", "hangs", "note"),
     [
-        ("time.sleep(60)", "What was handed in could not be read within 0.5 s."),
-        ("while True: pass", "What was handed in could not be read within 0.5 s."),
-        ("bytes(2 << 30)", "What was handed in takes too much memory to be read."),
+        (CHECK, "time.sleep(60)", LATE),
+        (CHECK, "bytes(2 << 30)", "What was handed in takes too much memory to be read."),
+        (CI, "while True: pass", LATE),
     ],
 )
-@pytest.mark.parametrize("command", [("check", "--json", "result.json"), ("ci", "-f", "json", "-o", "result.json")])
 def test_check_and_ci_end_whatever_reading_does(folder: Path, command: tuple[str, ...], hangs: str, note: str) -> None:
     done = subprocess.run(
         [sys.executable, "-c", HANGS.format(hangs=hangs), *command],
