@@ -191,10 +191,10 @@ class _Run:
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
-        if order.cluster is not None:
-            return cluster.mark_all(submissions, opener(order), order.cluster)
-        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
         bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
+        if order.cluster is not None:
+            return cluster.mark_all(submissions, opener(order), order.cluster, bounds)
+        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
         return mark_all(submissions, opener(order), jobs, bounds)
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:

@@ -12,7 +12,14 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def interrupts_ignored() -> Iterator[None]:
+def starting_ours() -> Iterator[None]:
+    """What is started in here is a process of ours, wherever this one was called, and whatever it is itself."""
+    with _interrupts_ignored(), _beside_no_student(), _though_a_daemon():
+        yield
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
     """A process started in here is deaf to Ctrl-C: the terminal sends it to all, and one process is to answer it."""
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -25,7 +32,7 @@ def interrupts_ignored() -> Iterator[None]:
 
 
 @contextmanager
-def started_beside_no_student() -> Iterator[None]:
+def _beside_no_student() -> Iterator[None]:
     """A new Python first looks for its modules in the folder that it is started in: not for a `signal.py` of a student's."""
     before = os.getcwd()
     os.chdir(os.path.dirname(os.__file__))
@@ -33,6 +40,18 @@ def started_beside_no_student() -> Iterator[None]:
         yield
     finally:
         os.chdir(before)
+
+
+@contextmanager
+def _though_a_daemon() -> Iterator[None]:
+    """A daemon, as Dask's nanny starts its workers, may have no children, for they might outlive it: ours do not."""
+    own = multiprocessing.current_process()._config  # type: ignore[attr-defined] # there is no other way: python/cpython#82408
+    daemon = own.pop("daemon", None)
+    try:
+        yield
+    finally:
+        if daemon is not None:
+            own["daemon"] = daemon
 
 
 def begin_process(folder: str, in_main: bool) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol
 
-from grader.engine.processes import begin_process, interrupts_ignored, started_beside_no_student
+from grader.engine.processes import begin_process, starting_ours
 from grader.ground.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.intake.names import safe_id
@@ -125,7 +125,7 @@ class Reader:
         self._process = context.Process(
             target=_serve, args=(theirs, self._memory_bytes, os.getcwd(), in_main), daemon=True
         )
-        with interrupts_ignored(), started_beside_no_student(), theirs, warnings.catch_warnings():
+        with starting_ours(), theirs, warnings.catch_warnings():
             warnings.simplefilter(
                 "ignore", DeprecationWarning
             )  # of idle threads of numpy's, which nothing here waits for

@@ -105,12 +105,24 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 # --- kinds of values -----------------------------------------------------------------------------------------------------
 
 
-def text(limit: int) -> Callable[[Any], None]:
+@dataclass(frozen=True)
+class Kind:
+    """A rule for one value that was made of others: by which function, and of what."""
+
+    made: Callable[..., Kind]
+    of: tuple[Any, ...]
+    rule: Callable[[Any], None]
+
+    def __call__(self, value: Any) -> None:
+        self.rule(value)
+
+
+def text(limit: int) -> Kind:
     def rule(value: Any) -> None:
         if not isinstance(value, str) or len(value) > limit:
             raise Wrong("no text, or too much of it")
 
-    return rule
+    return Kind(text, (limit,), rule)
 
 
 def whole(value: Any) -> None:
@@ -128,22 +140,22 @@ def flag(value: Any) -> None:
         raise Wrong("neither true nor false")
 
 
-def maybe(kind: Callable[[Any], Any]) -> Callable[[Any], None]:
+def maybe(kind: Callable[[Any], Any]) -> Kind:
     def rule(value: Any) -> None:
         if value is not None:
             kind(value)
 
-    return rule
+    return Kind(maybe, (kind,), rule)
 
 
-def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) -> Callable[[Any], None]:
+def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) -> Kind:
     def rule(value: Any) -> None:
         if not isinstance(value, list) or len(value) > most or exactly not in (None, len(value)):
             raise Wrong("no list, or one of another length")
         for item in value:
             kind(item)
 
-    return rule
+    return Kind(listed, (kind, most, exactly), rule)
 
 
 def part_of(record: Any, name: str, kind: Callable[[Any], Any]) -> Any:
@@ -161,20 +173,20 @@ def mapping(value: Any) -> None:
         raise Wrong("no object")
 
 
-def record(**kinds: Callable[[Any], Any]) -> Callable[[Any], None]:
+def record(**kinds: Callable[[Any], Any]) -> Kind:
     def rule(value: Any) -> None:
         for name, kind in kinds.items():
             part_of(value, name, kind)
 
-    return rule
+    return Kind(record, (kinds,), rule)
 
 
-def every(*kinds: Callable[[Any], None]) -> Callable[[Any], None]:
+def every(*kinds: Callable[[Any], None]) -> Kind:
     def rule(value: Any) -> None:
         for kind in kinds:
             kind(value)
 
-    return rule
+    return Kind(every, kinds, rule)
 
 
 short, long = text(_SHORT), text(_TEXT)
@@ -194,7 +206,7 @@ _stepped_over = record(
 # --- what a student's function returned ----------------------------------------------------------------------------------
 
 
-def node(answer: Answer, depth: int = 0) -> Callable[[Any], None]:
+def node(answer: Answer, depth: int = 0) -> Kind:
     def rule(value: Any) -> None:
         kind = part_of(value, "kind", short)
         if depth > _DEPTH:
@@ -214,7 +226,7 @@ def node(answer: Answer, depth: int = 0) -> Callable[[Any], None]:
         if "key" in value and kind not in ("array", "number", "list"):
             raise Wrong("numbers where there are none")
 
-    return rule
+    return Kind(node, (answer, depth), rule)
 
 
 def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
@@ -279,7 +291,7 @@ _AXES = {
     "visible": flag, "position": listed(number, 4, 4), "xlabel": short, "ylabel": short, "title": short,
     "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "y_limits": listed(number, 2, 2),
 }  # fmt: skip
-_CURVE = {
+_CURVE: dict[str, Callable[[Any], Any]] = {
     "label": short, "colour": short, "kind": short, "visible": flag, "n": whole, "style": short, "marker": short,
     "stroke": short,
 }  # fmt: skip
