@@ -287,7 +287,7 @@ def _pixels(answer: Answer) -> None:
 
 _entry = record(text=short, colour=short, style=short, marker=short, stroke=short)
 _placed = record(text=short, place=listed(number, 2, 2), colour=short)
-_AXES = {
+_AXES: dict[str, Callable[[Any], Any]] = {
     "visible": flag, "position": listed(number, 4, 4), "xlabel": short, "ylabel": short, "title": short,
     "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "y_limits": listed(number, 2, 2),
 }  # fmt: skip
@@ -295,7 +295,7 @@ _CURVE: dict[str, Callable[[Any], Any]] = {
     "label": short, "colour": short, "kind": short, "visible": flag, "n": whole, "style": short, "marker": short,
     "stroke": short,
 }  # fmt: skip
-_FIGURE = {
+_FIGURE: dict[str, Callable[[Any], Any]] = {
     "title": short, "xlabel": short, "ylabel": short, "texts": listed(short, 64),
     "legends": listed(listed(_entry, 64), 8),
 }  # fmt: skip

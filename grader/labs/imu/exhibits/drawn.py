@@ -66,7 +66,8 @@ def _panel(axes: Facts, figure: Facts, arrays: Mapping[str, Array]) -> Panel:
 
 def _reach(axes: Facts, arrays: Mapping[str, Array]) -> Array:
     """First and last x of the curves that are more than a straight line."""
-    ends = [arrays[each["x"]][[0, -1]] for each in axes["curves"] if each["visible"] and each["n"] > 2]
+    shown = [arrays[each["x"]] for each in axes["curves"] if each["visible"]]
+    ends = [x[[0, -1]] for x in shown if len(x) > 2]
     return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
 
 
