@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from grader.engine.conversation import THERE, Missing
-from grader.engine.findings import Fault, Lost, Raised, Skipped
+from grader.engine.findings import Fault, Lost, Raised, Skipped, Unusable
 from grader.engine.lab import Lab
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
@@ -61,12 +61,12 @@ def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mis
     earlier : title of the check that has told the same story already, or None
     mistakes : the lab's catalogue
     """
-    if isinstance(finding, Lost):
-        return _lost(finding, mistakes)
     if isinstance(finding, Skipped):
         return Told("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
         return Told("skipped", 0.0, f"Not reached: see “{earlier}”.")
+    if isinstance(finding, Lost):
+        return _lost(finding, mistakes)
     if isinstance(finding, Missing):
         return Told(
             "failed",
@@ -86,6 +86,8 @@ def story(finding: BaseException, part: str) -> str | None:
 
     A part's calls that do not end are one story, though each has less time than the one before.
     """
+    if isinstance(finding, Unusable):
+        return f"Unusable: {part}"
     if isinstance(finding, Lost | Skipped):
         return None
     if isinstance(finding, Missing):
@@ -93,6 +95,11 @@ def story(finding: BaseException, part: str) -> str | None:
     if isinstance(finding, TimedOut):
         return f"TimedOut: {part}"
     return f"{type(finding).__name__}: {finding}"
+
+
+def charged_with(title: str) -> Told:
+    """Words for a check that is lost by the fault of another one."""
+    return Told("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
 
 
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
