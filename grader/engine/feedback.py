@@ -97,6 +97,10 @@ def story(finding: BaseException, part: str) -> str | None:
     return f"{type(finding).__name__}: {finding}"
 
 
+STEP_BY_STEP = "Hold this part of your code against the sheet's step, line by line: look at the lines that differ."
+"""Where the measurement says no more than what was expected and what came."""
+
+
 def charged_with(title: str) -> Told:
     """Words for a check that is lost by the fault of another one."""
     return Told("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
@@ -105,7 +109,7 @@ def charged_with(title: str) -> Told:
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     message = f"Expected  {finding.expected}\nGot       {finding.got}"
-    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes)
+    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes) or STEP_BY_STEP
     return Told(outcome, finding.keeps, message, hint, finding.mistakes)
 
 
@@ -151,7 +155,7 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the harness was changed" in str(finding) else ()
     message = "Expected  an answer\nGot       something that is not an answer to the question asked"
-    return Told("crashed", 0.0, message, mistakes=named)
+    return Told("crashed", 0.0, message, NOT_UNDERSTOOD.hint, named)
 
 
 NOT_UNDERSTOOD = Told(
