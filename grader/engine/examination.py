@@ -12,7 +12,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,7 +20,7 @@ import pytest
 
 from grader.engine import withheld
 from grader.engine.conversation import Conversation, Missing
-from grader.engine.feedback import Told, catalogue, story, told
+from grader.engine.feedback import Told, catalogue, charged_with, story, told
 from grader.engine.findings import Lost, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.traces import Traces
@@ -44,7 +44,8 @@ class Check:
 class Judgement:
     """How one check ended; `told` is None where the grader failed to judge.
 
-    `ours` tells whether it failed for a reason that no answer can have: the box or the request.
+    `ours` tells whether it failed for a reason that no answer can have: the box or the request; `belongs_to` is the check that
+    charges the same fault, if there is one.
     """
 
     check: Check
@@ -52,6 +53,11 @@ class Judgement:
     trouble: str
     duration_s: float
     ours: bool = False
+    belongs_to: str = ""
+
+    @property
+    def lost(self) -> bool:
+        return self.told is not None and self.told.keeps < 1.0
 
 
 Need = Callable[[Any, Any], None]
@@ -127,7 +133,8 @@ class Examination:
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
-        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
+        belongs_to = ended.belongs_to if isinstance(ended, Lost) else ""
+        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
 
     def _told(self, finding: BaseException, earlier: str | None) -> Told:
         """What was missing was found out before any data was shown, and is told as it is."""
@@ -135,6 +142,14 @@ class Examination:
         if hidden and isinstance(finding, Lost | Skipped | Raised | NoAnswer):
             return withheld.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
+
+    def settle(self) -> None:
+        """Charge each fault once: a check that is lost by the fault of another lost one keeps its points, and says so."""
+        judged = dict(self.judgements)
+        for id_, each in judged.items():
+            other = judged.get(each.belongs_to)
+            if each.lost and other is not None and other.lost:
+                self.judgements[id_] = replace(each, told=charged_with(other.check.title))
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
@@ -207,6 +222,7 @@ class Session:
             if examination.lost_beside_standins(criterion):
                 with examination.alone(criterion):
                     _run(own)
+        examination.settle()
 
     @property
     def _now(self) -> Examination:

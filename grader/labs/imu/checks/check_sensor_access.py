@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Size, Skipped, raised
+from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
@@ -17,6 +17,8 @@ from grader.labs.imu.diagnosis import reading as diagnosis
 from grader.labs.imu.diagnosis.reading import Explanation, Scene
 from grader.labs.imu.student import Student
 
+_VALUES = "sensor_access.matches_truth"
+"""This charges what other checks see as well."""
 DISTURBED = 1e-12
 """Reading takes numbers out and puts none in: any change is a change. The margin is for a harmless mj_forward."""
 
@@ -25,18 +27,33 @@ DISTURBED = 1e-12
 def check_returns_two_vectors(student: Student, truth: Traces) -> None:
     """get_imu_readings returns acceleration and angular velocity, three numbers each"""
     readings = _torso(student, truth)
-    if not readings.oddities:
-        return
-    got = "; ".join(readings.oddities[:2])
-    nothing = not np.isfinite(readings.accel).any() and not np.isfinite(readings.gyro).any()
-    mistake = "wrong-return-type" if nothing or "dictionary" in got or "object" in got else "wrong-length"
-    raise Lost("a tuple of two arrays of shape (3,)", got, mistakes=[mistake])
+    _is_usable(readings)
+    got = _oddities(readings)
+    if "dictionary" in got or "object" in got:
+        raise Lost(_FORM, got, mistakes=["wrong-return-type"])
+    if got:
+        raise Lost(_FORM, got, mistakes=["wrong-length"], belongs_to=_VALUES)
+
+
+_FORM = "a tuple of two arrays of shape (3,)"
+
+
+def _oddities(readings: Readings) -> str:
+    return "; ".join(readings.oddities[:2])
+
+
+def _is_usable(readings: Readings) -> None:
+    """There are numbers in it, in whatever form: otherwise nothing can be judged."""
+    numbers = np.isfinite(readings.accel).any() or np.isfinite(readings.gyro).any()
+    if readings.oddities and not numbers:
+        raise Unusable(_FORM, _oddities(readings), mistakes=["wrong-return-type"])
 
 
 @check("sensor_access.matches_truth", lab_step=2)
 def check_matches_truth(student: Student, truth: Traces) -> None:
     """The values are the sensor's own: m/s² and rad/s in the sensor's frame, unaltered"""
     readings, scene = _torso(student, truth), _torso_scene(truth)
+    _is_usable(readings)
     explained = diagnosis.explain(readings.accel, readings.gyro, scene)
     if explained is None:
         unaltered = diagnosis.at_fixed_places(readings.accel, readings.gyro, scene) is not None
@@ -96,6 +113,8 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...]) ->
         deviation(got.reshape(-1, 3), true.reshape(-1, 3)).worst <= diagnosis.ATOL
         for got, true in ((readings.accel, scene.accel), (readings.gyro, scene.gyro))
     ]
+    if readings.oddities:
+        mistakes = ("wrong-length",)  # what is there may be right; the rest is not there
     gap, got, true, unit, name = _gap(readings, scene)
     raise Lost(
         f"{name} ≈ {told(true[gap.row], got[gap.row])} {unit}",
@@ -204,7 +223,9 @@ def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Ex
         and (first is None or second.value_mistakes == first.value_mistakes)
     ):
         return
-    _place_lost(readings, scene, _place_mistakes(readings, scene, _torso_scene(truth), second))
+    kept = first is not None and "cached-reading" in first.value_mistakes
+    place_mistakes = [] if kept else _place_mistakes(readings, scene, _torso_scene(truth), second)
+    _place_lost(readings, scene, place_mistakes, belongs_to=_VALUES if kept else "")
 
 
 def _place_mistakes(readings: Readings, scene: Scene, torso: Scene, found: Explanation | None) -> list[str]:
@@ -227,7 +248,7 @@ def _ignores_ids(readings: Readings) -> None:
     )
 
 
-def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
+def _place_lost(readings: Readings, scene: Scene, mistakes: list[str], belongs_to: str = "") -> None:
     gap, got, true, unit, name = _gap(readings, scene)
     raise Lost(
         f"{name} ≈ {told(true[gap.row], got[gap.row])} {unit}",
@@ -235,6 +256,7 @@ def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
         mistakes=mistakes,
         off=Size(f"{name} is off", gap.worst, unit),
         hint="The ids are arguments: use model.sensor_adr[id] of each, whatever the model.",
+        belongs_to=belongs_to,
     )
 
 

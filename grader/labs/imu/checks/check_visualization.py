@@ -340,13 +340,20 @@ def check_titles(student: Student, truth: Traces) -> None:
     )
 
 
+_FILTER = "filtering.follows_recursion"
+_NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
+"""What a file cannot be read with: nobody knows what it would draw, and what it defines is charged where it is missed."""
+_MEND_SCRIPT = "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
+
+
 @check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
-    drawn = broken_off = False
+    drawn = broken_off = unread = False
     seen = ""
     for drawing in student.scripts():
         broken_off = broken_off or drawing.fault is not None
+        unread = unread or (drawing.fault is not None and drawing.fault.type in _NO_PYTHON)
         seen = seen or next((_curves_in_words(f, drawing) for f in drawing.figures if _is_meant(f, drawing)), "")
         pairs = [(f, _compared(student, f, drawing)) for f in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
@@ -374,7 +381,13 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     mistakes = (
         [] if broken_off else ["comparison-missing"]
     )  # an exception came first: what the script would draw is not known
-    raise Lost("a picture with the raw and the filtered series in it", got, mistakes=mistakes)
+    raise Lost(
+        "a picture with the raw and the filtered series in it",
+        got,
+        mistakes=mistakes,
+        hint=_MEND_SCRIPT if broken_off else "",
+        belongs_to=_FILTER if unread else "",
+    )
 
 
 def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[comparing.Compared]:

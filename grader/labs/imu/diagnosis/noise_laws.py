@@ -104,3 +104,17 @@ def density(sensors: Sequence[Facts], timestep: float) -> bool:
     """Whether both sensors' noise is as far off as a density taken for a standard deviation is: by the root of rate or step."""
     ratios = [facts.pooled_spread / facts.std for facts in sensors]
     return any(all(abs(r / root - 1) < 0.07 for r in ratios) for root in (timestep**0.5, timestep**-0.5))
+
+
+def living(facts: Facts) -> Array:
+    """The standardised noise of the axes that have any."""
+    return np.asarray(facts.standardised[:, facts.standardised.any(axis=0)].ravel())
+
+
+def is_normal(facts: Facts) -> bool:
+    """Whether mean deviation and standard deviation are as far apart as a normal law has them; still axes aside."""
+    values = living(facts)
+    if facts.still or not values.size:
+        return True
+    low, high = st.geary_bounds(values.size)
+    return bool(low <= st.geary(values) <= high)
