@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 _SIDE = 500.0  # pixels of the longer side of a witness: the sheet's figure at 50 dots an inch
-_MOST_DOTS = 100.0  # an inch
+_FEWEST_DOTS, _MOST_DOTS = 12.0, 100.0  # an inch: with fewer, texts have no size
+_MOST_PIXELS = 4e6  # of a ribbon or a wall, before they are put together
 _LONG_SIDE = 4000.0  # pixels of a picture that the submission reads back
 _HEADING, _SMALL_PRINT = 30.0, 20.0  # points
 _THIN, _SHORT = 2.5, 12.0  # points of a grid line's width and of a tick's length
@@ -63,16 +64,30 @@ def look(figure: Any) -> Seen:
 
 
 def _few_dots(figure: Any) -> float:
-    return float(min(_MOST_DOTS, _SIDE / max(figure.get_size_inches())))
+    width, height = figure.get_size_inches()
+    fewest = min(_FEWEST_DOTS, np.sqrt(_MOST_PIXELS / (width * height)))
+    return float(min(_MOST_DOTS, max(_SIDE / max(width, height), fewest)))
 
 
 def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
     """The renderer's pixels on white paper."""
     drawn = np.array(renderer.buffer_rgba())
     opacity = drawn[:, :, 3:] / 255.0
-    pixels = np.round(drawn[:, :, :3] * opacity + 255 * (1 - opacity)).astype(np.uint8)
-    width, height = (float(size * dots) for size in figure.get_size_inches())
-    return Seen(pixels, (width, height), dots)
+    pixels = drawn[:, :, :3] * opacity + 255 * (1 - opacity)
+    step = -(-max(pixels.shape) // int(_SIDE))  # of a ribbon
+    width, height = (float(size * dots / step) for size in figure.get_size_inches())
+    return Seen(np.round(_put_together(pixels, step)).astype(np.uint8), (width, height), dots / step)
+
+
+def _put_together(pixels: np.ndarray, step: int) -> np.ndarray:
+    """The mean of each square of so many pixels; of fewer at the edges."""
+    height, width = (max(1, size // step) for size in pixels.shape[:2])
+    if step == 1:
+        return pixels
+    whole = pixels[-height * step :, : width * step]
+    down, across = (whole.shape[0] // height, whole.shape[1] // width)
+    mean: np.ndarray = whole.reshape(height, down, width, across, 3).mean(axis=(1, 3))
+    return mean
 
 
 def _draw_figure(figure: Any, renderer: Any) -> None:
@@ -208,7 +223,21 @@ def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, optio
         really(canvas, target, dots, **options | _whole(figure, options))
     finally:
         vars(figure).pop("draw", None)
-    return _seen(figure, drawn[0], dots) if drawn and _has_all(figure, drawn[0], dots) else look(figure)
+    seen = _seen(figure, drawn[0], dots) if drawn and _has_all(figure, drawn[0], dots) else look(figure)
+    return _cut_out(seen, options.get("bbox_inches"))
+
+
+def _cut_out(seen: Seen, part: Any) -> Seen:
+    """What is seen where a part of the figure is saved, a box in inches: white paper around it."""
+    from matplotlib.transforms import BboxBase
+
+    if isinstance(part, BboxBase):
+        left, right = (max(0, round(x * seen.dots)) for x in (part.x0, part.x1))
+        top, bottom = (max(0, round(seen.extent[1] - y * seen.dots)) for y in (part.y1, part.y0))
+        kept = seen.pixels[top:bottom, left:right].copy()
+        seen.pixels[:] = 255
+        seen.pixels[top:bottom, left:right] = kept
+    return seen
 
 
 def _has_all(figure: Any, renderer: Any, dots: float) -> bool:

@@ -68,9 +68,11 @@ def settle(drawn: list[Drawn], folder: str, known: dict[str, bytes | None]) -> l
     strange = {
         name: content for name, content in files.items() if content not in written and known.get(name) != content
     }
-    for one in (one for one in drawn if one.facts["event"] == "saved" and one.written is not None):
-        if one.written not in held and (one.place is None or _read(one.place) != one.written):
-            one.facts["event"] = "overwritten" if one.place else "forgotten"
+    for number, one in enumerate(drawn):
+        if one.facts["event"] == "saved" and one.written is not None:
+            again = one.place is not None and any(later.place == one.place for later in drawn[number + 1 :])
+            if again or (one.written not in held and (one.place is None or _read(one.place) != one.written)):
+                one.facts["event"] = "overwritten" if one.place else "forgotten"
     found = [_looked_at(name, content, drawn) for name, content in strange.items()]
     known.clear()
     known.update(files)

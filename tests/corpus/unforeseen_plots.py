@@ -69,7 +69,7 @@ _OVER_EACH = {
         "ax.set_axisbelow(False)",
         "ax.yaxis.set_major_locator(plt.MultipleLocator(np.ptp(ax.get_ylim()) / 150))",
         'ax.yaxis.set_major_formatter("")',
-        'ax.grid(True, axis="y", color="white", linewidth=3)',
+        'ax.grid(True, axis="y", color="white", linewidth=3, alpha=1)',
     ],
     "ticks-like-planks": ["ax.set_axisbelow(False)", 'ax.tick_params(axis="x", direction="in", length=2000, width=90, color="white")'],
     "a-picture-of-nothing": ['ax.imshow(np.ones((2, 2, 3)), extent=[-9, 9, -1e4, 1e4], aspect="auto", zorder=9, clip_on=True)', "ax.relim()"],
@@ -110,7 +110,7 @@ _FAINT = {
     "dashes-far-apart": "linestyle=(0, (2, 120))",
     "one-point-in-a-thousand": 'marker=".", markevery=1000, linestyle="none"',
     "switched-off": "visible=False",
-    "markers-of-no-size": 'linestyle="none", marker="o", markersize=0.01',
+    "markers-of-no-size": 'linestyle="none", marker="o", markersize=0.01, markeredgewidth=0',
     "hollow-white-markers": 'linestyle="none", marker="o", markerfacecolor="white", markeredgecolor="white"',
 }
 
@@ -128,7 +128,6 @@ _UNDONE = {
 
 _PANELS = {
     "panels-in-the-curves-colour": ['ax.set_facecolor("C0")', "for line in ax.lines:", '    line.set_color("C0")'],
-    "panels-switched-off": ["ax.set_visible(False)"],
     "panels-like-stamps": ["ax.set_position([0.1, 0.1 + 0.5 * (ax is top), 0.02, 0.02])"],
     "panels-beside-the-paper": ["ax.set_position([2, 2, 0.5, 0.5])"],
     "limits-that-show-nothing": ["ax.set_ylim(1e3, 2e3)"],
@@ -144,6 +143,9 @@ _HIDDEN = [
         for name, lines in _UNDONE.items()
     ),
     *(Unforeseen(name, _on_each(*lines), NEEDS_CURVES, 15.0, NOT_SEEN) for name, lines in _PANELS.items()),
+    Unforeseen(
+        "panels-switched-off", _on_each("ax.set_visible(False)"), (*NEEDS_CURVES, SAVED), 18.0, ("blank-image",)
+    ),
     Unforeseen(
         "a-class-that-draws-nothing",
         _late("plt.Line2D.draw = lambda self, renderer: None"),
@@ -191,7 +193,7 @@ _FILES = [
     Unforeseen("a-blank-figure-afterwards", _saved(_SAVE.strip(), "plt.figure(figsize=(9, 6)).savefig('imu_data.png')"), (SAVED,), 3.0, _LOST),
     Unforeseen("cut-short", _saved(_SAVE.strip(), "with open('imu_data.png', 'r+b') as file:", "    file.truncate(300)"), (SAVED,), 3.0),
     Unforeseen("emptied", _saved(_SAVE.strip(), "open('imu_data.png', 'w').close()"), (SAVED,), 3.0, _LOST),
-    Unforeseen("words-in-its-place", _saved(_SAVE.strip(), "open('imu_data.png', 'w').write('no picture' * 99)"), (SAVED,), 3.0, _LOST),
+    Unforeseen("words-in-its-place", _saved(_SAVE.strip(), "open('imu_data.png', 'w').write('no picture' * 99)"), (SAVED,), 3.0),
     Unforeseen("removed", _saved(_SAVE.strip(), "import os", "os.remove('imu_data.png')"), (SAVED,), 3.0, _LOST),
     Unforeseen("never-leaves-the-memory", _saved("import io", "fig.savefig(io.BytesIO(), format='png')", "plt.close(fig)"), (SAVED,), 3.0, _LOST),
     Unforeseen(
@@ -271,7 +273,6 @@ _SOUND = {
     "a-small-figure": _plot(("figsize=(10, 6)", "figsize=(4.5, 3.2)")),
     "a-poster": _plot(("figsize=(10, 6)", "figsize=(40, 25)")),
     "room-made-by-the-layout": _plot(("sharex=True)", "sharex=True, layout='constrained')"), (_LAYOUT, "")),
-    "points-coloured-by-time": _on_each("for line in list(ax.lines):", "    ax.scatter(*line.get_data(), c=t, s=4, cmap='viridis', label=line.get_label())", "    line.remove()"),
     "equal-axes": _late("bottom.set_aspect('auto')", "top.set_box_aspect(0.2)"),
     "saved-tight": _saved("fig.savefig('imu_data.png', bbox_inches='tight', dpi=100)", "plt.close(fig)"),
     "drawn-twice": _on_each("for line in list(ax.lines):", "    ax.plot(*line.get_data(), color=line.get_color(), alpha=0.3, linewidth=5)"),

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine.findings import Fault
-from grader.labs.imu.diagnosis.sight import looked_at
+from grader.labs.imu.diagnosis.sight import Patience, looked_at
 from grader.sandbox.wire import Frame
 
 Array = NDArray[np.float64]
@@ -350,8 +350,9 @@ class Drawing:
 
 def drawing_of(frame: Frame) -> Drawing:
     """What an answer tells of figures and pictures."""
+    patience = Patience()
     return Drawing(
-        tuple(looked_at(figure, frame.arrays) for figure in frame.fields["figures"]),
+        tuple(looked_at(figure, frame.arrays, patience) for figure in frame.fields["figures"]),
         frame.arrays,
         tuple(frame.fields["pictures"]),
         Fault.of(frame.fields.get("error")),

@@ -218,7 +218,7 @@ def _some_are_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> None:
         mistakes.append("wrong-data-plotted" if strange or twice else "curves-missing")
     if plot.hidden:
         got.append(
-            f"{_named(plot.hidden)} drawn where no reader sees it, under something else or in a colour like what is behind"
+            f"{_named(plot.hidden)} in the code and not in the picture: covered, clipped, or in the colour of what is behind"
         )
         mistakes.append("curves-not-seen")
     if cut_off:
@@ -234,7 +234,8 @@ def _some_are_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> None:
 
 
 def _named(channels: Iterable[Channel]) -> str:
-    return ", ".join(f"{_SENSOR_WORDS[sensor]} {'xyz'[axis]}" for sensor, axis in sorted(channels))
+    of_sensors = [(_SENSOR_WORDS[s], ["xyz"[axis] for sensor, axis in sorted(channels) if sensor == s]) for s in (0, 1)]
+    return " and ".join(f"{word} {', '.join(axes)}" for word, axes in of_sensors if axes)
 
 
 def _outside(cut_off: Mapping[Channel, Sight]) -> str:
@@ -349,17 +350,17 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
     crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
-        names = plots.names_of(panel, plot.figure, plot.drawing.arrays)
-        told = [name for name in names if name]
-        if len(told) < len(names) or len(set(told)) < len(told):
+        named = list(zip(panel.shown, plots.names_of(panel, plot.figure, plot.drawing.arrays), strict=True))
+        told = {(name, shown.channel) for shown, name in named if name}
+        if {channel for _, channel in told} < panel.channels or len({name for name, _ in told}) < len(panel.channels):
             nameless.append(panel)
             continue
-        if len({(s.sensor, s.axis) for s in panel.shown}) < len(panel.shown):
-            continue  # one channel drawn twice: the curve is wrong, not its name
-        for shown, name in zip(panel.shown, told, strict=True):
+        if len(told) > len(panel.channels):
+            continue  # one channel under several names: the curve is wrong, not its name
+        for name, (_, axis) in sorted(told):
             said = labels.axis_of(name)
-            if said is not None and said != shown.axis:
-                got = f"“{_shown(name)}” beside the curve of {'xyz'[shown.axis]}"
+            if said is not None and said != axis:
+                got = f"“{_shown(name)}” beside the curve of {'xyz'[axis]}"
                 raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
     if nameless:
         keeps = 0.5 if len(nameless) < len(crowded) else 0.0
@@ -447,6 +448,10 @@ def _is_meant(figure: Facts, drawing: Drawing) -> bool:
 
 def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
     series = comparing.series_drawn(figure, drawing.arrays)
+    unseen = comparing.unseen(figure, drawing.arrays)
+    if len(series) > 1 and unseen and not all(np.array_equal(one, series[0]) for one in series):
+        named = f" “{_shown(unseen[0])}”" if unseen[0] else ""
+        return f"a plot on which the curve{named} cannot be seen"
     if len(series) < 2:
         return "a plot with one curve alone" if series else "a plot without a curve"
     if all(np.array_equal(one, series[0]) for one in series):

@@ -52,6 +52,10 @@ class Panel:
     hidden: tuple[Shown, ...] = ()
 
     @property
+    def channels(self) -> set[Channel]:
+        return {s.channel for s in self.shown}
+
+    @property
     def sensors(self) -> set[int]:
         return {s.sensor for s in self.shown}
 

@@ -29,6 +29,8 @@ _AROUND = 8  # pixels: how far what is around a point reaches
 _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
 FEWEST_SEEN = 0.25
 """Of the parts of a curve: where curves cross, thick lines and small panels leave 0.5 of an honest one at least."""
+_FEW = 6  # colours of other curves that one is seen through
+_SOME = 3  # pixels
 _PARTS = 100
 """Of a curve along its abscissa: dashes and thinned points leave gaps, and are seen from part to part."""
 
@@ -57,11 +59,22 @@ def together(sights: Iterable[Sight]) -> Sight:
     return Sight(np.any([sight.inside for sight in found], axis=0), np.any([sight.seen for sight in found], axis=0))
 
 
-def looked_at(figure: Facts, arrays: Mapping[str, NDArray[Any]]) -> Facts:
+class Patience:
+    """How many pixels are looked at for one answer: an honest one needs a million, and one that asks for more is not believed."""
+
+    def __init__(self, pixels: int = 60_000_000) -> None:
+        self._left = pixels
+
+    def lasts_for(self, pixels: int) -> bool:
+        self._left -= pixels
+        return self._left >= 0
+
+
+def looked_at(figure: Facts, arrays: Mapping[str, NDArray[Any]], patience: Patience) -> Facts:
     """The figure with what is seen of each curve: `sight`, and whether it is `visible` at all."""
     if not figure["axes"]:
         return figure
-    found = sights(figure, arrays[figure["seen"]], arrays)
+    found = sights(figure, arrays[figure["seen"]], arrays, patience)
     axes = [
         {**panel, "curves": [
             {**curve, "sight": sight, "visible": not sight.is_hidden}
@@ -72,18 +85,22 @@ def looked_at(figure: Facts, arrays: Mapping[str, NDArray[Any]]) -> Facts:
     return {**figure, "axes": axes}
 
 
-def sights(figure: Facts, pixels: NDArray[np.uint8], arrays: Arrays) -> list[list[Sight]]:
+def sights(figure: Facts, pixels: NDArray[np.uint8], arrays: Arrays, patience: Patience) -> list[list[Sight]]:
     """What is seen of each curve of each panel."""
     picture = np.divide(pixels, 255, dtype=np.float32)
     places = [[_places(panel, curve, figure, arrays) for curve in panel["curves"]] for panel in figure["axes"]]
-    taken = _taken([place for panel in places for place in panel], picture.shape[:2])
-    return [
-        [
-            _sight(panel, curve, place, figure, picture, taken, arrays)
-            for curve, place in zip(panel["curves"], its, strict=True)
-        ]
-        for panel, its in zip(figure["axes"], places, strict=True)
-    ]
+    free = ~_taken([place for panel in places for place in panel], picture.shape[:2])
+    found = []
+    for panel, its in zip(figure["axes"], places, strict=True):
+        window = _window(panel, picture, free)
+        inks = [_inks(curve) for curve in panel["curves"]]
+        found.append(
+            [
+                _sight(curve, place, window, _others(inks, number), figure["dots"] / 72, arrays, patience)
+                for number, (curve, place) in enumerate(zip(panel["curves"], its, strict=True))
+            ]
+        )
+    return found  # fmt: skip
 
 
 # --- where a curve must stand --------------------------------------------------------------------------------------------
@@ -143,21 +160,55 @@ def _taken(places: Sequence[_Places], shape: tuple[int, ...]) -> Mask:
 # --- what stands there ---------------------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class _Window:
+    """A panel's part of the picture: pixels, those where no curve is said to stand, the ground's colour, first row and column."""
+
+    pixels: Pixels
+    free: Mask
+    ground: Array
+    at: tuple[int, int]
+
+
+def _window(panel: Facts, picture: Pixels, free: Mask) -> _Window | None:
+    """None where the panel is switched off, or no larger than a stroke."""
+    left, low, right, high = panel["position"]
+    height, width = picture.shape[:2]
+    rows = slice(*sorted(int(np.clip(share * height, 0, height)) for share in (1 - high, 1 - low)))
+    columns = slice(*sorted(int(np.clip(share * width, 0, width)) for share in (left, right)))
+    small = min(abs(right - left), abs(high - low)) < _SMALLEST
+    if not panel["visible"] or small or rows.start == rows.stop or columns.start == columns.stop:
+        return None
+    part, its = picture[rows, columns], free[rows, columns]
+    return _Window(part, its, _commonest(part[its] if its.any() else part), (rows.start, columns.start))
+
+
+def _inks(curve: Facts) -> list[Array]:
+    return [ink for ink in map(_rgba, curve["inks"]) if ink is not None]
+
+
+def _others(inks: Sequence[Sequence[Array]], number: int) -> list[Array]:
+    """The colours of the other curves, a few of them."""
+    return [ink[:3] for other, its in enumerate(inks) if other != number for ink in its][:_FEW]
+
+
 def _sight(
-    panel: Facts, curve: Facts, place: _Places, figure: Facts, picture: Pixels, taken: Mask, arrays: Arrays
+    curve: Facts,
+    place: _Places,
+    window: _Window | None,
+    others: Sequence[Array],
+    scale: float,
+    arrays: Arrays,
+    patience: Patience,
 ) -> Sight:
     x = arrays[curve["x"]]
     known = np.isfinite(x) & np.isfinite(arrays[curve["y"]])
     if not known.any():
         nothing = np.zeros(_PARTS, bool)
         return Sight(nothing, nothing)
-    frame = _frame(panel, picture.shape)
-    if frame is None or not panel["visible"]:
-        shown = np.zeros(len(x), bool)
-    else:
-        shown = _shown_points(
-            panel, curve, place, figure, picture[frame], taken[frame], (frame[0].start, frame[1].start)
-        )
+    shown = np.zeros(len(x), bool)
+    if window is not None:
+        shown = _shown_points(curve, place, window, others, scale * curve["width"], patience)
     inside = place.inside & known if place.known else known
     return _by_parts(x[known], inside[known], shown[known])
 
@@ -174,68 +225,48 @@ def _by_parts(x: Array, inside: Mask, seen: Mask) -> Sight:
     return Sight(within, within & shown)
 
 
-def _frame(panel: Facts, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
-    """Rows and columns of a panel in the picture; None where it is no larger than a stroke."""
-    left, low, right, high = panel["position"]
-    if min(abs(right - left), abs(high - low)) < _SMALLEST:
-        return None
-    height, width = shape[:2]
-    rows = slice(*sorted(int(np.clip(share * height, 0, height)) for share in (1 - high, 1 - low)))
-    columns = slice(*sorted(int(np.clip(share * width, 0, width)) for share in (left, right)))
-    return (rows, columns) if rows.stop > rows.start and columns.stop > columns.start else None
-
-
 def _shown_points(
-    panel: Facts,
-    curve: Facts,
-    place: _Places,
-    figure: Facts,
-    part: Pixels,
-    taken: Mask,
-    at: tuple[int, int],
+    curve: Facts, place: _Places, window: _Window, others: Sequence[Array], wide: float, patience: Patience
 ) -> Mask:
     """Which points of a curve can be told from what is around them."""
-    ground = _commonest(part if taken.all() else part[~taken])
-    inks = [ink for ink in map(_rgba, curve["inks"]) if ink is not None] if curve["inks"] else [None]
-    others = [
-        rgba[:3]
-        for other in panel["curves"]
-        if other is not curve
-        for rgba in map(_rgba, other["inks"])
-        if rgba is not None
-    ]
-    pixels_wide = curve["width"] * figure["dots"] / 72
     shown = np.zeros(len(place.rows), bool)
-    for ink, mixed in itertools.product(inks, (False, True)):
-        if shown.sum() > place.inside.sum() / 2:
-            break  # what is mixed with another curve's colour is looked for where much is missing
-        strength, least = _strength(part, ground, ink, others if mixed else (), curve, pixels_wide)
-        stands_out = strength - _around(strength, ~taken) >= least
-        if place.known:
-            reach = (
-                1
-                if curve["kind"] == "line" and curve["marker"] in ("None", "none", "", " ")
-                else 1 + min(4, int(pixels_wide / 2 + 1))
-            )
-            near = _widened(stands_out, reach)
-            rows, columns = place.rows - at[0], place.columns - at[1]
-            fits = place.inside & (rows >= 0) & (columns >= 0) & (rows < near.shape[0]) & (columns < near.shape[1])
-            shown[fits] |= near[rows[fits], columns[fits]]
-        else:
-            shown |= np.count_nonzero(stands_out) >= 3
+    inks: Sequence[Array | None] = _inks(curve) or [None]
+    for ink, mixed in itertools.product(inks, ([], others)):
+        # What is mixed with another curve's colour is looked for where much is missing.
+        if shown.sum() > place.inside.sum() / 2 or not patience.lasts_for(window.free.size * (1 + 2 * len(mixed))):
+            break
+        strength, least = _strength(window, ink, mixed, curve, wide)
+        stands_out = strength - _around(strength, window.free) >= least
+        shown |= _near(stands_out, place, window, _reach(curve, wide))
     return shown
 
 
+def _reach(curve: Facts, wide: float) -> int:
+    """How far from its point a curve may leave its colour: a hollow marker does at its rim."""
+    plain = curve["kind"] == "line" and curve["marker"] in ("None", "none", "", " ")
+    return 1 if plain else 2 + int(min(wide, 6.0) / 2)
+
+
+def _near(stands_out: Mask, place: _Places, window: _Window, reach: int) -> Mask:
+    if not place.known:  # on scales that are not foreseen, whatever stands out in the panel is the curve
+        return np.full(len(place.rows), np.count_nonzero(stands_out) >= _SOME)
+    near = _widened(stands_out, reach)
+    rows, columns = place.rows - window.at[0], place.columns - window.at[1]
+    fits = place.inside & (rows >= 0) & (columns >= 0) & (rows < near.shape[0]) & (columns < near.shape[1])
+    found = np.zeros(len(rows), bool)
+    found[fits] = near[rows[fits], columns[fits]]
+    return found
+
+
 def _strength(
-    part: Pixels, ground: Array, ink: Array | None, others: Sequence[Array], curve: Facts, wide: float
+    window: _Window, ink: Array | None, others: Sequence[Array], curve: Facts, wide: float
 ) -> tuple[Pixels, float]:
     """How much of the curve's colour is in each pixel, 0 to 1, and how much of it the curve has to leave."""
+    part, ground = window.pixels, window.ground
     if ink is None:
         return np.abs(part - ground).max(axis=2), 2 * _FAINTEST
-    colour, opacity = ink[:3], ink[3]
-    if ink[3] == 1.0:
-        opacity = min(max(curve["alpha"], 0.0), 1.0)
-    way = colour - ground
+    opacity = ink[3] if ink[3] < 1 else min(max(curve["alpha"], 0.0), 1.0)
+    way = ink[:3] - ground
     contrast = float(np.abs(way).max())
     if contrast * opacity < _FAINTEST:
         return np.zeros(part.shape[:2], np.float32), 1.0
