@@ -28,6 +28,7 @@ _DEPTH = 6
 _WHOLE = 1_000_000_000
 _COORDINATE = 1e12
 _MOST_PIXELS = 640 * 640
+_LONGEST_SIDE = 640
 
 
 class Wrong(Exception):  # noqa: N818 - it never leaves this module
@@ -289,21 +290,26 @@ _entry = record(text=short, colour=short, style=short, marker=short, stroke=shor
 _placed = record(text=short, place=listed(number, 2, 2), colour=short)
 _AXES: dict[str, Callable[[Any], Any]] = {
     "visible": flag, "position": listed(number, 4, 4), "xlabel": short, "ylabel": short, "title": short,
-    "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "y_limits": listed(number, 2, 2),
+    "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "x_limits": listed(number, 2, 2),
+    "y_limits": listed(number, 2, 2), "scales": listed(short, 2, 2),
 }  # fmt: skip
 _CURVE: dict[str, Callable[[Any], Any]] = {
-    "label": short, "colour": short, "kind": short, "visible": flag, "n": whole, "style": short, "marker": short,
-    "stroke": short,
+    "label": short, "colour": short, "kind": short, "n": whole, "style": short, "marker": short, "stroke": short,
+    "alpha": number, "inks": listed(short, 16), "width": number,
 }  # fmt: skip
 _FIGURE: dict[str, Callable[[Any], Any]] = {
     "title": short, "xlabel": short, "ylabel": short, "texts": listed(short, 64),
-    "legends": listed(listed(_entry, 64), 8),
+    "legends": listed(listed(_entry, 64), 8), "extent": listed(number, 2, 2), "dots": number,
 }  # fmt: skip
 
 
 def drawings(answer: Answer) -> None:
     answer.part("pictures", listed(long, 300))
+    answer.part("strange", listed(record(path=long, reason=short), 64))
     answer.part("figures", listed(_figure, 16))
+    for figure in answer.frame.fields["figures"]:
+        if "unreadable" not in figure:
+            _witness(answer, figure)
     curves = [c for figure in answer.frame.fields["figures"] for axes in figure["axes"] for c in axes["curves"]]
     if len(curves) > MAX_CURVES:
         raise Wrong(f"{len(curves)} curves")
@@ -317,6 +323,18 @@ def _figure(figure: Any) -> None:
     part_of(figure, "axes", listed(record(**_AXES, curves=listed(record(**_CURVE), 64)), 0 if unreadable else 24))
     if not unreadable:
         record(**_FIGURE)(figure)
+
+
+def _witness(answer: Answer, figure: Mapping[str, Any]) -> None:
+    """The pixels of what was drawn, in the size that the figure says."""
+    pixels = answer.frame.arrays.get(str(figure.get("seen")))
+    if pixels is None or pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:
+        raise Wrong("a figure without pixels")
+    height, width = pixels.shape[:2]
+    if not 0 < min(width, height) <= max(width, height) <= _LONGEST_SIDE:
+        raise Wrong(f"a picture of {width} × {height} pixels")
+    if max(abs(width - figure["extent"][0]), abs(height - figure["extent"][1])) > 1:
+        raise Wrong("a picture of another size than its figure")
 
 
 def points(answer: Answer, curve: Mapping[str, Any]) -> None:
