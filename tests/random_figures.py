@@ -77,7 +77,9 @@ def _figure(rng: Any) -> Any:
         places = [[axes] * 3 for axes in panels]
     names = iter("abcdef")
     for sensor, (values, axes) in enumerate(zip(sensors, places, strict=True)):
-        colours = _COLOURS[rng.integers(len(_COLOURS))] if layout != 1 else ("r", "g", "b") if sensor else ("c", "m", "k")
+        colours = (
+            _COLOURS[rng.integers(len(_COLOURS))] if layout != 1 else ("r", "g", "b") if sensor else ("c", "m", "k")
+        )
         for k, place in enumerate(axes):
             _draw(rng, place, t, values[:, k], {} if colours is None else {"color": colours[k]}, next(names))
     for place in itertools.chain(*places):
@@ -90,7 +92,9 @@ def _draw(rng: Any, axes: Any, t: Any, values: Any, options: dict[str, Any], nam
     t, values = t[::step], values[::step]
     way = rng.integers(8)
     if way == 0:
-        axes.scatter(t, values, s=float(rng.uniform(1, 30)), marker=str(rng.choice(list(".ox+^"))), label=name, **options)
+        axes.scatter(
+            t, values, s=float(rng.uniform(1, 30)), marker=str(rng.choice(list(".ox+^"))), label=name, **options
+        )
     elif way == 1:
         axes.step(t, values, where=str(rng.choice(["pre", "mid", "post"])), label=name, **options)
     elif way == 2:
@@ -116,7 +120,11 @@ def _furnish(rng: Any, axes: Any, t: Any) -> None:
         elif which == 1:
             axes.axvspan(t[len(t) // 5], t[len(t) // 3], color="C1", alpha=0.2, zorder=0)
         elif which == 2:
-            axes.set_facecolor(str(rng.choice(["#fafafa", "#eeeeff", "#fffbe6"])) if mpl.rcParams["axes.facecolor"] == "white" else "none")
+            axes.set_facecolor(
+                str(rng.choice(["#fafafa", "#eeeeff", "#fffbe6"]))
+                if mpl.rcParams["axes.facecolor"] == "white"
+                else "none"
+            )
         elif which == 3:
             axes.set_xlim(t[0], t[-1])
         elif which == 4:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -21,6 +21,7 @@ from grader.course.remarks import forgotten, remarks
 from grader.engine.evidence import Evidence
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
+from grader.engine.marks import marked
 from grader.engine.reading import Reader
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import Criterion, Rubric
@@ -77,6 +78,9 @@ class Audience(Protocol):
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
+    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
+        """The same ones, told as they are taken."""
+
 
 @dataclass
 class Outcome:
@@ -126,8 +130,10 @@ def _with_people(entry: Entry) -> HandIn:
 
 def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
-    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
-    return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
+    own = placed.due.get(entry.id)
+    due = own.isoformat() if own else ""
+    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted, due=due)
+    return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
 
 
 def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
@@ -152,6 +158,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
             run.grade(found.entries)
         finally:
             standings = publish_class(order.out, store, order.rubric.lab)
+        run.publish_known()
     outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
     if order.roster is None:
         outcome.remarks += tuple(forgotten(before, standings))
@@ -168,6 +175,7 @@ class _Run:
         self._outcome = outcome
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
+        self._known: list[Standing] = []
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -187,7 +195,13 @@ class _Run:
             still_open = [each for each in attempts if each[1].final is None]
             key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
-            self._publish(standing)
+            self._count(standing)
+            self._known = [*(each for each in self._known if each.id != standing.id), standing]
+
+    def publish_known(self) -> None:
+        """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
+        for standing in self._audience.pages(self._known):
+            publish(self._order.out, standing, self._store)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
@@ -205,7 +219,9 @@ class _Run:
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            known = None if self._order.force else self._store.recall(key)
+            known = (
+                None if self._order.force else self._store.recall(key) or self._store.remark(key, self._order.rubric)
+            )
             if known is None:
                 yield submission
             else:
@@ -219,7 +235,12 @@ class _Run:
     def _tell(self, key: Key, result: Result, *, resumed: bool) -> None:
         attempt = self._attempts[key]
         attempt.result = result
-        self._publish(self._standing(key, attempt))
+        standing = self._standing(key, attempt)
+        self._count(standing)
+        if resumed:
+            self._known.append(standing)
+        else:
+            publish(self._order.out, standing, self._store)
         self._audience.done(key.id, result, resumed=resumed)
 
     def _standing(self, key: Key, attempt: _Attempt) -> Standing:
@@ -227,9 +248,8 @@ class _Run:
             raise GraderError(f"{key.id}: one of its attempts has no result")
         return Standing(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
 
-    def _publish(self, standing: Standing) -> None:
+    def _count(self, standing: Standing) -> None:
         self._store.keep_hand_in(standing.id, standing.hand_in)
-        publish(self._order.out, standing, self._store)
         self._outcome.results[standing.id] = standing.result
 
 
@@ -276,14 +296,15 @@ def stopped(submission: Submission, order: Order, reason: str) -> Result:
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
     )
-    row = CheckResult("", "", "timeout", 0.0, 0.0, message="Expected  an answer in time\nGot  none, twice")
+    message = "Expected  an answer in time\nGot  none, twice"
+    row = CheckResult("", "", "timeout", 0.0, 0.0, message=message, keeps=0.0)
     return _without_marker(submission, order, "graded", row, note)
 
 
 def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
     """A result with the same row for every check of the criteria."""
     titles = {id_: check.title for id_, check in known_checks(order.rubric.lab).items()}
-    return Result(
+    found = Result(
         submission.name,
         status,
         criteria=tuple(_alike(criterion, titles, row) for criterion in order.rubric.criteria),
@@ -297,10 +318,11 @@ def _without_marker(submission: Submission, order: Order, status: Status, row: C
             "submission_sha256": submission.sha256,
         },
     )
+    return marked(found, order.rubric)
 
 
 def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) -> CriterionResult:
-    rows = (replace(row, id=c.id, title=titles.get(c.id, c.id), max_points=c.max_points) for c in criterion.checks)
+    rows = (replace(row, id=check.id, title=titles.get(check.id, check.id)) for check in criterion.checks)
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 

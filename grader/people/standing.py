@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from grader.engine.results import CriterionResult, Result
@@ -59,8 +59,12 @@ class HandIn:
         One, or all members of a group.
     submitted
         The platform's time stamp, ISO 8601 with its offset; "" where there is none.
+    due
+        When it is due for these people alone, as the roster has it, ISO 8601 with its offset; "" where they have no such date.
+    marked_late
+        The platform says that it is late, and not how late.
     late
-        None if it is not late, or nothing is known about it.
+        What follows from these and the policy; None if it is not late, or nothing is known about it.
     reply
         What a file's name begins with, in the platform's own upload, to come back to these people; "" if it has no such thing.
     number
@@ -72,6 +76,8 @@ class HandIn:
     late: Lateness | None = None
     reply: str = ""
     number: str = ""
+    due: str = ""
+    marked_late: bool = False
 
 
 NOTHING_KNOWN = HandIn()
@@ -97,13 +103,15 @@ class Standing:
     """Everything that a gradebook or a page tells of one submission: what it is handed in place of a bare `Result`.
 
     `result` is what was marked, and stays as it is. `adjusted` is its total with the adjustments, `final` what is left of that
-    by the late policy. Both are None while points are open through a fault of the grader.
+    by the late policy. Both are None while points are open through a fault of the grader, and `unseen` where there was nothing to
+    mark and nobody has looked: such a mark is not given out.
     """
 
     id: str
     result: Result
     hand_in: HandIn = NOTHING_KNOWN
     adjustments: tuple[Adjustment, ...] = ()
+    unseen: bool = False
 
     @property
     def people(self) -> tuple[Person, ...]:
@@ -126,7 +134,7 @@ class Standing:
     def adjusted(self) -> float | None:
         """Score with the adjustments, and extra credit; None while points are open."""
         points = [self.points(criterion) for criterion in self.result.criteria]
-        if None in points or self._credit_is_open():
+        if self.unseen or None in points or self._credit_is_open():
             return None
         return round(sum(p for p in points if p is not None) + self.result.extra_credit, 2)
 
@@ -160,6 +168,15 @@ class Standing:
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
+
+
+def given_out(standings: Mapping[str, Standing]) -> dict[str, Standing]:
+    """As they go to a platform: nothing stands for those that could not be read or held nothing, until a person has looked."""
+
+    def nothing(standing: Standing) -> bool:
+        return standing.result.status in ("empty", "unreadable") and not standing.adjustments
+
+    return {id_: replace(standing, unseen=nothing(standing)) for id_, standing in standings.items()}
 
 
 def beneath(criterion: CriterionResult) -> dict[str, float | None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
@@ -12,11 +12,10 @@ from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, has_suffix, original
 from grader.people.identity import Row as Who
 from grader.people.standing import HandIn, Person, Standing
-from grader.platforms.filled import Filled, directory, matched, refuse_other_scale
-from grader.platforms.found import MARKED_LATE, Found, Shape, mostly
+from grader.platforms.filled import Filled, Form, fill_in
+from grader.platforms.found import Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
-from grader.report import words
 
 # --- the gradebook, filled in -----------------------------------------------------------------------------------------
 
@@ -24,21 +23,14 @@ _ASSIGNMENT = re.compile(r"(.*)\s\((\d+)\)", re.DOTALL)
 _OF_ALL = re.compile(r"(Current|Final|Override) (Score|Points|Grade)")
 _NUMBERS = ("SIS User ID", "SIS Login ID", "Integration ID")
 EXCUSED = "EX"
+TEST_STUDENT = ("Student, Test", "Test Student")
+"""Whom Canvas adds to a course for its teacher, and lists among the others."""
 
 
-def fill(template: bytes, source: str, column: str | None, standings: Mapping[str, Standing]) -> Filled:
-    """The student columns as they were, and the assignment's with the final points; who is not graded keeps what stands there.
-
-    Parameters
-    ----------
-    template
-        The gradebook as Canvas exports it.
-    source
-        What messages call it.
-    column
-        The assignment: its title, its number, or the whole heading. None where there is only one.
-    standings
-        By id of the submission.
+def fill(
+    template: bytes, source: str, column: str | None, standings: Mapping[str, Standing], *, scaled: bool = False
+) -> Filled:
+    """The student columns as they were, and the assignment's with the final points; `column` is its title, number or heading.
 
     Raises
     ------
@@ -51,10 +43,10 @@ def fill(template: bytes, source: str, column: str | None, standings: Mapping[st
     if ("Student" not in titles[0] and titles[0] != "LastName") or len(titles) < 3 or section is None:
         raise RequestError(f"{source}: is no gradebook of Canvas; export it there with Grades > Export")
     grade = _assignment(titles, section, column, source)
-    filled = Filled()
-    rows = dict(_rows(sheet, grade, source, standings))
-    for number, match in matched(((n, _who(sheet, row)) for n, row in rows.items()), directory(standings)).items():
-        _set(sheet, rows[number], grade, standings[match.id] if match else None, filled)
+    form = _form(sheet, grade, source)
+    matches = form.matches(standings)
+    filled = fill_in(form, matches, standings, scaled=scaled)
+    filled.blank = [name for name in filled.blank if name.strip() not in TEST_STUDENT]
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()
     return filled
@@ -76,13 +68,24 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     return found[0]
 
 
-def _rows(sheet: Sheet, grade: int, source: str, standings: Mapping[str, Standing]) -> Iterator[tuple[int, Row]]:
-    """The rows of students; the one above them says what the assignment is out of."""
-    for number, row in enumerate(sheet.rows[1:], 1):
-        if "Points Possible" in row.value(0):
-            refuse_other_scale(source, row.value(grade), standings)
-        elif row.value(0).strip() and len(row.cells) > 1:
-            yield number, row
+def _form(sheet: Sheet, grade: int, source: str) -> Form:
+    """The rows of students; one above them says what the assignment is out of."""
+    points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
+    students = {
+        number: row
+        for number, row in enumerate(sheet.rows[1:], 1)
+        if row.value(0).strip() and len(row.cells) > 1 and "Points Possible" not in row.value(0)
+    }
+    return Form(
+        source,
+        sheet,
+        grade,
+        students,
+        who=lambda row: _who(sheet, row),
+        name=lambda row: row.value(0),
+        out_of=lambda _: points,
+        locked=lambda row: row.value(grade).strip().upper() == EXCUSED,
+    )
 
 
 def _who(sheet: Sheet, row: Row) -> Who:
@@ -98,18 +101,6 @@ def _name(sheet: Sheet, row: Row) -> str:
         if sheet.titles[0] == "LastName"
         else row.value(0)
     )
-
-
-def _set(sheet: Sheet, row: Row, grade: int, standing: Standing | None, filled: Filled) -> None:
-    if standing is None:
-        filled.blank.append(row.value(0))
-        return
-    filled.placed.add(standing.id)
-    if row.value(grade).strip().upper() == EXCUSED:
-        filled.kept.append(row.value(0))
-    elif standing.final is not None:
-        sheet.set(row, grade, words.number(standing.final))
-        filled.grades += 1
 
 
 # --- a download -------------------------------------------------------------------------------------------------------
@@ -152,7 +143,7 @@ def _parsed(name: str) -> re.Match[str] | None:
 def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], sources: Sources) -> Found:
     first, match = max(own, key=lambda each: _number(each[1]))
     name = original(match["name"] or user)
-    late = MARKED_LATE if any(m["late"] for _, m in own) else None
+    late = any(m["late"] for _, m in own)
     reply = first[: match.start("file")] if match["attachment"] else ""  # Canvas wants both numbers in a file's name
     person = Person(name, "" if name.startswith("anon_") else user, "canvas")
     wish = name if name.endswith(user) else f"{name}_{user}"
@@ -162,7 +153,7 @@ def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], 
         name,
         download.path,
         sources,
-        HandIn((person,), late=late, reply=original(reply)),
+        HandIn((person,), marked_late=late, reply=original(reply)),
         ("", _number(match), ""),
     )
 
