@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from grader.commands.common import login
 from grader.ground.errors import RequestError
 
 
@@ -53,17 +54,7 @@ def adjust(
         raise RequestError("adjust: give --points, or --withdraw")
     else:
         wishes = [adjusting.Wish(id_, criterion, "" if points is None else repr(points), comment)]
-    lines = adjusting.adjust(LAB, out, wishes, author or _login()) if wishes else adjusting.listing(out)
+    lines = adjusting.adjust(LAB, out, wishes, author or login()) if wishes else adjusting.listing(out)
     for line in lines:
         print(line)
     return 0
-
-
-def _login() -> str:
-    """Who is logged in; a machine need not know."""
-    import getpass  # noqa: PLC0415
-
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError, ImportError):
-        return "unknown"

@@ -12,7 +12,7 @@ import numpy as np
 
 from grader.engine.conversation import Missing
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Raised, Skipped, raised
+from grader.engine.findings import A_PERSON_MAY, Lost, Raised, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.ground.text import printable
@@ -97,9 +97,7 @@ def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
     if saved:
         raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
     if _picture_shows_something(student, _PICTURE) and not drawing.figures:
-        student.note(
-            f"{_PICTURE} was handed in, and no code draws it: whoever looks at it may give more for what it shows"
-        )
+        student.note(f"{_PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
         return  # nothing draws it, and it is there to be seen
     drawn = "a figure that is drawn and never saved" if any(map(_curves, drawing.figures)) else "no figure"
     raise Lost(f"a saved picture, {_PICTURE}", drawn, mistakes=["plot-not-saved"])
