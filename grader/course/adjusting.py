@@ -201,7 +201,7 @@ def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str,
     if withdraws and (wish.id, wish.criterion, wish.alone) not in said:
         return f"{wish.place}: {printable(wish.id)} has no adjustment of {wish.criterion} to withdraw"
     if points is not None and not wish.alone and (over := covering(standing, wish.criterion)):
-        return f"{wish.place}: {printable(wish.id)} has its {over} by hand, which counts in place of {wish.criterion}; withdraw that first"
+        return f"{wish.place}: {printable(wish.id)} has its {over} by hand, in place of {wish.criterion}; withdraw that first"
     if not (wish.comment.strip() or wish.alone) or len(wish.comment) > MAX_COMMENT:
         return f"{wish.place}: say why in a comment of at most {MAX_COMMENT} characters"
     return ""
