@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Lateness, Person
+from grader.people.standing import Person
 from grader.platforms.classes import Intake, read_class
 from tests import classes
 from tests.corpus.writing import as_bytes
@@ -182,10 +182,10 @@ def test_canvas_names_give_who_late_and_where_feedback_goes(tmp_path: Path) -> N
         "doejane",
         (Person("doejane", "101", "canvas"),),
     )
-    assert jane.hand_in.late == Lateness("", None)
+    assert jane.hand_in.marked_late
     assert jane.hand_in.reply == "doejane_LATE_101_9002_"
     assert set(jane.read().files) == {"imu_reader.py", "filters.py"}
-    assert (li.id, li.hand_in.late, li.hand_in.people[0].key) == ("li2_102", None, "102")
+    assert (li.id, li.hand_in.marked_late, li.hand_in.people[0].key) == ("li2_102", False, "102")
 
 
 def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp_path: Path) -> None:
@@ -222,7 +222,7 @@ def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_pa
         ("roe_103", "empty"),
     ]
     assert found.entries[0].hand_in.people == (Person("anon_x7Qz1", "", "canvas"),)
-    assert found.entries[0].hand_in.late is not None
+    assert found.entries[0].hand_in.marked_late
     assert found.leftovers == (
         f"{tmp_path}/c.zip/readme.md: not named as Canvas names files, so whose it is cannot be told",
     )
@@ -355,7 +355,7 @@ def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Pat
     assert found["rob-lab4-a"].people == (Person("Al Short", "a", "git", email="al@example.edu", section="1"),)
     assert found["rob-lab4-anna-a"].people[0].name == "Anna Long"
     assert found["rob-lab4-anna-a"].submitted == "2026-11-21T21:00:00+00:00"
-    assert (found["rob-lab4-a"].late, found["rob-lab4-anna-a"].late) == (None, Lateness("", None))
+    assert (found["rob-lab4-a"].marked_late, found["rob-lab4-anna-a"].marked_late) == (False, True)
     assert found["rob-lab4-new"].people[0].name == "rob-lab4-new"
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from grader import cli
-from grader.engine.feedback import catalogue
+from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
 from grader.handbook import entries
 from grader.labs.imu.lab import LAB

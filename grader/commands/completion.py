@@ -13,7 +13,7 @@ def criteria(incomplete: str) -> list[str]:
 def explained(incomplete: str) -> list[str]:
     """Every mistake, criterion, extension and check."""
     from grader.engine import rubric  # noqa: PLC0415
-    from grader.engine.feedback import catalogue  # noqa: PLC0415
+    from grader.engine.mistakes import catalogue  # noqa: PLC0415
 
     checks = [weight.id for weight in rubric.load(LAB).checks]
     return _beginning(incomplete, [*catalogue(LAB), *LAB.titles, *checks])

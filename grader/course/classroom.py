@@ -23,6 +23,7 @@ from grader.course.remarks import forgotten, remarks
 from grader.engine.evidence import Evidence
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
+from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import Criterion, Rubric
 from grader.engine.traces import Traces
@@ -126,8 +127,10 @@ def _with_people(entry: Entry) -> HandIn:
 
 def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
-    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
-    return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
+    own = placed.due.get(entry.id)
+    due = own.isoformat() if own else ""
+    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted, due=due)
+    return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
 
 
 def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
@@ -207,7 +210,9 @@ class _Run:
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            known = None if self._order.force else self._store.recall(key)
+            known = (
+                None if self._order.force else self._store.recall(key) or self._store.remark(key, self._order.rubric)
+            )
             if known is None:
                 yield submission
             else:
@@ -278,14 +283,15 @@ def stopped(submission: Submission, order: Order, reason: str) -> Result:
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
     )
-    row = CheckResult("", "", "timeout", 0.0, 0.0, message="Expected  an answer in time\nGot  none, twice")
+    message = "Expected  an answer in time\nGot  none, twice"
+    row = CheckResult("", "", "timeout", 0.0, 0.0, message=message, keeps=0.0)
     return _without_marker(submission, order, "graded", row, note)
 
 
 def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
     """A result with the same row for every check of the criteria."""
     titles = {id_: check.title for id_, check in known_checks(order.rubric.lab).items()}
-    return Result(
+    found = Result(
         submission.name,
         status,
         criteria=tuple(_alike(criterion, titles, row) for criterion in order.rubric.criteria),
@@ -299,10 +305,11 @@ def _without_marker(submission: Submission, order: Order, status: Status, row: C
             "submission_sha256": submission.sha256,
         },
     )
+    return marked(found, order.rubric)
 
 
 def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) -> CriterionResult:
-    rows = (replace(row, id=c.id, title=titles.get(c.id, c.id), max_points=c.max_points) for c in criterion.checks)
+    rows = (replace(row, id=check.id, title=titles.get(check.id, check.id)) for check in criterion.checks)
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 

@@ -15,7 +15,7 @@ from distributed import Worker, WorkerPlugin, get_worker
 
 from grader import __version__
 from grader.course.pool import Marking, words
-from grader.engine.results import Result, to_dict
+from grader.engine.results import Result, to_record
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 
@@ -30,7 +30,7 @@ def versions() -> dict[str, str]:
 
 def plain(result: Result) -> dict[str, Any]:
     """A result as it travels: text, bytes and numbers."""
-    record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
+    record = json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
     return {"record": record, "charts": result.evidence.charts, "fingerprint": list(result.evidence.fingerprint)}
 
 

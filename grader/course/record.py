@@ -13,12 +13,14 @@ import sqlite3
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 from types import TracebackType
 
 from grader.engine.evidence import Chart, unpacked
-from grader.engine.results import Result, from_dict, to_dict
+from grader.engine.marks import fits, marked
+from grader.engine.results import Result, from_dict, to_record
+from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.people.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
@@ -90,6 +92,11 @@ INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader
 VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader)
 DO UPDATE SET status = excluded.status, record = excluded.record, charts = excluded.charts, fingerprint = excluded.fingerprint
+"""
+_REMARK = """
+INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record, charts, fingerprint)
+SELECT id, submission_sha256, ?, traces_sha256, grader, status, ?, charts, fingerprint FROM results WHERE seq = ?
+ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader) DO UPDATE SET record = excluded.record
 """
 _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decision"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
@@ -171,10 +178,9 @@ class Store:
 
     def keep(self, key: Key, result: Result) -> None:
         """Commit one result and make it the submission's present one."""
-        record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
         with self._told(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
-            self._db.execute(_KEEP, (*astuple(key), result.status, record, *evidence))
+            self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
             self._point_at(key)
 
     def recall(self, key: Key) -> Result | None:
@@ -185,6 +191,28 @@ class Store:
             if row is not None:
                 self._point_at(key)
         return None if row is None else from_dict(json.loads(row[0]))
+
+    def remark(self, key: Key, rubric: Rubric) -> Result | None:
+        """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a box."""
+        query = (
+            "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
+            "AND status != 'incomplete' ORDER BY seq DESC"
+        )
+        with self._told(), self._transaction():
+            for seq, record in self._db.execute(query, (key.id, key.submission_sha256, key.traces_sha256, key.grader)):
+                found = from_dict(json.loads(record))
+                if fits(found, rubric):
+                    result = marked(found, rubric)
+                    self._db.execute(_REMARK, (rubric.sha256, _text(result), seq))
+                    self._point_at(replace(key, rubric_sha256=rubric.sha256))
+                    return result
+        return None
+
+    def keys(self) -> dict[str, Key]:
+        """What each present result depends on, by id."""
+        query = "SELECT class.id, submission_sha256, rubric_sha256, traces_sha256, grader FROM class JOIN results USING (seq)"
+        with self._told():
+            return {row[0]: Key(*row) for row in self._db.execute(query)}
 
     def present(self) -> dict[str, Result]:
         """The present result of every submission of the class, by id, in the order of the ids."""
@@ -450,3 +478,7 @@ class Store:
                 f"{self.path}: {problem}; free or repair it, or choose another folder with -o "
                 "(what was recorded before is kept)"
             ) from problem
+
+
+def _text(result: Result) -> str:
+    return json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from grader.engine.feedback import NOT_UNDERSTOOD
-from grader.engine.results import CriterionResult, ExtensionResult, Result
+from grader.engine.results import Result
 from grader.ground.text import printable
 from grader.people.standing import Adjustment, HandIn, Standing, summed, under, worth
 from grader.report import words
@@ -57,8 +57,7 @@ def _outdated(standing: Standing, adjustment: Adjustment) -> str:
 
 
 def not_understood(result: Result) -> bool:
-    parts: tuple[CriterionResult | ExtensionResult, ...] = (*result.criteria, *result.extensions)
-    return any(check.message == NOT_UNDERSTOOD.message for part in parts for check in part.checks)
+    return any(check.message == NOT_UNDERSTOOD.message for part in result.parts for check in part.checks)
 
 
 def equal(standings: Iterable[Standing]) -> Iterator[list[str]]:

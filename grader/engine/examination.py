@@ -20,9 +20,10 @@ import pytest
 
 from grader.engine import withheld
 from grader.engine.conversation import Conversation, Missing
-from grader.engine.feedback import Told, catalogue, story, told
+from grader.engine.feedback import Told, story, told
 from grader.engine.findings import Lost, Raised, Skipped
 from grader.engine.lab import Lab
+from grader.engine.mistakes import catalogue
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError, NoAnswer, RequestError
 

@@ -21,6 +21,7 @@ from pathlib import Path
 import yaml
 
 from grader.engine.lab import Lab
+from grader.engine.mistakes import catalogue
 from grader.engine.robot import Model
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
 from grader.ground.errors import RequestError
@@ -42,6 +43,7 @@ __all__ = [
     "shipped",
 ]
 
+_OPTIONAL = ("model", "extra_credit", "late", "mistakes")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
@@ -114,8 +116,10 @@ class LatePolicy:
 class Rubric:
     """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
 
-    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `sha256` is that
-    of all that marks depend on: a comment, the order of the lines or another late policy leaves it as it is.
+    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `mistakes` are
+    those that have a price: what each costs in a check that it loses, in place of the check's own points. `sha256` is that of all
+    that marks depend on: a comment, the order of the lines or another late policy leaves it as it is; `asked_sha256` of what is
+    asked alone: by a rubric with the same one, marks can be made anew from what is on record.
     """
 
     lab: Lab
@@ -124,9 +128,11 @@ class Rubric:
     limits: Limits
     model: Model
     sha256: str
+    asked_sha256: str
     source: str
     extra_credit_cap: float | None = None
     late: LatePolicy | None = None
+    mistakes: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def parts(self) -> tuple[Criterion | Extension, ...]:
@@ -201,7 +207,7 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     """
     reader = Reader(source)
     root = reader.compose(data)
-    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), ("model", "extra_credit", "late"))
+    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), _OPTIONAL)
     criteria = _criteria(reader, keys.get("criteria"), [part.id for part in lab.parts])
     each, cap = _extra_credit(reader, keys.get("extra_credit"))
     extensions = _extensions(reader, keys.get("extensions"), [bonus.id for bonus in lab.bonuses], each)
@@ -209,10 +215,12 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     limits = _limits(reader, keys.get("limits"))
     model = _model(reader, keys.get("model"), folder or Path())
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
+    mistakes = _mistakes(reader, keys.get("mistakes"), lab)
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    digest = _digest(criteria, extensions, limits, model, granted)
-    return Rubric(lab, criteria, extensions, limits, model, digest, source, granted, late)
+    digest = _digest(criteria, extensions, limits, model, granted, *([mistakes] if mistakes else []))
+    asked = _digest(limits, model)
+    return Rubric(lab, criteria, extensions, limits, model, digest, asked, source, granted, late, mistakes)
 
 
 def know_part(rubric: Rubric, only: str | None) -> None:
@@ -365,6 +373,22 @@ def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | Non
     elif listed is not None:
         reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
     return None if due is None else LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions)
+
+
+def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
+    """What a named mistake costs, by its id."""
+    if node is None:
+        return {}
+    if not isinstance(node, yaml.MappingNode):
+        reader.say(node, "mistakes must be `name: points` lines; `imugrade explain` lists the names")
+        return {}
+    known = catalogue(lab)
+    prices: dict[str, float] = {}
+    for name, (key, value) in reader.pairs(node, "mistakes").items():
+        if name not in known:
+            reader.say(key, f"there is no mistake {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
+        prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
+    return dict(sorted(prices.items()))
 
 
 def _digest(*meaning: object) -> str:

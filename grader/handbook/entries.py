@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from grader.engine.examination import Check, known_checks
-from grader.engine.feedback import Mistake, catalogue
+from grader.engine.mistakes import Mistake, catalogue
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
 from grader.ground.errors import RequestError
 from grader.ground.text import printable

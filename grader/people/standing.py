@@ -59,8 +59,12 @@ class HandIn:
         One, or all members of a group.
     submitted
         The platform's time stamp, ISO 8601 with its offset; "" where there is none.
+    due
+        When it is due for these people alone, as the roster has it, ISO 8601 with its offset; "" where they have no such date.
+    marked_late
+        The platform says that it is late, and not how late.
     late
-        None if it is not late, or nothing is known about it.
+        What follows from these and the policy; None if it is not late, or nothing is known about it.
     reply
         What a file's name begins with, in the platform's own upload, to come back to these people; "" if it has no such thing.
     number
@@ -72,6 +76,8 @@ class HandIn:
     late: Lateness | None = None
     reply: str = ""
     number: str = ""
+    due: str = ""
+    marked_late: bool = False
 
 
 NOTHING_KNOWN = HandIn()

@@ -13,7 +13,7 @@ from grader.intake.names import ARCHIVES, has_suffix, original
 from grader.people.identity import Row as Who
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.filled import Filled, directory, matched, refuse_other_scale
-from grader.platforms.found import MARKED_LATE, Found, Shape, mostly
+from grader.platforms.found import Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
 from grader.report import words
@@ -152,7 +152,7 @@ def _parsed(name: str) -> re.Match[str] | None:
 def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], sources: Sources) -> Found:
     first, match = max(own, key=lambda each: _number(each[1]))
     name = original(match["name"] or user)
-    late = MARKED_LATE if any(m["late"] for _, m in own) else None
+    late = any(m["late"] for _, m in own)
     reply = first[: match.start("file")] if match["attachment"] else ""  # Canvas wants both numbers in a file's name
     person = Person(name, "" if name.startswith("anon_") else user, "canvas")
     wish = name if name.endswith(user) else f"{name}_{user}"
@@ -162,7 +162,7 @@ def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], 
         name,
         download.path,
         sources,
-        HandIn((person,), late=late, reply=original(reply)),
+        HandIn((person,), marked_late=late, reply=original(reply)),
         ("", _number(match), ""),
     )
 

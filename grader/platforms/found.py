@@ -7,10 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.intake.downloads import Sources
-from grader.people.standing import NOTHING_KNOWN, HandIn, Lateness
-
-MARKED_LATE = Lateness(due="", seconds=None)
-"""The platform says that it is late, and not how late."""
+from grader.people.standing import NOTHING_KNOWN, HandIn
 
 
 @dataclass(frozen=True)
