@@ -11,7 +11,7 @@ from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from grader.course.record import OvertakenError
-from grader.desk import asking, overviews, submissions
+from grader.desk import appeals, asking, comparing, costs, groups, overviews, submissions
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.doors import Doors, Keys
@@ -23,11 +23,21 @@ Handler = Callable[[Classbook, Ask], Response]
 PAGES: dict[str, Handler] = {
     "/": overviews.needs_a_look,
     "/class": overviews.everybody,
+    "/groups": groups.show_all,
+    "/groups/{kind}/{key}": groups.show,
+    "/alike": comparing.show_all,
+    "/alike/{first}/{second}": comparing.show,
+    "/appeals": appeals.show,
+    "/cost": costs.show,
     "/submission/{id}": submissions.show,
     "/submission/{id}/picture/{place:int}": submissions.picture,
 }
 WRITES: dict[str, Handler] = {
     "/tick": overviews.tick,
+    "/groups/{kind}/{key}": groups.decide,
+    "/decisions/take-back": groups.take_back,
+    "/appeals": appeals.add,
+    "/cost": costs.save,
     "/submission/{id}/by-hand": submissions.by_hand,
 }
 

@@ -14,9 +14,11 @@ from grader.course.adjusting import Made, Wish, decide
 from grader.course.kept import Kept, unpack
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Appeal, Store, Tick
+from grader.course.remarking import remark
 from grader.desk.cliques import Clique, cliques
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
+from grader.engine.rubric import Rubric, load
 from grader.people.standing import Adjustment, Standing
 from grader.report.similarity import Pair, own_hashes, pairs
 
@@ -41,10 +43,13 @@ class Classbook:
     ----------
     out
         What `imugrade grade` wrote.
+    rubric
+        What it was graded by; None is the shipped one.
     """
 
-    def __init__(self, lab: Lab, out: Path) -> None:
+    def __init__(self, lab: Lab, out: Path, rubric: Path | None = None) -> None:
         self.lab, self.out = lab, out
+        self.rubric, self.rubric_path = load(lab, rubric), rubric
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))
         self._seen = -1
@@ -108,6 +113,12 @@ class Classbook:
 
     def tick(self, looked: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
         self._store.tick([Tick(*key, done, author, now()) for key in looked])
+
+    def mark_by(self, rubric: Rubric) -> None:
+        """Mark the class anew by another rubric, from what is on record."""
+        self.settled()
+        remark(self.out, self._store, rubric)
+        self.rubric, self._seen = rubric, -1
 
     def appeals(self) -> list[Appeal]:
         return self._store.appeals()

@@ -43,10 +43,12 @@ class Reason:
 
     kind: str
     sentence: str
+    who: tuple[str, ...] = ()
 
     @property
     def about(self) -> str:
-        return hashlib.sha256(self.sentence.encode("utf-8", "replace")).hexdigest()[:16]
+        facts = "\n".join((self.sentence, *self.who))
+        return hashlib.sha256(facts.encode("utf-8", "replace")).hexdigest()[:16]
 
     @property
     def title(self) -> str:
@@ -55,11 +57,16 @@ class Reason:
 
 @dataclass(frozen=True)
 class Look:
-    """A reason of one submission, or (without an id) of the class, and who has looked."""
+    """A reason of one submission, of several (`others` are alike), or (without an id) of the class, and who has looked."""
 
     id: str
     reason: Reason
     tick: Tick | None
+    others: tuple[str, ...] = ()
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        return (self.id, *self.others)
 
     @property
     def key(self) -> str:
@@ -75,16 +82,17 @@ def looks(
     ticks: Mapping[tuple[str, str, str], Tick],
 ) -> list[Look]:
     """Every reason, the most pressing kind first, within a kind in the order of the class."""
-    found = [("", Reason("not-placed", printable(line, 500))) for line in told.get("leftover", ())]
-    found += [(id_, reason) for id_, each in standings.items() for reason in _own(each)]
-    found += [(id_, reason) for id_, reason in _of_several(standings, cliques) if id_ in standings]
+    found: list[tuple[tuple[str, ...], Reason]]
+    found = [(("",), Reason("not-placed", printable(line, 500))) for line in told.get("leftover", ())]
+    found += [((id_,), reason) for id_, each in standings.items() for reason in _own(each)]
+    found += _of_several(standings, cliques)
     unknown = Reason("unknown-person", "Not in the roster, or not to be told apart there.")
-    found += [(id_, unknown) for id_ in told.get("unknown", ()) if id_ in standings]
-    found += [(each.id, _appeal(each)) for each in appeals if not each.answered and each.id in standings]
+    found += [((id_,), unknown) for id_ in told.get("unknown", ()) if id_ in standings]
+    found += [((each.id,), _appeal(each)) for each in appeals if not each.answered and each.id in standings]
     rank = {kind: place for place, kind in enumerate(KINDS)}
     order = {id_: place for place, id_ in enumerate(standings)}
-    found.sort(key=lambda item: (rank[item[1].kind], order.get(item[0], -1)))
-    return [Look(id_, each, ticks.get((id_, each.kind, each.about))) for id_, each in found]
+    found.sort(key=lambda item: (rank[item[1].kind], order.get(item[0][0], -1)))
+    return [Look(ids[0], each, ticks.get((ids[0], each.kind, each.about)), tuple(ids[1:])) for ids, each in found]
 
 
 def _own(standing: Standing) -> Iterator[Reason]:
@@ -134,23 +142,19 @@ def _near_a_boundary(standing: Standing, result: Result) -> Iterator[Reason]:
         )
 
 
-def _of_several(standings: Mapping[str, Standing], cliques: Sequence[Clique]) -> Iterator[tuple[str, Reason]]:
+def _of_several(
+    standings: Mapping[str, Standing], cliques: Sequence[Clique]
+) -> Iterator[tuple[tuple[str, ...], Reason]]:
     for ids in equal(standings.values()):
-        yield from _for_each(standings, ids, "same-files", "The same files were handed in by {}.")
+        yield tuple(ids), Reason("same-files", f"{len(ids)} handed in the same files.", tuple(ids))
     for clique in cliques:
-        yield from _for_each(standings, clique.ids, "alike", "Code that is alike beyond the sheet: {}.")
-
-
-def _for_each(
-    standings: Mapping[str, Standing], ids: Sequence[str], kind: str, sentence: str
-) -> Iterator[tuple[str, Reason]]:
-    names = [words.person(standings[id_]) for id_ in ids if id_ in standings]
-    yield from ((id_, Reason(kind, sentence.format(_some(names)))) for id_ in ids)
+        share = f"{100 * clique.share[1]:.0f} % of the smaller one's own code"
+        yield clique.ids, Reason("alike", f"Code that is alike beyond the sheet, up to {share}.", clique.ids)
 
 
 def _appeal(appeal: Appeal) -> Reason:
     about = f" about {printable(appeal.about, 80)}" if appeal.about else ""
-    return Reason("appeal", f"Appeal {appeal.number}{about}: {printable(appeal.text, 160)}")
+    return Reason("appeal", f"Appeal {appeal.number}{about}: {printable(' '.join(appeal.text.split()), 160)}")
 
 
 def _some(names: Sequence[str], most: int = 8) -> str:

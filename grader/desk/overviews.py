@@ -38,7 +38,7 @@ def needs_a_look(book: Classbook, ask: Ask) -> Response:
 
 
 def everybody(book: Classbook, ask: Ask) -> Response:
-    waiting = Counter(each.id for each in all_looks(book) if each.tick is None)
+    waiting = Counter(id_ for each in all_looks(book) if each.tick is None for id_ in each.ids)
     return framed(book, ask, "class.html.j2", waiting=waiting)
 
 
@@ -50,7 +50,7 @@ def tick(book: Classbook, ask: Ask) -> Response:
     if look is None:
         raise RequestError("That is no longer a reason to look: the record has changed. Load the page again")
     book.tick([(id_, look.reason.kind, look.reason.about)], ask.author, done=done)
-    back = f"/submission/{quote(id_, safe='')}" if ask.text("back") == "submission" and id_ else "/"
+    back = f"/submission/{quote(ask.text('back'), safe='')}" if ask.text("back") in book.standings() else "/"
     return RedirectResponse(back, 303)
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import socket
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 
 import uvicorn
 
 from grader.desk.app import application
 from grader.desk.classbook import Classbook
 from grader.desk.doors import Keys
-from grader.engine.lab import Lab
 from grader.ground.errors import RequestError
 
 _LOOPBACK = "127.0.0.1"
@@ -53,21 +51,17 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
     return uvicorn.Server(config)
 
 
-def serve(lab: Lab, out: Path, author: str, port: int, announce: Callable[[str], None]) -> None:
+def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
     """Serve until interrupted; `announce` is told the first address.
 
     Raises
     ------
     RequestError
-        If no class was graded in `out`, or the port is taken.
+        If the port is taken.
     """
-    book = Classbook(lab, out)
-    try:
-        with open_socket(port) as listening:
-            keys = Keys(listening.getsockname()[1])
-            made = server(book, keys, author)
-            announce(keys.first_address)
-            with suppress(KeyboardInterrupt):  # the way to end it
-                made.run(sockets=[listening])
-    finally:
-        book.close()
+    with open_socket(port) as listening:
+        keys = Keys(listening.getsockname()[1])
+        made = server(book, keys, author)
+        announce(keys.first_address)
+        with suppress(KeyboardInterrupt):  # the way to end it
+            made.run(sockets=[listening])

@@ -10,8 +10,9 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.course import adjusting
 from grader.course.adjusting import ALONE, Wish
+from grader.course.record import Appeal
 from grader.desk.asking import Ask
-from grader.desk.classbook import Classbook
+from grader.desk.classbook import Classbook, now
 from grader.desk.code import Shelf, defined, named_lines, shelf, unshowable
 from grader.desk.looks import Look
 from grader.desk.overviews import all_looks, framed
@@ -34,6 +35,7 @@ class Said:
     points: Adjustment | None
     comment: Adjustment | None
     covered: str = ""
+    appeals: tuple[Appeal, ...] = ()
 
     @property
     def anchor(self) -> str:
@@ -72,6 +74,7 @@ def show(book: Classbook, ask: Ask) -> Response:
     standing = one(book, ask)
     looks = all_looks(book)
     history = book.history(standing.id)
+    appeals = [each for each in book.appeals() if each.id == standing.id]
     kept = book.kept(standing)
     result = standing.result
     parts: Sequence[CriterionResult | ExtensionResult] = [*result.criteria, *(e for e in result.extensions if e.checks)]
@@ -80,6 +83,7 @@ def show(book: Classbook, ask: Ask) -> Response:
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
     shown = book.store.charts(standing.id)
+    shown_parts = [_part(standing, part, code, shown, appeals) for part in parts]
     return framed(
         book,
         ask,
@@ -89,10 +93,11 @@ def show(book: Classbook, ask: Ask) -> Response:
         late=words.late(standing),
         notes=words.notes(result),
         mistakes=[words.misconception(id_) for id_ in result.misconceptions],
-        parts=[_part(standing, part, code, shown) for part in parts],
-        whole=[_said(standing, target) for target in (TOTAL, BONUS)],
+        parts=shown_parts,
+        first_lost=next((row for part in shown_parts for row in part.rows if row.row.outcome.kind != "earned"), None),
+        whole=[_said(standing, target, appeals) for target in (TOTAL, BONUS)],
         files=files,
-        looks=[each for each in looks if each.id == standing.id],
+        looks=[each for each in looks if standing.id in each.ids],
         history=list(reversed(history)),
         told=adjusting.said,
         decisions=book.store.decisions(),
@@ -114,6 +119,8 @@ def by_hand(book: Classbook, ask: Ask) -> Response:
         if not comment:
             raise RequestError("Say why in a comment: nothing was recorded")
     book.decide([wish], ask.author, ask.number("seen"))
+    if answers := ask.number("answers"):
+        book.store.answer(answers, comment, ask.author, now())
     return RedirectResponse(f"/submission/{quote(standing.id, safe='')}#by-hand-{target.replace('.', '-')}", 303)
 
 
@@ -154,23 +161,36 @@ class _Code:
         )
 
 
-def _part(standing: Standing, part: CriterionResult | ExtensionResult, code: _Code, shown: Sequence[Chart]) -> Part:
+def _part(
+    standing: Standing,
+    part: CriterionResult | ExtensionResult,
+    code: _Code,
+    shown: Sequence[Chart],
+    appeals: Sequence[Appeal],
+) -> Part:
     lab = standing.result.lab
     figures = tuple(
         Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
         for chart in shown
         if chart.part == part.id and ((views := charts.views(chart)) or chart.png)
     )
-    said = (lambda check: _said(standing, check.id)) if isinstance(part, CriterionResult) else lambda check: None
-    rows = tuple(Row(words.row(each, part.id, lab), said(each), code.places(each, part.id)) for each in part.checks)
+    by_hand = isinstance(part, CriterionResult)
+    rows = tuple(
+        Row(
+            words.row(each, part.id, lab),
+            _said(standing, each.id, appeals) if by_hand else None,
+            code.places(each, part.id),
+        )
+        for each in part.checks
+    )
     if isinstance(part, CriterionResult):
         points = words.fraction(standing.points(part), part.max_points)
-        return Part(part.id, part.title, points, _said(standing, part.id), rows, figures)
+        return Part(part.id, part.title, points, _said(standing, part.id, appeals), rows, figures)
     title = f"Extension: {part.id.replace('_', ' ')}"
     return Part(part.id, title, words.extension_points(part), None, rows, figures)
 
 
-def _said(standing: Standing, target: str) -> Said:
+def _said(standing: Standing, target: str, appeals: Sequence[Appeal]) -> Said:
     comments = (each for each in standing.adjustments if each.alone and each.criterion == target)
     return Said(
         target,
@@ -179,6 +199,7 @@ def _said(standing: Standing, target: str) -> Said:
         standing.adjustment(target),
         next(comments, None),
         adjusting.covering(standing, target),
+        tuple(each for each in appeals if (each.about or TOTAL) == target),
     )
 
 
@@ -195,7 +216,7 @@ class Way:
 
 def _way(ids: Sequence[str], id_: str, looks: Sequence[Look]) -> Way:
     here = ids.index(id_)
-    waiting = {each.id for each in looks if each.tick is None}
+    waiting = {id_ for each in looks if each.tick is None for id_ in each.ids}
     later = [each for each in (*ids[here + 1 :], *ids[:here]) if each in waiting]
     previous = ids[here - 1] if here else ""
     following = ids[here + 1] if here + 1 < len(ids) else ""

@@ -6,13 +6,15 @@ document.addEventListener("keydown", (event) => {
   const wanted = Array.from(document.querySelectorAll("[data-key]")).find((each) => each.dataset.key === event.key);
   if (wanted) {
     event.preventDefault();
+    wanted.focus();
     wanted.click();
   }
 });
 
-// What was decided is open again after the page has come back.
-const target = location.hash && document.getElementById(location.hash.slice(1));
-if (target && target.classList.contains("by-hand")) target.scrollIntoView({ block: "center" });
+// What is opened is written into.
+for (const each of document.querySelectorAll(".by-hand > details")) {
+  each.addEventListener("toggle", () => each.open && each.querySelector("input:not([type=hidden])").focus());
+}
 
 // A text file that is dropped on a field, or chosen beside it, is read into it.
 for (const field of document.querySelectorAll("textarea[data-drop]")) {
