@@ -29,7 +29,7 @@ from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
-from tests.made_up import FakeMarker, fake_marker, no_marker, submission
+from tests.made_up import FakeMarker, Nobody, fake_marker, no_marker, submission
 
 ROOT = Path(__file__).parent.parent
 WITHIN_S = 60.0
@@ -103,7 +103,7 @@ def grade(site: Site, folder: Path, *ids: str) -> dict[str, Result | Unmarked]:
 # --- a class ------------------------------------------------------------------------------------------------------------
 
 
-class Killer(threading.Thread):
+class Killer(threading.Thread, Nobody):
     """Once the first result has come, kills a worker that is at work."""
 
     def __init__(self, client: Client) -> None:
@@ -111,8 +111,6 @@ class Killer(threading.Thread):
         self._client = client
         self._pids = client.run(os.getpid)
         self.told: list[str] = []
-
-    def begins(self, total: int) -> None: ...
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
         self.told.append(id_)
@@ -153,12 +151,6 @@ def evidence(out: Path) -> tuple[object, ...]:
     assert all(fingerprints.values())
     assert any(charts.values())
     return charts, fingerprints
-
-
-class Nobody:
-    def begins(self, total: int) -> None: ...
-
-    def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
 
 # --- how submissions are handed out ---------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ import pytest
 
 from grader import __version__
 from grader.course import classroom, remarking
+from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric, traces
 from grader.engine.lab_box import open_box
@@ -22,9 +23,11 @@ from grader.engine.rubric import Rubric, RubricError
 from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Adjustment, HandIn, Person, Standing
+from grader.people.lateness import judged
+from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
+from grader.sandbox.box import Box
 from tests.examples import FOLDER, folders
-from tests.made_up import lost, result
+from tests.made_up import Nobody, lost, result
 from tests.tapes import PlayingBox, RecordingBox, Tape
 
 SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")
@@ -52,21 +55,37 @@ def changed(*edits: tuple[str, str], text: str = SHIPPED) -> Rubric:
 
 
 @cache
-def recorded() -> dict[str, tuple[Result, Tape]]:
-    """The example class, marked by the shipped points in a box, and what the box answered."""
-    box = RecordingBox(open_box(LAB, None))
-    with Marker(changed(), traces.shipped(), box=box) as marker:  # type: ignore[arg-type] # speaks as a box does
-        tapes = {folder.name: (box.begin(), marker.mark(read_submission(folder, LAB.files))) for folder in folders()}
-    return {name: (found, tape) for name, (tape, found) in tapes.items()}
+def recorded(name: str) -> tuple[Result, Tape]:
+    """One of the example class, marked by the shipped points in a box, and what the box answered."""
+    box = RecordingBox(_box())
+    marker = Marker(changed(), traces.shipped(), box=box)  # type: ignore[arg-type] # speaks as a box does
+    return marker.mark(read_submission(FOLDER / name, LAB.files)), box.tape
+
+
+@cache
+def _box() -> Box:
+    return open_box(LAB, None)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _box_is_closed() -> Iterator[None]:
+    yield
+    if _box.cache_info().currsize:
+        _box().close()
+
+
+def found(name: str) -> Result:
+    return recorded(name)[0]
 
 
 def regraded(by: Rubric) -> dict[str, Result]:
     """The example class, asked and judged again from the start."""
-    box = PlayingBox(next(iter(recorded().values()))[1].rung)
+    box = PlayingBox(_box().rung)
     marker = Marker(by, traces.shipped(), box=box)  # type: ignore[arg-type]
     results = {}
-    for name, (_, box.tape) in recorded().items():
-        results[name] = marker.mark(read_submission(FOLDER / name, LAB.files))
+    for folder in folders():
+        box.tape = recorded(folder.name)[1]
+        results[folder.name] = marker.mark(read_submission(folder, LAB.files))
     return results
 
 
@@ -76,13 +95,13 @@ def text(graded: Result) -> str:
     return to_json(replace(graded, duration_s=0.0, criteria=tuple(criteria), extensions=tuple(extensions)))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("change", CHANGES)
-def test_marks_from_what_was_found_out_are_those_of_grading_again(change: str) -> None:
-    by = changed(*CHANGES[change])
-    again = {name: text(graded) for name, graded in regraded(by).items()}
-    anew = {name: text(marked(found, by)) for name, (found, _) in recorded().items()}
-    assert anew == again
-    assert anew != {name: text(found) for name, (found, _) in recorded().items()}
+def test_marks_from_what_was_found_out_are_those_of_grading_again() -> None:
+    names = [folder.name for folder in folders()]
+    for change, edits in CHANGES.items():
+        by = changed(*edits)
+        again = {name: text(graded) for name, graded in regraded(by).items()}
+        assert {name: text(marked(found(name), by)) for name in names} == again, change
+        assert {name: text(found(name)) for name in names} != again, change
 
 
 # ---- a class on record ----
@@ -91,10 +110,12 @@ def test_marks_from_what_was_found_out_are_those_of_grading_again(change: str) -
 def keep(out: Path, by: Rubric, names: tuple[str, ...] = ("s02-vectorised", "s06-id-as-address", "s14-empty")) -> None:
     with Store(out) as store:
         for name in names:
-            found = recorded()[name][0]
-            key = Key(name, str(found.provenance["submission_sha256"]), by.sha256, traces.shipped().sha256, __version__)
-            store.keep(key, marked(found, by))
-            store.keep_hand_in(name, HandIn((Person(name),), "2026-11-22T00:00:00+00:00"))
+            key = Key(
+                name, str(found(name).provenance["submission_sha256"]), by.sha256, traces.shipped().sha256, __version__
+            )
+            store.keep(key, marked(found(name), by))
+            hand_in = HandIn((Person(name),), "2026-11-22T00:00:00+00:00")
+            store.keep_hand_in(name, judged(hand_in, by.late, (name,)))
 
 
 def test_what_a_rubric_would_cost_is_told_and_nothing_is_changed(tmp_path: Path) -> None:
@@ -116,10 +137,14 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
     keep(tmp_path / "anew", changed())
     with Store(tmp_path / "anew") as store:
         after = remarking.remark(tmp_path / "anew", store, by)
+        for standing in after.values():
+            publish(tmp_path / "anew", standing, store)
         assert {key.rubric_sha256 for key in store.keys().values()} == {by.sha256}
     keep(tmp_path / "again", by)
     with Store(tmp_path / "again") as store:
-        assert remarking.remark(tmp_path / "again", store, by) == after
+        assert publish_class(tmp_path / "again", store, LAB) == after
+        for standing in after.values():
+            publish(tmp_path / "again", standing, store)
     names = [
         path.relative_to(tmp_path / "again") for path in (tmp_path / "again").rglob("*.*") if path.suffix != ".sqlite"
     ]
@@ -150,18 +175,18 @@ def test_a_record_of_before_says_that_it_has_to_be_graded_again(tmp_path: Path) 
 
 
 def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None:
-    found = marked(recorded()["s06-id-as-address"][0], changed())
-    by_hand = Adjustment("sensor_access", 20.0, "seen", "me", "now", {c.id: c.points for c in found.criteria[0].checks})
-    before = {"a": Standing("a", found, adjustments=(by_hand,))}
+    graded = marked(found("s06-id-as-address"), changed())
+    by_hand = Adjustment("sensor_access", 20.0, "seen", "me", "now", beneath(graded.criteria[0]))
+    before = {"a": Standing("a", graded, adjustments=(by_hand,))}
     assert before["a"].outdated() == []
     after = remarking.under(before, changed(PRICES))["a"]
     assert (after.final, after.outdated()) == (100.0, [by_hand])
 
 
 def test_a_date_of_the_rosters_own_holds_under_another_policy() -> None:
-    found = marked(recorded()["s02-vectorised"][0], changed())
+    graded = marked(found("s02-vectorised"), changed())
     hand_in = HandIn((Person("a"),), "2026-11-22T00:00:00+00:00", due="2026-11-22T00:00:00+00:00")
-    after = remarking.under({"a": Standing("a", found, hand_in)}, changed(text=SHIPPED + LATE))["a"]
+    after = remarking.under({"a": Standing("a", graded, hand_in)}, changed(text=SHIPPED + LATE))["a"]
     assert (after.late, after.final) == (None, 100.0)
 
 
@@ -174,24 +199,16 @@ def no_box(*_: object) -> Iterator[Marker]:
     yield
 
 
-class Silent:
-    """Nobody is told anything."""
-
-    def begins(self, total: int) -> None: ...
-
-    def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
-
-
 def test_grading_a_class_again_with_other_points_opens_no_box(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("s02-vectorised", "s06-id-as-address")
     keep(tmp_path, changed(), names)
     monkeypatch.setattr(classroom, "opener", no_box)
     order = classroom.Order(tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), traces.shipped(), jobs=1)
-    outcome = classroom.grade_class(order, classroom.find(order), Silent())
+    outcome = classroom.grade_class(order, classroom.find(order), Nobody())
     assert (outcome.resumed, outcome.results["s06-id-as-address"].score) == (2, 96.0)
     back = replace(order, rubric=changed())
-    again = classroom.grade_class(back, classroom.find(back), Silent())
-    assert again.results["s06-id-as-address"] == recorded()["s06-id-as-address"][0]
+    again = classroom.grade_class(back, classroom.find(back), Nobody())
+    assert again.results["s06-id-as-address"] == found("s06-id-as-address")
 
 
 # ---- what a mistake costs ----
@@ -202,12 +219,12 @@ def priced(text: str) -> Rubric:
 
 
 def points(by: Rubric, keeps: float, *mistakes: str) -> float | None:
-    found = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=mistakes)
-    whole = recorded()["s02-vectorised"][0]
-    rows = tuple(found if check.id == found.id else check for check in whole.criteria[0].checks)
+    row = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=mistakes)
+    whole = found("s02-vectorised")
+    rows = tuple(row if check.id == row.id else check for check in whole.criteria[0].checks)
     first = replace(whole.criteria[0], checks=rows)
     graded = marked(replace(whole, criteria=(first, *whole.criteria[1:])), by)
-    return next(check.points for check in graded.criteria[0].checks if check.id == found.id)
+    return next(check.points for check in graded.criteria[0].checks if check.id == row.id)
 
 
 @pytest.mark.parametrize(

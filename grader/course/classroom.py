@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -77,6 +77,9 @@ class Audience(Protocol):
     def begins(self, total: int) -> None: ...
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
+
+    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
+        """The same ones, told as they are taken."""
 
 
 @dataclass
@@ -156,6 +159,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
             run.grade(found.entries)
         finally:
             standings = publish_class(order.out, store, order.rubric.lab)
+        run.publish_known()
     outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
     if order.roster is None:
         outcome.remarks += tuple(forgotten(before, standings))
@@ -172,6 +176,7 @@ class _Run:
         self._outcome = outcome
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
+        self._known: list[Standing] = []
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -191,7 +196,13 @@ class _Run:
             still_open = [each for each in attempts if each[1].final is None]
             key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
-            self._publish(standing)
+            self._count(standing)
+            self._known = [*(each for each in self._known if each.id != standing.id), standing]
+
+    def publish_known(self) -> None:
+        """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
+        for standing in self._audience.pages(self._known):
+            publish(self._order.out, standing, self._store)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
@@ -226,7 +237,12 @@ class _Run:
     def _tell(self, key: Key, result: Result, *, resumed: bool) -> None:
         attempt = self._attempts[key]
         attempt.result = result
-        self._publish(self._standing(key, attempt))
+        standing = self._standing(key, attempt)
+        self._count(standing)
+        if resumed:
+            self._known.append(standing)
+        else:
+            publish(self._order.out, standing, self._store)
         self._audience.done(key.id, result, resumed=resumed)
 
     def _standing(self, key: Key, attempt: _Attempt) -> Standing:
@@ -234,9 +250,8 @@ class _Run:
             raise GraderError(f"{key.id}: one of its attempts has no result")
         return Standing(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
 
-    def _publish(self, standing: Standing) -> None:
+    def _count(self, standing: Standing) -> None:
         self._store.keep_hand_in(standing.id, standing.hand_in)
-        publish(self._order.out, standing, self._store)
         self._outcome.results[standing.id] = standing.result
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from grader.course.publishing import publish, publish_class
+from grader.course.publishing import publish_class
 from grader.course.record import Store
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import Rubric
@@ -36,7 +36,7 @@ def under(standings: Mapping[str, Standing], rubric: Rubric) -> dict[str, Standi
 
 
 def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, Standing]:
-    """Mark the class of a record by this rubric, keep that, and write its pages anew.
+    """Mark the class of a record by this rubric, keep that, and write what there is of the class; `publish` writes the rest.
 
     Raises
     ------
@@ -47,7 +47,6 @@ def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, Standing]:
     for id_, key in store.keys().items():
         store.remark(key, rubric)
         store.keep_hand_in(id_, after[id_].hand_in)
-        publish(out, after[id_], store)
     return publish_class(out, store, rubric.lab)
 
 

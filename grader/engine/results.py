@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 from grader.engine.evidence import Evidence
@@ -53,7 +54,7 @@ class CriterionResult:
     max_points: float
     checks: tuple[CheckResult, ...]
 
-    @property
+    @cached_property
     def points(self) -> float:
         return _total(tuple(check.points for check in self.checks))
 
@@ -65,7 +66,7 @@ class ExtensionResult:
     max_points: float
     checks: tuple[CheckResult, ...] = ()
 
-    @property
+    @cached_property
     def points(self) -> float:
         return _total(tuple(check.points for check in self.checks))
 
@@ -117,7 +118,7 @@ class Result:
         """What goes into a gradebook: score plus extra credit."""
         return _total((self.score, self.extra_credit))
 
-    @property
+    @cached_property
     def score(self) -> float:
         return _total(tuple(criterion.points for criterion in self.criteria))
 

@@ -29,6 +29,7 @@ KEYS = {
     "extensions.file": "the file that it is looked for in",
     "extensions.points": "0: reported, never counted; above 0: extra credit",
     "extensions.checks": "`name: weight` for each check",
+    "mistakes": "`name: points` lines: what a named mistake costs in a check that is lost through it, within the check's points",
     "limits": "CPU time of the student's code",
     "limits.call_cpu_s": "seconds for one call",
     "limits.submission_cpu_s": "seconds for all calls of a submission",
@@ -44,6 +45,13 @@ KEYS = {
     "model.sensors.accelerometer": "name of the accelerometer; left out: `torso_accelerometer`",
     "model.sensors.gyroscope": "name of the gyroscope; left out: `torso_gyroscope`",
 }
+
+_FROM_THE_RECORD = """\
+## After a class was graded
+
+Change points, weights, prices of mistakes, extra credit or the late policy, and give the same `grade` command again: the
+class is marked from what is on record, and no code runs. Only other limits, another model or another seed ask the code again.
+Points by hand stay; `grade` names those whose automatic marks have moved."""
 
 _OWN_ROBOT = """\
 ## A robot of your own
@@ -82,6 +90,7 @@ def page() -> str:
         "Copy `rubric.yaml`, edit the copy, and name it with `--rubric FILE`. Every check that exists must stand in it, and\n"
         "nothing else may: a slip stops the run before anything is graded, with the number of the line.\n\n"
         f"| Key | Tells |\n| --- | --- |\n{rows}\n\n"
+        f"{_FROM_THE_RECORD}\n\n"
         f"{_OWN_ROBOT}\n\n"
         f"## The shipped one\n\n```yaml\n{text}\n```\n"
     )
