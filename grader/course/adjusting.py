@@ -129,18 +129,31 @@ def decide(
     return told
 
 
-def undone(store: Store, id_: str, criterion: str, *, alone: bool = False) -> Wish:
+def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> Wish:
     """The wish that takes the last word on this back: what was said before it stands again.
+
+    Parameters
+    ----------
+    alone
+        Whether it was a comment alone; None: whichever came last.
 
     Raises
     ------
     RequestError
         If nothing was said.
     """
-    rows = [each for who, each in store.history() if (who, each.criterion, each.alone) == (id_, criterion, alone)]
+    rows = [each for who, each in store.history() if (who, each.criterion) == (id_, criterion)]
+    kind = alone if alone is not None else bool(rows and rows[-1].alone)
+    rows = [each for each in rows if each.alone == kind]
     if not rows or rows[-1].withdraws:
         raise RequestError(f"adjust: {printable(id_)} has no adjustment of {printable(criterion)} to undo")
     return _before(id_, rows)
+
+
+def undone_in(out: Path, id_: str, criterion: str) -> Wish:
+    """The same of a class on disk."""
+    with Store.existing(out) as store:
+        return undone(store, id_, criterion)
 
 
 def undone_decision(store: Store, number: int) -> list[Wish]:
@@ -175,7 +188,11 @@ def listing(out: Path) -> Iterator[str]:
         decisions = store.decisions()
         for id_, each in store.history():
             who = f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}"
-            several = f"  (one decision: {printable(decisions[each.decision])})" if each.decision in decisions else ""
+            several = (
+                f"  (decision {each.decision}: {printable(decisions[each.decision])})"
+                if each.decision in decisions
+                else ""
+            )
             yield f"{printable(id_, 80)} {each.criterion} {said(each)}  {who}{several}"
 
 

@@ -11,7 +11,7 @@ from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from grader.course.record import OvertakenError
-from grader.desk import appeals, asking, comparing, costs, groups, overviews, submissions
+from grader.desk import appeals, asking, comparing, costs, grouping, overviews, submissions
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.doors import Doors, Keys
@@ -23,8 +23,8 @@ Handler = Callable[[Classbook, Ask], Response]
 PAGES: dict[str, Handler] = {
     "/": overviews.needs_a_look,
     "/class": overviews.everybody,
-    "/groups": groups.show_all,
-    "/groups/{kind}/{key}": groups.show,
+    "/groups": grouping.show_all,
+    "/groups/{kind}/{key}": grouping.show,
     "/alike": comparing.show_all,
     "/alike/{first}/{second}": comparing.show,
     "/appeals": appeals.show,
@@ -34,8 +34,8 @@ PAGES: dict[str, Handler] = {
 }
 WRITES: dict[str, Handler] = {
     "/tick": overviews.tick,
-    "/groups/{kind}/{key}": groups.decide,
-    "/decisions/take-back": groups.take_back,
+    "/groups/{kind}/{key}": grouping.decide,
+    "/decisions/take-back": grouping.take_back,
     "/appeals": appeals.add,
     "/cost": costs.save,
     "/submission/{id}/by-hand": submissions.by_hand,

@@ -1,20 +1,16 @@
-"""All who made the same mistake or lost the same checks: decided once, for all of them, and taken back in one go."""
+"""All who made the same mistake or lost the same checks, for whom one decision may stand, and the decisions that were made."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from urllib.parse import quote
+from pathlib import Path
 
-from starlette.responses import RedirectResponse, Response
-
-from grader.course import adjusting
-from grader.course.adjusting import Wish
-from grader.desk.asking import Ask
-from grader.desk.classbook import Classbook
-from grader.desk.overviews import framed
+from grader.course.adjusting import Wish, said, undone_decision
+from grader.course.record import Store
 from grader.engine.results import CheckResult, Result
+from grader.engine.rubric_nodes import guess_at
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.people.standing import Adjustment, Standing
@@ -34,13 +30,10 @@ class Group:
     checks: Mapping[str, str]
 
     @property
-    def address(self) -> str:
-        return f"/groups/{self.kind}/{quote(self.key, safe='')}"
-
-    @property
     def what(self) -> str:
         """What a decision on it is on."""
-        return f"{ {MISTAKE: 'mistake', CHECK: 'lost', SAME: 'the same lost checks'}[self.kind] }: {self.title}"
+        kind = {MISTAKE: "mistake", CHECK: "lost", SAME: "the same lost checks"}[self.kind]
+        return printable(f"{kind}: {self.title}", 200)
 
 
 @dataclass(frozen=True)
@@ -80,64 +73,41 @@ def groups(standings: Mapping[str, Standing]) -> list[Group]:
     return sorted(several, key=lambda group: (order.index(group.kind), -len(group.ids), group.title))
 
 
-def show_all(book: Classbook, ask: Ask) -> Response:
-    found = groups(book.standings())
-    kinds = {MISTAKE: "The same mistake", CHECK: "The same lost check", SAME: "Exactly the same lost checks"}
-    listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
-    return framed(book, ask, "groups.html.j2", listed=listed, decisions=decisions(book))
+def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
+    """What a decision on all who made a mistake or lost a check is on, and their ids.
+
+    Raises
+    ------
+    RequestError
+        If nobody did, or one alone.
+    """
+    with Store.existing(out) as store:
+        found = groups(store.standings())
+    named = {group.key: group for group in found if group.kind in (MISTAKE, CHECK)}
+    if name not in named:
+        raise RequestError(f"--having {printable(name)}: no two submissions have that in common{guess_at(name, named)}")
+    return named[name].what, named[name].ids
 
 
-def show(book: Classbook, ask: Ask) -> Response:
-    group = _one(book, ask)
-    standings = book.standings()
-    members = [standings[id_] for id_ in group.ids]
-    targets = [*group.checks, *dict.fromkeys(c.id for s in members for c in s.result.criteria), "total", "bonus"]
-    return framed(
-        book,
-        ask,
-        "group.html.j2",
-        group=group,
-        members=members,
-        targets=targets,
-        covering=adjusting.covering,
-        checks_of=lambda standing: {c.id: c for part in standing.result.criteria for c in part.checks},
-        seen=book.last_number(),
-        decisions=[each for each in decisions(book) if each.what == printable(group.what, 200)],
-    )
+def taken_back(out: Path, number: int) -> list[Wish]:
+    """The wishes that take a decision on several back."""
+    with Store.existing(out) as store:
+        return undone_decision(store, number)
 
 
-def decide(book: Classbook, ask: Ask) -> Response:
-    """One decision for those of a group that were chosen."""
-    group = _one(book, ask)
-    chosen = [id_ for id_ in group.ids if id_ in set(ask.all("id"))]
-    points, comment = ask.text("points").replace(",", "."), ask.text("comment")
-    if not chosen or not comment:
-        raise RequestError("Choose at least one of them and say why: nothing was recorded")
-    wishes = [Wish(id_, ask.text("target"), points, comment, place=id_, alone=not points) for id_ in chosen]
-    book.decide(wishes, ask.author, ask.number("seen"), printable(group.what, 200))
-    return RedirectResponse(f"{group.address}#decisions", 303)
-
-
-def take_back(book: Classbook, ask: Ask) -> Response:
-    """All of one decision that is still the last word."""
-    wishes = adjusting.undone_decision(book.store, ask.number("number") or 0)
-    book.decide(wishes, ask.author, ask.number("seen"))
-    return RedirectResponse("/groups#decisions", 303)
-
-
-def decisions(book: Classbook) -> list[Decision]:
+def decisions(store: Store, standings: Mapping[str, Standing]) -> list[Decision]:
     """Every one that was made, the latest first."""
     made: dict[int, list[Adjustment]] = {}
-    for _, each in book.store.history():
+    for _, each in store.history():
         if each.decision:
             made.setdefault(each.decision, []).append(each)
-    in_force = [each.decision for standing in book.standings().values() for each in standing.adjustments]
-    what = book.store.decisions()
+    in_force = [each.decision for standing in standings.values() for each in standing.adjustments]
+    what = store.decisions()
     found = [
         Decision(
             number,
             what.get(number, ""),
-            f"{rows[0].criterion} {adjusting.said(rows[0])}",
+            f"{rows[0].criterion} {said(rows[0])}",
             rows[0].author,
             rows[0].at,
             rows[0].comment,
@@ -147,14 +117,6 @@ def decisions(book: Classbook) -> list[Decision]:
         for number, rows in made.items()
     ]
     return found[::-1]
-
-
-def _one(book: Classbook, ask: Ask) -> Group:
-    wanted = (ask.path["kind"], ask.path["key"])
-    found = next((group for group in groups(book.standings()) if (group.kind, group.key) == wanted), None)
-    if found is None:
-        raise RequestError("There is no such group: the record has changed, or nobody else is in it any more")
-    return found
 
 
 def _lost(result: Result) -> list[CheckResult]:
