@@ -129,7 +129,8 @@ def placed(dropped: Sequence[Dropped], standings: Mapping[str, Standing]) -> lis
     directory = Directory({id_: standing.people for id_, standing in standings.items()})
     appeals, problems = [], []
     for each in dropped:
-        match = directory.find(Row(numbers=(each.who,), email=each.who, name=each.who)) if each.who else None
+        asked = (Row(numbers=(each.who,)), Row(email=each.who), Row(name=each.who))
+        match = next(filter(None, map(directory.find, asked)), None) if each.who else None
         if match is None or match.id not in standings:
             problems.append(
                 f"{each.place}: nobody is called {printable(each.who) or 'nothing'}{guess_at(each.who, standings)}"
