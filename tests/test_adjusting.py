@@ -145,7 +145,7 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
     [
         (["alice"], "adjust: give --points, or --withdraw"),
         (["alice", "--points", "1", "--withdraw"], "adjust: give --points, or --withdraw"),
-        (["alice", "--csv", "x"], "adjust: give an ID or --csv, not both"),
+        (["alice", "--csv", "x"], "adjust: give an ID, --csv, --having or --take-back, one of them alone"),
         (["alice", "--points", "1"], "adjust: there is no criterion "),
         (
             ["--csv", "nowhere.csv"],

@@ -13,6 +13,7 @@ from typing import Protocol
 
 from grader import __version__
 from grader.course import cluster
+from grader.course.kept import pack
 from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import publish, publish_class
@@ -152,6 +153,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
         before = store.hand_ins()
+        store.keep_told({"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown})
         run = _Run(order, store, audience, outcome)
         audience.begins(len(found.entries))
         try:
@@ -216,6 +218,7 @@ class _Run:
         for entry in entries:
             submission = reader.read(entry)
             key = self._key(submission)
+            self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)

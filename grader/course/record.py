@@ -11,7 +11,7 @@ import json
 import os
 import sqlite3
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass, replace
 from pathlib import Path
@@ -26,10 +26,9 @@ from grader.ground.text import printable
 from grader.people.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
 
 FILE_NAME = "results.sqlite"
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 _APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
 _TABLES = """
-BEGIN IMMEDIATE;
 CREATE TABLE IF NOT EXISTS results (
     seq INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
@@ -56,10 +55,38 @@ CREATE TABLE IF NOT EXISTS adjustments (
     beneath TEXT NOT NULL
 );
 CREATE TABLE IF NOT EXISTS pages (id TEXT PRIMARY KEY, digest TEXT NOT NULL);
-PRAGMA application_id = {application};
-PRAGMA user_version = {version};
-COMMIT;
 """
+_SINCE_3 = """
+CREATE {temp} TABLE files (submission_sha256 TEXT PRIMARY KEY, packed BLOB NOT NULL);
+CREATE {temp} TABLE told (kind TEXT NOT NULL, line TEXT NOT NULL);
+CREATE {temp} TABLE decisions (number INTEGER PRIMARY KEY, what TEXT NOT NULL, author TEXT NOT NULL, at TEXT NOT NULL);
+CREATE {temp} TABLE ticks (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    reason TEXT NOT NULL,
+    about TEXT NOT NULL,
+    done INTEGER NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL
+);
+CREATE {temp} TABLE appeals (
+    number INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    about TEXT NOT NULL,
+    text TEXT NOT NULL,
+    at TEXT NOT NULL,
+    answer TEXT NOT NULL DEFAULT '',
+    author TEXT NOT NULL DEFAULT '',
+    answered TEXT NOT NULL DEFAULT '',
+    UNIQUE (id, about, text)
+);
+"""
+_WIDER = """
+ALTER TABLE adjustments ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE adjustments ADD COLUMN decision INTEGER NOT NULL DEFAULT 0;
+"""
+_SEEN_AS_3 = "CREATE TEMP VIEW adjustments AS SELECT *, 0 AS alone, 0 AS decision FROM main.adjustments;"
+"""A record of layout 2 that cannot be written is read as one of layout 3 that holds nothing new."""
 _KEEP = """
 INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record, charts, fingerprint)
 VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
@@ -71,7 +98,7 @@ INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader
 SELECT id, submission_sha256, ?, traces_sha256, grader, status, ?, charts, fingerprint FROM results WHERE seq = ?
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader) DO UPDATE SET record = excluded.record
 """
-_ADJUSTMENT = "id, criterion, points, comment, author, at, beneath"
+_ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decision"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
 
 
@@ -84,6 +111,36 @@ class Key:
     rubric_sha256: str
     traces_sha256: str
     grader: str
+
+
+class OvertakenError(RequestError):
+    """Somebody else decided something in the meantime."""
+
+
+@dataclass(frozen=True)
+class Tick:
+    """Somebody looked at a submission for a reason, or (`done` False) took that back; `about` is the fact that was looked at."""
+
+    id: str
+    reason: str
+    about: str
+    done: bool
+    author: str
+    at: str
+
+
+@dataclass(frozen=True)
+class Appeal:
+    """What a student says against a mark. `about` is a check or a criterion, "" where it names none; hostile text."""
+
+    id: str
+    about: str
+    text: str
+    at: str
+    answer: str = ""
+    author: str = ""
+    answered: str = ""
+    number: int = 0
 
 
 class Store:
@@ -190,23 +247,60 @@ class Store:
         with self._told(), self._transaction():
             self._db.execute("INSERT OR REPLACE INTO hand_ins VALUES (?, ?)", (id_, record))
 
-    def adjust(self, adjustments: Iterable[tuple[str, Adjustment]]) -> None:
-        """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away."""
-        rows = [
-            (id_, a.criterion, a.points, a.comment, a.author, a.at, json.dumps(dict(a.beneath)))
-            for id_, a in adjustments
-        ]
+    def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
+        """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away.
+
+        Parameters
+        ----------
+        seen
+            The number of the last adjustment of these submissions that whoever decides has seen; None: does not matter.
+        what
+            What the decision is on, where it is one on several; its number is returned, otherwise 0.
+
+        Raises
+        ------
+        OvertakenError
+            If there is a later one: somebody else was faster.
+        """
+        made = list(adjustments)
         with self._told(), self._transaction():
-            self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+            if seen is not None:
+                self._refuse_overtaken({id_ for id_, _ in made}, seen)
+            number = self._decision(what, made[0][1]) if what and made else 0
+            rows = [
+                (id_, a.criterion, a.points, a.comment, a.author, a.at, json.dumps(dict(a.beneath)), a.alone, number)
+                for id_, a in made
+            ]
+            self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", rows)
+        return number
+
+    def _decision(self, what: str, first: Adjustment) -> int:
+        made = self._db.execute(
+            "INSERT INTO decisions (what, author, at) VALUES (?, ?, ?)", (what, first.author, first.at)
+        )
+        return int(made.lastrowid or 0)
+
+    def _refuse_overtaken(self, ids: Set[str], seen: int) -> None:
+        query = "SELECT id, author, at FROM adjustments WHERE seq > ? ORDER BY seq DESC"
+        for id_, author, at in self._db.execute(query, (seen,)):
+            if id_ in ids:
+                raise OvertakenError(
+                    f"{printable(id_, 80)}: {printable(author, 80)} decided something at {at}, after you had looked"
+                )
 
     def history(self) -> list[tuple[str, Adjustment]]:
-        """Every adjustment ever made, by id of the submission, oldest first; without points those that withdraw one."""
+        """Every adjustment ever made, by id of the submission, oldest first; those that withdraw one as well."""
         with self._told():
-            rows = self._db.execute(f"SELECT {_ADJUSTMENT} FROM adjustments ORDER BY seq").fetchall()
+            rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
         return [
-            (id_, Adjustment(criterion, points, comment, author, at, json.loads(record)))
-            for id_, criterion, points, comment, author, at, record in rows
+            (id_, Adjustment(criterion, points, comment, author, at, json.loads(record), bool(alone), decision, seq))
+            for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
         ]
+
+    def decisions(self) -> dict[int, str]:
+        """What each decision on several submissions was on, by its number."""
+        with self._told():
+            return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def page_digest(self, id_: str) -> str:
         """What `keep_page_digest` was last given: of what the pages of a submission were made from."""
@@ -225,11 +319,83 @@ class Store:
         return {id_: hand_in_from_dict(json.loads(record)) for id_, record in rows}
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
-        """Those in force, by id of the submission: the last of each criterion, unless it withdraws."""
-        last: dict[str, dict[str, Adjustment]] = {}
+        """Those in force, by id of the submission: the last on each criterion or check, unless it withdraws."""
+        last: dict[str, dict[tuple[str, bool], Adjustment]] = {}
         for id_, adjustment in self.history():
-            last.setdefault(id_, {})[adjustment.criterion] = adjustment
-        return {id_: tuple(a for a in each.values() if a.points is not None) for id_, each in last.items()}
+            last.setdefault(id_, {})[adjustment.criterion, adjustment.alone] = adjustment
+        return {id_: tuple(a for a in each.values() if not a.withdraws) for id_, each in last.items()}
+
+    def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
+        """Record what was handed in, once; it is packed only then."""
+        with self._told():
+            if (
+                self._db.execute("SELECT 1 FROM files WHERE submission_sha256 = ?", (submission_sha256,)).fetchone()
+                is None
+            ):
+                with self._transaction():
+                    self._db.execute("INSERT OR IGNORE INTO files VALUES (?, ?)", (submission_sha256, pack()))
+
+    def files(self, submission_sha256: str) -> bytes:
+        """What `keep_files` packed; empty if there is nothing."""
+        with self._told():
+            row = self._db.execute(
+                "SELECT packed FROM files WHERE submission_sha256 = ?", (submission_sha256,)
+            ).fetchone()
+        return b"" if row is None else bytes(row[0])
+
+    def keep_told(self, told: Mapping[str, Sequence[str]]) -> None:
+        """Record what a run said of the class beside its submissions, by kind, in place of what the run before said."""
+        with self._told(), self._transaction():
+            self._db.execute("DELETE FROM told")
+            self._db.executemany(
+                "INSERT INTO told VALUES (?, ?)", [(kind, line) for kind in told for line in told[kind]]
+            )
+
+    def told(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        with self._told():
+            for kind, line in self._db.execute("SELECT kind, line FROM told ORDER BY rowid"):
+                found.setdefault(kind, []).append(line)
+        return found
+
+    def tick(self, ticks: Iterable[Tick]) -> None:
+        """Record who looked at what, or took that back."""
+        with self._told(), self._transaction():
+            query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
+            self._db.executemany(query, [astuple(tick) for tick in ticks])
+
+    def ticks(self) -> dict[tuple[str, str, str], Tick]:
+        """Who looked last, by id, reason and what it was about; without those that were taken back."""
+        with self._told():
+            rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
+        last = {
+            (id_, reason, about): Tick(id_, reason, about, bool(done), *who) for id_, reason, about, done, *who in rows
+        }
+        return {key: tick for key, tick in last.items() if tick.done}
+
+    def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
+        """Record appeals; one that is there already stays as it is. How many are new."""
+        query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
+        with self._told(), self._transaction():
+            return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in appeals)
+
+    def appeals(self) -> list[Appeal]:
+        """All of them, in the order in which they came."""
+        with self._told():
+            rows = self._db.execute(
+                "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
+            )
+            return [Appeal(*row) for row in rows.fetchall()]
+
+    def answer(self, number: int, answer: str, author: str, at: str) -> None:
+        with self._told(), self._transaction():
+            query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
+            self._db.execute(query, (answer, author, at, number))
+
+    def changes(self) -> int:
+        """A number that is another one once somebody else has written to the record."""
+        with self._told():
+            return int(self._db.execute("PRAGMA data_version").fetchone()[0])
 
     def point_at(self, key: Key) -> None:
         """Make a recorded result the submission's present one."""
@@ -257,9 +423,13 @@ class Store:
         """
         application, version, tables = self._identity()
         if (application, version, tables) == (0, 0, 0):
-            self._db.executescript(_TABLES.format(application=_APPLICATION_ID, version=SCHEMA_VERSION))
+            self._lay_out(_TABLES + _WIDER)
         elif application != _APPLICATION_ID:
             raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")
+        elif version == 2 and self._writable:
+            self._lay_out(_WIDER)
+        elif version == 2:
+            self._db.executescript(_SINCE_3.format(temp="TEMP") + _SEEN_AS_3)
         elif version != SCHEMA_VERSION:
             raise RequestError(
                 f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
@@ -269,6 +439,14 @@ class Store:
             self._db.execute("PRAGMA journal_mode = WAL")
         self._db.execute("PRAGMA synchronous = NORMAL")
         self._db.execute("PRAGMA foreign_keys = ON")
+
+    def _lay_out(self, script: str) -> None:
+        """Make the tables, unless another process was faster."""
+        mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
+        with self._transaction():
+            if self._identity()[1] != SCHEMA_VERSION:
+                for statement in (script + _SINCE_3.format(temp="") + mark).split(";"):
+                    self._db.execute(statement)
 
     def _identity(self) -> tuple[int, int, int]:
         ask = ("PRAGMA application_id", "PRAGMA user_version", "SELECT count(*) FROM sqlite_master")

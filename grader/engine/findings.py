@@ -9,6 +9,9 @@ from typing import Any
 
 from grader.ground.text import printable
 
+A_PERSON_MAY = "whoever looks at it may give more"
+"""In a note: a person should look at this."""
+
 
 @dataclass(frozen=True)
 class Fault:

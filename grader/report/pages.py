@@ -68,7 +68,7 @@ class Loss:
 
 @dataclass(frozen=True)
 class ByHand:
-    """Points that a person gave, beside the automatic ones."""
+    """What a person gave, beside the automatic points, or said."""
 
     title: str
     points: str
@@ -257,18 +257,27 @@ def _final(standing: Standing) -> str:
 
 
 def _by_hand(standing: Standing) -> list[ByHand]:
-    found = [(criterion, standing.adjustment(criterion.id)) for criterion in standing.result.criteria]
-    return [
-        ByHand(
-            printable(criterion.title, 80),
-            words.fraction(given.points, criterion.max_points),
-            words.number(criterion.points),
-            printable(given.comment, words.TEXT_LIMIT, newlines=True),
-            printable(given.author, 80),
+    """Points and words of people, in the order in which they are on record."""
+    titles = {
+        criterion.id: (criterion.title, criterion.max_points, criterion.points)
+        for criterion in standing.result.criteria
+    }
+    checks = [check for criterion in standing.result.criteria for check in criterion.checks]
+    titles |= {check.id: (check.title, check.max_points, check.points or 0.0) for check in checks}
+    found = []
+    for given in standing.adjustments:
+        title, most, automatic = titles.get(given.criterion, (given.criterion.capitalize(), 0.0, 0.0))
+        points = "" if given.points is None else words.number(given.points)
+        found.append(
+            ByHand(
+                printable(title, 300),
+                f"{points} / {words.number(most)}" if points and most else points,
+                words.number(automatic) if points and most else "",
+                printable(given.comment, words.TEXT_LIMIT, newlines=True),
+                printable(given.author, 80),
+            )
         )
-        for criterion, given in found
-        if given is not None and given.points is not None
-    ]
+    return found
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:

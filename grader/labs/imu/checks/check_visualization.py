@@ -10,7 +10,7 @@ from pathlib import PurePath
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Skipped, raised
+from grader.engine.findings import A_PERSON_MAY, Lost, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
@@ -117,9 +117,7 @@ def _not_saved(student: Student, drawing: Drawing) -> None:
     if any(figure["event"] == "saved" for figure in drawing.figures):
         raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
     if _picture_shows_something(student, _PICTURE) and not drawing.figures:
-        student.note(
-            f"{_PICTURE} was handed in, and no code draws it: whoever looks at it may give more for what it shows"
-        )
+        student.note(f"{_PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
         return  # nothing draws it, and it is there to be seen
     drawn = "a figure that is drawn and never saved" if events else "no figure"
     if "forgotten" in events:
