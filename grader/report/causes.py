@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from grader.engine.lab import Lab
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
+from grader.ground.text import printable
 from grader.report import words
 
 _LAST = 99  # a check without a step of the sheet comes after those that have one
@@ -49,6 +50,47 @@ def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
         if words.tells(check):
             found.setdefault(told_mistakes(check) or (check.outcome, check.message), []).append(check)
     return [Cause(tuple(together)) for together in found.values()]
+
+
+def told(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
+    """Each check of a cause with what it says that none before it has said; what to try is the same for all."""
+    known: set[str] = set()
+    return [(check, _news(check, known)) for check in cause.checks]
+
+
+def _news(check: CheckResult, known: set[str]) -> list[words.Line]:
+    """What a check says that is not `known`, which grows by it."""
+    said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
+    came = {line.text for line in said if line.label != "Expected"}
+    if came <= known:
+        return []
+    news = said if not known or check.outcome in ("failed", "partial") else _where(said)
+    known |= came
+    return news
+
+
+def _where(said: Iterable[words.Line]) -> list[words.Line]:
+    """Of a call that did not come back, the line that names the place."""
+    return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
+
+
+def going_on(cause: Cause, lab: LabName) -> list[words.Line]:
+    """What to try and to read, for all checks of a cause."""
+    hints = dict.fromkeys(
+        line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
+    )
+    read = "; ".join(
+        filter(None, [_sheet(cause, lab), *(f"imugrade explain {printable(each, 80)}" for each in cause.mistakes)])
+    )
+    return [*(words.Line("Try", hint) for hint in hints), *([words.Line("Read", read)] if read else [])]
+
+
+def _sheet(cause: Cause, lab: LabName) -> str:
+    """``Lab 04-01, Steps 2, 5 and 6``"""
+    steps = [str(step) for step in cause.steps]
+    plural = "s" if len(steps) > 1 else ""
+    many = " and ".join(filter(None, (", ".join(steps[:-1]), *steps[-1:])))
+    return f"{lab.label}, Step{plural} {many}" if steps else ""
 
 
 def _step(check: CheckResult) -> int:
