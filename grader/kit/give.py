@@ -74,6 +74,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     RequestError
         If the folder has something in it: a student's work must not be overwritten.
     """
+    _refuse_full(out)
     carried = _carried(lab, rubric)
     traces = carried or shipped()
     robot = carried.robot if carried else Robot(LAB_FILE, traces.models["lab"], LAB_IMU)
@@ -84,14 +85,15 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
         _beside(lab, robot.file): robot.xml.encode(),
         wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), carried),
     }
-    _new_folder(out, files)
+    _write(out, files)
     return Kit(out, "students", "public scenarios")
 
 
 def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """`autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
+    _refuse_full(out)
     files = {"autograder.py": _text("platforms/autograder.py.txt").encode(), wheel.name(): _wheel(lab, rubric)}
-    _new_folder(out, files)
+    _write(out, files)
     return Kit(out, "Classroom 50", _READABLE)
 
 
@@ -169,7 +171,8 @@ def _bundle(hidden: Traces) -> dict[str, bytes]:
     return {f"hidden{suffix}": content for suffix, content in truth.files(hidden).items()}
 
 
-def _new_folder(out: Path, files: Mapping[str, bytes]) -> None:
+def _refuse_full(out: Path) -> None:
+    """A folder that has something in it: a student's work must not be overwritten."""
     try:
         taken = out.is_dir() and any(out.iterdir())
     except OSError as problem:
@@ -180,7 +183,6 @@ def _new_folder(out: Path, files: Mapping[str, bytes]) -> None:
         raise RequestError(
             f"{printable(str(out))}: the folder is not empty; choose a new one, so nothing is overwritten"
         )
-    _write(out, files)
 
 
 def _beside_others(out: Path, files: Mapping[str, bytes]) -> None:

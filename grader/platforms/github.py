@@ -172,10 +172,15 @@ Hidden scenarios stay out of a repository that students can read. In a private o
             required: true
     permissions:
       contents: read
+    concurrency:
+      group: imugrade-${{{{ inputs.repository }}}}
+      cancel-in-progress: true
     jobs:
       grade:
+        name: Hidden scenarios
         runs-on: ubuntu-latest
         timeout-minutes: 15
+        environment: grading
         steps:
           - uses: {CHECKOUT}
             with:
@@ -193,7 +198,7 @@ Hidden scenarios stay out of a repository that students can read. In a private o
           - run: imugrade ci student --traces hidden.npz --private
 
 `--private` is your word that students can read neither the files nor the log of this job; the bundle stays outside the box that
-their code runs in. `STUDENTS_TOKEN` may read the students' repositories and nothing else.""",
+their code runs in. `STUDENTS_TOKEN`, a secret of the environment `grading`, may read the students' repositories and no more.""",
     ),
     respond=_respond,
     recognise=lambda environ, _: environ.get("GITHUB_ACTIONS") == "true",
