@@ -74,7 +74,7 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str) -> list[str
         store.adjust(fresh)
         after = publish_class(out, store, lab)
         for id_ in dict.fromkeys(id_ for id_, _ in fresh):
-            publish(out, after[id_], store)
+            publish(out, after[id_], store, lab)
     return [_told(id_, each, after[id_], fresh=(id_, each) in fresh) for id_, each in made]
 
 

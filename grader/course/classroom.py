@@ -228,7 +228,7 @@ class _Run:
 
     def _publish(self, standing: Standing) -> None:
         self._store.keep_hand_in(standing.id, standing.hand_in)
-        publish(self._order.out, standing, self._store)
+        publish(self._order.out, standing, self._store, self._order.rubric.lab)
         self._outcome.results[standing.id] = standing.result
 
 

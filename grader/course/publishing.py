@@ -6,6 +6,7 @@ import hashlib
 from pathlib import Path
 
 from grader.course.record import Store
+from grader.engine.feedback import catalogue
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.results import to_json
@@ -23,7 +24,7 @@ def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
     return standings
 
 
-def publish(out: Path, standing: Standing, store: Store) -> None:
+def publish(out: Path, standing: Standing, store: Store, lab: Lab) -> None:
     """Write the two files of one submission, unless they are current.
 
     `result.json` holds the automatic marks alone; the report is made from the whole standing, whose digest is on record.
@@ -33,7 +34,7 @@ def publish(out: Path, standing: Standing, store: Store) -> None:
     digest = hashlib.sha256(repr((text, standing.hand_in, standing.adjustments)).encode("utf-8", "replace")).hexdigest()
     current = (folder / "report.html").is_file() and _holds(folder / "result.json", text)
     if not current or store.page_digest(standing.id) != digest:
-        write_whole(folder / "report.html", report_page(standing, store.charts(standing.id)))
+        write_whole(folder / "report.html", report_page(standing, store.charts(standing.id), catalogue(lab)))
         write_whole(folder / "result.json", text)
         store.keep_page_digest(standing.id, digest)
 

@@ -51,8 +51,7 @@ def plain(check: CheckResult, part: Part, lab: LabName) -> str:
 def together(cause: Cause, lab: LabName) -> str:
     """What the checks of a cause say, each thing once, as text."""
     said = [line for _, lines in causes.told(cause) for line in lines]
-    part = cause.checks[0].id.partition(".")[0]
-    again = [words.Line("Again", f"imugrade check --only {part}")] if words.tells(cause.checks[0]) else []
+    again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
     return "\n".join(_plain_line(line) for line in [*said, *causes.going_on(cause, lab), *again])
 
 

@@ -34,6 +34,11 @@ def told_mistakes(check: CheckResult) -> tuple[str, ...]:
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)
 
 
+def part_of(check: CheckResult) -> str:
+    """The criterion or extension that a check is of."""
+    return check.id.partition(".")[0]
+
+
 def parts_of(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
     """What is shown of a result: its criteria and the extensions that were tried, or the one that was asked for."""
     if result.status in ("empty", "unreadable"):
@@ -85,6 +90,11 @@ def going_on(cause: Cause, lab: LabName) -> list[words.Line]:
     return [*(words.Line("Try", hint) for hint in hints), *([words.Line("Read", read)] if read else [])]
 
 
+def again(cause: Cause) -> words.Line:
+    """How to run what it cost again."""
+    return words.Line("Again", f"imugrade check --only {part_of(cause.checks[0])}")
+
+
 def _sheet(cause: Cause, lab: LabName) -> str:
     """``Lab 04-01, Steps 2, 5 and 6``"""
     steps = [str(step) for step in cause.steps]
@@ -108,4 +118,4 @@ def next_step(found: Iterable[Cause], lab: Lab) -> str:
 
 def next_part(found: Iterable[Cause]) -> str:
     """The criterion or extension of the next step."""
-    return next((each.checks[0].id.partition(".")[0] for each in found), "")
+    return next((part_of(each.checks[0]) for each in found), "")
