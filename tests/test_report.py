@@ -385,7 +385,7 @@ def test_the_seed_is_not_on_a_page() -> None:
 def test_the_index_links_each_report_and_counts_the_class() -> None:
     page = index({"a": result(name="Ann"), "b b": result(lost(), name="Bob")})
     hrefs = [attributes["href"] or "" for tag, attributes in Tags(page).tags if tag == "a"]
-    table = page[page.index('<table id="submissions"') : page.index("What was misunderstood")]
+    table = page[page.index('<table id="submissions"') : page.index('<h2 id="checks"')]
     assert [attributes["href"] for tag, attributes in Tags(table).tags if tag == "a"] == [
         "submissions/a/report.html",
         "submissions/b%20b/report.html",
@@ -397,10 +397,23 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
 
 
-def test_the_distribution_is_told_in_words_as_well() -> None:
+def test_the_distribution_is_finer_towards_the_top_and_told_in_words() -> None:
     page = index({str(i): made for i, made in enumerate([result(), result(), result(lost())])})
-    label = next(attributes["aria-label"] for tag, attributes in Tags(page).tags if attributes.get("role") == "img")
-    assert label == "0–2 points: 1; 18–20 points: 2"
+    bars = Tags(page[page.index('class="distribution"') : page.index("</ul>")]).text
+    told = re.findall(r"([\d.–]+) points: (\d+)", bars)
+    assert told[:3] == [("20", "2"), ("19.6–20", "0"), ("19.2–19.6", "0")]
+    assert told[-2:] == [("2–4", "0"), ("0–2", "1")]
+    assert len(told) == 17
+
+
+def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() -> None:
+    given = Adjustment("sensor_access", 5.0, "", "Ada", "2026-11-21T21:00:00+00:00", {})
+    page = Tags(index_page({"x": Standing("x", result(lost()), HandIn(), (given,))})).text
+    assert "Final: what counts, with points given by hand." in page
+    assert "Bonus" not in page
+    credit = replace(result(), extra_credit_cap=4.0)
+    assert "Bonus: extra credit of the extensions." in Tags(index({"a": credit})).text
+    assert "Final:" not in Tags(index({"a": result()})).text
 
 
 def test_an_empty_class_has_an_index() -> None:

@@ -21,6 +21,7 @@ from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of
 
 _TEMPLATES = beside(__package__, "templates")
+_AT_ONCE = 200  # rows of a class that are laid out before all are asked for
 _TOLD = {  # the seed is not among them: a report may be handed to a student
     "grader": "imugrade",
     "python": "Python",
@@ -154,8 +155,8 @@ def index_page(
     """
     results = [standing.result for standing in standings.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
-    columns = overview.columns(results)
-    entries = [overview.entry(standing, columns) for standing in standings.values()]
+    columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
+    entries = [overview.entry(standing, columns, top) for standing in standings.values()]
     mistakes = overview.mistakes(standings.values())
     checks = overview.checks(results, columns)
     return _page(
@@ -164,13 +165,16 @@ def index_page(
         next((result.lab for result in results), LabName()),
         count=len(standings),
         figures=overview.figures(scores),
-        bars=overview.bars(scores, max((result.max_score for result in results), default=100.0)),
+        bars=overview.bars(scores, top),
         columns=columns,
         entries=entries,
+        at_once=_AT_ONCE,
         sections=any(entry.section for entry in entries),
+        bonuses=any(result.extra_credit_cap is not None for result in results),
         finals=any(entry.final != entry.score for entry in entries),
         lates=any(entry.late.text for entry in entries),
-        choices=overview.choices(entries, mistakes, checks),
+        filters=overview.filters(entries, mistakes, checks),
+        numbers=overview.numbers(entries),
         mistakes=mistakes,
         checks=checks,
         alike=overview.alike(standings, fingerprints or {}, given),
