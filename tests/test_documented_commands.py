@@ -49,7 +49,7 @@ FROM_NOTHING = (
 STANDS_FOR = {"SUBMISSIONS": "submissions", "OUT": "out-monday", "DOWNLOAD": "submissions", "ID": "view-not-copy"}
 STANDS_FOR |= {"R": "none", "F": "poison"}
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
-PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITLAB_CI", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
+PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
 
 
 # --- what the documents assume ----------------------------------------------------------------------------------------
@@ -346,6 +346,7 @@ KITS = {
     "--gradescope": "run_autograder",
     "--classroom50": "autograder.py",
     "--github": "imugrade.yml",
+    "--gitlab": ".gitlab-ci.yml",
 }
 
 
@@ -353,7 +354,7 @@ def answered(done: Done) -> None:
     """By a platform's job: something that its reader takes."""
     made = done.file("-o", "--out")
     text = made.read_text(encoding="utf-8") if made else done.out
-    kind = done.after("--format") or "json"
+    kind = done.after("--format") or "junit"
     assert kind in registry.names("respond")
     if kind == "junit":
         assert ElementTree.fromstring(text).tag == "testsuites"

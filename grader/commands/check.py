@@ -182,10 +182,12 @@ def _write(result: Result, wanted: _Wanted) -> None:
 
     if wanted.html is not None:
         from grader.engine.evidence import unpacked  # noqa: PLC0415
+        from grader.engine.mistakes import catalogue  # noqa: PLC0415
+        from grader.labs.imu.lab import LAB  # noqa: PLC0415
         from grader.people.standing import Standing  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
-        write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts)))
+        write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts), catalogue(LAB)))
     if wanted.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415
 

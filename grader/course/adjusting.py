@@ -89,7 +89,7 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str =
         made = decide(store, store.standings(), wishes, author, what=what)
         after = publish_class(out, store, lab)
         for id_ in dict.fromkeys(each.id for each in made if each.fresh):
-            publish(out, after[id_], store)
+            publish(out, after[id_], store, lab)
     return [_told(each, after[each.id]) for each in made]
 
 

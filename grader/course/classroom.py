@@ -203,7 +203,7 @@ class _Run:
     def publish_known(self) -> None:
         """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
         for standing in self._audience.pages(self._known):
-            publish(self._order.out, standing, self._store)
+            publish(self._order.out, standing, self._store, self._order.rubric.lab)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
@@ -243,7 +243,7 @@ class _Run:
         if resumed:
             self._known.append(standing)
         else:
-            publish(self._order.out, standing, self._store)
+            publish(self._order.out, standing, self._store, self._order.rubric.lab)
         self._audience.done(key.id, result, resumed=resumed)
 
     def _standing(self, key: Key, attempt: _Attempt) -> Standing:

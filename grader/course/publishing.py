@@ -8,6 +8,7 @@ from pathlib import Path
 from grader.course.record import Store
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
+from grader.engine.mistakes import catalogue
 from grader.engine.results import to_json
 from grader.ground.files import write_whole
 from grader.people.standing import Standing
@@ -23,7 +24,7 @@ def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
     return standings
 
 
-def publish(out: Path, standing: Standing, store: Store) -> None:
+def publish(out: Path, standing: Standing, store: Store, lab: Lab) -> None:
     """Write the two files of one submission, unless they are current.
 
     `result.json` holds the automatic marks alone; the report is made from the whole standing. A digest of both is on record.
@@ -33,7 +34,7 @@ def publish(out: Path, standing: Standing, store: Store) -> None:
     if (folder / "report.html").is_file() and known == _digest(standing, _bytes(folder / "result.json")):
         return
     text = to_json(standing.result)
-    write_whole(folder / "report.html", report_page(standing, store.charts(standing.id)))
+    write_whole(folder / "report.html", report_page(standing, store.charts(standing.id), catalogue(lab)))
     write_whole(folder / "result.json", text)
     store.keep_page_digest(standing.id, _digest(standing, text.encode()))
 

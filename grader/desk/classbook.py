@@ -183,4 +183,4 @@ class _Publisher:
         with Store.existing(self._out) as store:
             standings = publish_class(self._out, store, self._lab)
             for id_ in sorted(ids):
-                publish(self._out, standings[id_], store)
+                publish(self._out, standings[id_], store, self._lab)

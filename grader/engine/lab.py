@@ -78,6 +78,8 @@ class Lab:
         The program that records ground truth, as ``python -m`` names it; it may be missing where only public truth is used.
     same_for_all
         Scenarios in which no secret changes a number.
+    motions
+        Public scenarios that students get as tables and pictures.
     student, charts, checked
         Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
     """
@@ -96,6 +98,7 @@ class Lab:
     libraries: tuple[str, ...] = ()
     recorder: str = ""
     same_for_all: frozenset[str] = frozenset()
+    motions: tuple[str, ...] = ()
 
     def __reduce__(self) -> tuple[Callable[[str], Lab], tuple[str]]:
         """It travels by its name: another process, on another machine perhaps, has it in another folder."""

@@ -126,10 +126,18 @@ def _information() -> dict[str, str]:
     files = {
         "METADATA": "\n".join([*lines, ""]),
         "WHEEL": "Wheel-Version: 1.0\nGenerator: imugrade kit\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
-        "entry_points.txt": "[console_scripts]\nimugrade = grader.cli:main\n",
+        "entry_points.txt": _entry_points(installed),
     }
     licence = next((f for f in installed.files or () if PurePosixPath(f).name == "LICENSE"), None)
     return files | ({"licenses/LICENSE": licence.read_text()} if licence else {})
+
+
+def _entry_points(installed: importlib.metadata.Distribution) -> str:
+    """The commands, and what pytest finds the package by."""
+    groups: dict[str, list[str]] = {}
+    for entry in installed.entry_points:
+        groups.setdefault(entry.group, []).append(f"{entry.name} = {entry.value}\n")
+    return "".join(f"[{group}]\n{''.join(lines)}" for group, lines in groups.items())
 
 
 def _digest(content: bytes) -> str:

@@ -162,7 +162,11 @@ class Standing:
 
     def _summed(self) -> float | None:
         points = summed({criterion.id: self.points(criterion) for criterion in self.result.criteria})
-        return None if self.unseen or points is None or self._credit_is_open() else round(points + self.result.extra_credit, 2)
+        return (
+            None
+            if self.unseen or points is None or self._credit_is_open()
+            else round(points + self.result.extra_credit, 2)
+        )
 
     @property
     def deduction(self) -> float:

@@ -25,7 +25,10 @@ from grader.platforms.platform import Handed, Platform, Visibility
 
 @dataclass(frozen=True)
 class Job:
-    """What a CI job asks for. `path` and `out` None: where the platform has them; `out` "-" is standard output."""
+    """What a CI job asks for. `path` and `out` None: where the platform has them; `out` "-" is standard output.
+
+    `private`: it runs where students can read neither its files nor what it says, in the instructor's own repository.
+    """
 
     platform: Platform
     rubric: Rubric
@@ -36,6 +39,7 @@ class Job:
     trusted: bool = False
     min_score: float | None = None
     rung: str | None = None
+    private: bool = False
     environ: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
 
     @property
@@ -131,10 +135,10 @@ def run(job: Job) -> Result:
 
 
 def _keep_secret(job: Job) -> None:
-    if job.hidden and not job.platform.keeps_secrets:
+    if job.hidden and not (job.platform.keeps_secrets or job.private):
         raise RequestError(
             f"--traces: hidden scenarios stay out of {job.platform.title}, where students can read them; "
-            "grade with them in a class run (imugrade grade)"
+            "grade with them in a class run (imugrade grade), or in a job of your own private repository, with --private"
         )
 
 

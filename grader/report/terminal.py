@@ -206,42 +206,12 @@ def _outcome(check: CheckResult) -> Text:
 def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change) -> list[Text]:
     """The first check whole; of the others what came in their case; then what to try and to read for all."""
     lines: list[Text] = []
-    told: set[str] = set()
-    for check in cause.checks:
+    for check, news in causes.told(cause):
         lines += _head(check, setting, change.was(check))
-        lines += [line for text in _news(check, told) for line in setting.labelled(text.label, text.text)]
-    hints = dict.fromkeys(
-        row.text for check in cause.checks for row in words.row(check, "", lab).lines if row.label == "Try"
-    )
-    for hint in hints:
-        lines += setting.labelled("Try", hint)
-    read = _read(cause, lab)
-    return [*lines, *(setting.labelled("Read", read) if read else [])]
-
-
-def _news(check: CheckResult, told: set[str]) -> list[words.Line]:
-    """What a check says that none before it in the block has said; `told` grows by it."""
-    said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
-    came = {line.text for line in said if line.label != "Expected"}
-    if came <= told:
-        return []
-    news = said if not told or check.outcome in ("failed", "partial") else _where(said)
-    told |= came
-    return news
-
-
-def _where(said: Sequence[words.Line]) -> list[words.Line]:
-    """Of a call that did not come back, the line that names the place."""
-    return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
-
-
-def _read(cause: Cause, lab: LabName) -> str:
-    steps = [str(step) for step in cause.steps]
-    plural = "s" if len(steps) > 1 else ""
-    sheet = (
-        [f"{lab.label}, Step{plural} {' and '.join(filter(None, (', '.join(steps[:-1]), steps[-1])))}"] if steps else []
-    )
-    return "; ".join([*sheet, *(f"imugrade explain {printable(each, 80)}" for each in cause.mistakes)])
+        lines += [line for text in news for line in setting.labelled(text.label, text.text)]
+    for line in causes.going_on(cause, lab):
+        lines += setting.labelled(line.label, line.text)
+    return lines
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import tempfile
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -39,8 +41,26 @@ def plot(traces: Traces, out: Path) -> list[Path]:
     RequestError
         If a picture cannot be written.
     """
-    moving = [scenario for scenario in traces.scenarios.values() if _is_motion(scenario)]
-    return [_draw(scenario, out / f"{traces.name}_{scenario.name}.png") for scenario in moving]
+    return [_draw(scenario, out / f"{traces.name}_{scenario.name}.png") for scenario in _moving(traces)]
+
+
+def motions(traces: Traces, names: Collection[str]) -> dict[str, bytes]:
+    """The motions of these names as files: a table of time and the two sensors, and a picture of it."""
+    chosen = [scenario for scenario in _moving(traces) if scenario.name in names]
+    tables = {f"{scenario.name}.csv": _table(scenario) for scenario in chosen}
+    return tables | {f"{scenario.name}.png": _picture(scenario) for scenario in chosen}
+
+
+def _moving(traces: Traces) -> list[Scenario]:
+    return [scenario for scenario in traces.scenarios.values() if _is_motion(scenario)]
+
+
+def _table(scenario: Scenario) -> bytes:
+    columns = np.column_stack([scenario["time"], *(scenario[key] for key, _ in _PANELS)])
+    heading = ",".join(["time", *(f"{key}_{axis}" for key, _ in _PANELS for axis in "xyz")])
+    stream = io.StringIO()
+    np.savetxt(stream, columns, fmt="%.9g", delimiter=",", header=heading, comments="")
+    return stream.getvalue().encode()
 
 
 def save(traces: Traces, out: Path) -> Path:
@@ -78,6 +98,16 @@ def _is_motion(scenario: Scenario) -> bool:
 
 
 def _draw(scenario: Scenario, path: Path) -> Path:
+    return _saved(_figure(scenario), path)
+
+
+def _picture(scenario: Scenario) -> bytes:
+    stream = io.BytesIO()
+    _figure(scenario).savefig(stream, dpi=120)
+    return stream.getvalue()
+
+
+def _figure(scenario: Scenario) -> Figure:
     figure = Figure(figsize=(10, 6), layout="constrained")
     panels: Any = figure.subplots(2, 1, sharex=True)
     for axes, (key, label) in zip(panels, _PANELS, strict=True):
@@ -88,7 +118,7 @@ def _draw(scenario: Scenario, path: Path) -> Path:
         axes.legend(loc="upper right", ncols=3)
     panels[0].set_title(scenario.description)
     panels[1].set_xlabel("Time (s)")
-    return _saved(figure, path)
+    return figure
 
 
 def _saved(figure: Figure, path: Path) -> Path:

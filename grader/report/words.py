@@ -6,6 +6,7 @@ Nothing in here renders; every text that may stem from a submission comes out `p
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
@@ -88,6 +89,16 @@ def tells(check: CheckResult) -> bool:
 def number(points: float) -> str:
     """At most two decimals, without idle zeros: 20, 87.5, 13.33."""
     return f"{points:.2f}".rstrip("0").rstrip(".")
+
+
+def minus(points: float) -> str:
+    """``−9.5``, with a real minus."""
+    return f"−{number(round(points, 2))}"
+
+
+def points_lost(checks: Iterable[CheckResult]) -> float:
+    """What checks have cost; what was not judged has cost nothing."""
+    return sum(check.max_points - check.points for check in checks if check.points is not None)
 
 
 def fraction(points: float | None, of: float) -> str:

@@ -67,4 +67,5 @@ LAB = Lab(
     ),
     recorder="reference.traces",
     same_for_all=frozenset({"free_fall"}),
+    motions=("standing", "push", "tumbling"),
 )  # fmt: skip

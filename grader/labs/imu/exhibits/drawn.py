@@ -17,6 +17,7 @@ from grader.labs.imu.exhibits.points import curve, thinned
 _FIGURES = 3
 _PANELS = 6
 _CURVES = 12
+_FED = "A test recording was fed in, so the curves are not those of your own simulation."
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 Facts = Mapping[str, Any]
@@ -42,7 +43,7 @@ def _chart(figure: Facts, panels: tuple[Panel, ...], *, by_function: bool) -> Ch
     return Chart(
         "visualization",
         f"{who}: {title}" if title else who,
-        f"{saved}; set here from what the grader read of it and judges.",
+        f"{saved}; set here from what the grader read of it and judges.{' ' + _FED if by_function else ''}",
         panels,
     )
 
