@@ -278,6 +278,8 @@ def session(lab: Lab) -> Session:
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # one that shuffles tests is common
+        for ours in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):  # of the pytest that somebody runs, perhaps around this one
+            patch.delenv(ours, raising=False)
         code = int(pytest.main([*options, str(folder)], plugins=[collected]))
     if code == pytest.ExitCode.INTERRUPTED:
         raise KeyboardInterrupt  # pytest has swallowed it

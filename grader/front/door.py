@@ -18,15 +18,16 @@ from typing import Any
 import pytest
 
 from grader.engine import rubric as rubrics
-from grader.engine.results import CheckResult, Result, from_dict
+from grader.engine.lab import Part
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
 from grader.engine.rubric import Rubric
 from grader.front.asking import Asked, asked_for
 from grader.front.finding import Finding, NotJudgedError
-from grader.front.places import Place, Places
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
+from grader.platforms.places import Place, find_places
 from grader.report import words
 
 _CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
@@ -48,7 +49,8 @@ class Door:
         if self._submission.status != "ready":
             said = " ".join((words.STATUS[self._submission.status], *self._submission.notes))
             raise pytest.UsageError(f"imugrade: {self._name}: {said}")
-        self._places = Places(LAB, self._submission, Path(os.path.abspath(self._asked.path)))
+        self.path = Path(os.path.abspath(self._asked.path))
+        self.places = find_places(LAB, self._submission, self.path, self.path)
 
     def pytest_report_header(self) -> str:
         return f"imugrade: {self._name}, public scenarios"
@@ -67,33 +69,41 @@ class Door:
         """In the place of a folder's tests: a file for each of the student's that the lab asks for."""
         if not isinstance(collector, pytest.Session):
             return None
-        files: dict[Path, list[tuple[str, Place]]] = {}
-        for criterion, place in self._criteria():
-            files.setdefault(place.path, []).append((criterion, place))
-        nodes = [_File.from_parent(collector, path=path, door=self, criteria=held) for path, held in files.items()]
+        files: dict[Path, list[str]] = {}
+        for part in self._parts():
+            files.setdefault(self._file_of(part.names[0]), []).append(part.id)
+        nodes: list[pytest.Item | pytest.Collector] = [
+            _File.from_parent(collector, path=path, door=self, criteria=held) for path, held in files.items()
+        ]
         return pytest.CollectReport(collector.nodeid, "passed", None, nodes)
 
-    def _criteria(self) -> Iterator[tuple[str, Place]]:
-        """The parts that have checks, each with the place of its first name; a bonus that was not tried has none."""
-        for part in self._rubric.parts:
-            known = LAB.part(part.id)
-            assert known is not None
-            if part.checks and (part in self._rubric.criteria or known.attempted_in(self._submission.files)):
-                yield part.id, self._places.of(known.names[0])
+    def _parts(self) -> Iterator[Part]:
+        """The parts that have checks; a bonus that was not tried has none."""
+        for each in self._rubric.parts:
+            part = LAB.part(each.id)
+            if part and each.checks and (part in LAB.parts or part.attempted_in(self._submission.files)):
+                yield part
 
-    def checks(self, criterion: str, file: Path) -> Iterator[tuple[str, Place]]:
-        """The checks of a criterion that were asked for, and where in the student's files what they check is defined."""
+    def _file_of(self, name: str) -> Path:
+        """The file that defines it, or that the lab expects it in; an archive or a notebook is the place of all that is in it."""
+        home, files = LAB.homes[name], self._submission.files
+        notebook = next((file for file in files if file.endswith(".ipynb")), home)
+        at = self.places.definitions.get(name, Place(self._submission.origin(home if home in files else notebook)))
+        return self.path / at.file if self.path.is_dir() else self.path
+
+    def checks(self, criterion: str, file: Path) -> Iterator[str]:
+        """The checks of a criterion that were asked for."""
         for weight in self._rubric.checks:
-            part, name = weight.id.split(".")
+            part, _, name = weight.id.partition(".")
             if part == criterion and self._asked.wants(file, part, name):
-                yield name, self._places.of(LAB.name_of(weight.id))
+                yield name
 
     @functools.cached_property
     def result(self) -> Result:
         """The result of the whole submission: `imugrade check` makes it, in a process that this run cannot disturb."""
         with tempfile.TemporaryDirectory(prefix="imugrade-") as folder:
             file = Path(folder, "result.json")
-            asked = ["check", os.path.abspath(self._asked.path), "--json", str(file)]
+            asked = ["check", str(self.path), "--json", str(file)]
             asked += [] if self._rubric_path is None else ["--rubric", str(self._rubric_path)]
             ended = subprocess.run(
                 [sys.executable, *_CODE, *asked], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, check=False
@@ -105,7 +115,7 @@ class Door:
 
     @functools.cached_property
     def found(self) -> Mapping[str, CheckResult]:
-        parts = (*self.result.criteria, *self.result.extensions)
+        parts: tuple[CriterionResult | ExtensionResult, ...] = (*self.result.criteria, *self.result.extensions)
         return {check.id: check for part in parts for check in part.checks}
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
@@ -132,12 +142,12 @@ class Door:
 class _File(pytest.File):
     """One file of the student's, with the criteria that are about it."""
 
-    def __init__(self, *, door: Door, criteria: list[tuple[str, Place]], **options: Any) -> None:
+    def __init__(self, *, door: Door, criteria: list[str], **options: Any) -> None:
         super().__init__(**options)
         self._door, self._held = door, criteria
 
     def collect(self) -> Iterator[pytest.Collector]:
-        for criterion, _ in self._held:
+        for criterion in self._held:
             yield _Criterion.from_parent(self, name=criterion, door=self._door)
 
 
@@ -149,18 +159,17 @@ class _Criterion(pytest.Collector):
         self._door = door
 
     def collect(self) -> Iterator[pytest.Item]:
-        for name, place in self._door.checks(self.name, self.path):
-            yield _Check.from_parent(self, name=name, door=self._door, place=place)
+        for name in self._door.checks(self.name, self.path):
+            yield _Check.from_parent(self, name=name, door=self._door)
 
 
 class _Check(pytest.Item):
     """One check: its test ends as the check ended."""
 
-    def __init__(self, *, door: Door, place: Place, **options: Any) -> None:
+    def __init__(self, *, door: Door, **options: Any) -> None:
         super().__init__(**options)
-        self._door, self._place = door, place
         assert self.parent is not None
-        self._criterion = self.parent.name
+        self._door, self._criterion = door, self.parent.name
 
     def setup(self) -> None:
         """A check that could not be judged is an error, no failure."""
@@ -188,14 +197,19 @@ class _Check(pytest.Item):
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """What a student reads, at their own line; none of our frames."""
         if isinstance(excinfo.value, AssertionError) and excinfo.value.args == (self._found.id,):
-            return Finding(self._found, LAB, self._shown, self._place.line + 1)
+            return Finding(self._found, LAB, *self._where())
         if isinstance(excinfo.value, NotJudgedError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
 
-    @property
-    def _shown(self) -> str:
-        return self.nodeid.partition("::")[0]
+    def _where(self) -> tuple[str, int]:
+        """The line that raised, or the one where what is checked is defined."""
+        place = self._door.places.of(self._found)
+        if place is None:
+            return self.nodeid.partition("::")[0], 1
+        return os.path.relpath(self._door.path / place.file, self.config.rootpath), place.line or 1
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        return self.path, self._place.line, f"{self._criterion}::{self.name}"
+        """The line where what is checked is defined, counted from 0."""
+        at = self._door.places.definitions.get(LAB.name_of(f"{self._criterion}.{self.name}"), Place(""))
+        return self.path, (at.line or 1) - 1, f"{self._criterion}::{self.name}"

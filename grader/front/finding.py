@@ -26,6 +26,9 @@ class Crash:
     lineno: int
     message: str
 
+    def __str__(self) -> str:
+        return f"{self.path}:{self.lineno}: {self.message}"
+
 
 class Finding:
     """A lost check; pytest asks it to write itself.
@@ -33,7 +36,7 @@ class Finding:
     Parameters
     ----------
     path, line
-        The student's.
+        Where to point in the student's files.
     """
 
     def __init__(self, check: CheckResult, lab: Lab, path: str, line: int) -> None:
@@ -41,7 +44,9 @@ class Finding:
         got = next((each.text.partition("\n")[0] for each in row.lines if each.label == "Got"), row.title)
         self.reprcrash = Crash(path, line, got)
         self._lines = [f"{row.title}  {row.points}", *(line for each in row.lines for line in _labelled(each))]
-        read = "; ".join([row.read, *(f"imugrade explain {id_}" for id_ in causes.told_mistakes(check))]).removeprefix("; ")
+        read = "; ".join([row.read, *(f"imugrade explain {id_}" for id_ in causes.told_mistakes(check))]).removeprefix(
+            "; "
+        )
         self._lines += _labelled(words.Line("Read", read)) if read else []
         self._end = f"{path}:{line}: {row.outcome.word}"
 
