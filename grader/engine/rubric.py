@@ -28,20 +28,28 @@ from grader.ground.package_data import beside
 from grader.ground.text import printable
 
 __all__ = [
+    "CARRIED",
     "CheckWeight",
     "Criterion",
     "Extension",
     "LatePolicy",
     "Limits",
     "Model",
+    "OwnChecks",
     "Rubric",
     "RubricError",
     "load",
     "match_checks",
+    "own_checks",
     "parse",
     "shipped",
 ]
 
+OwnChecks = tuple[tuple[str, bytes], ...]
+"""Names and contents of the files in the folder ``checks`` beside a rubric: what is read is what runs, wherever that is."""
+
+CARRIED = "own_checks"
+_MOST_OWN_BYTES = 1_000_000
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
@@ -115,7 +123,8 @@ class Rubric:
     """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
 
     `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `sha256` is that
-    of all that marks depend on: a comment, the order of the lines or another late policy leaves it as it is.
+    of all that marks depend on: a comment, the order of the lines or another late policy leaves it as it is. `own_checks` are the
+    instructor's, which lie beside the file.
     """
 
     lab: Lab
@@ -127,6 +136,7 @@ class Rubric:
     source: str
     extra_credit_cap: float | None = None
     late: LatePolicy | None = None
+    own_checks: OwnChecks = ()
 
     @property
     def parts(self) -> tuple[Criterion | Extension, ...]:
@@ -211,8 +221,30 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    digest = _digest(criteria, extensions, limits, model, granted)
-    return Rubric(lab, criteria, extensions, limits, model, digest, source, granted, late)
+    own = () if folder is None else own_checks(lab, folder)
+    written = (
+        (hashlib.sha256(repr(own).encode()).hexdigest(),) if own else ()
+    )  # without any it is the digest that it was before
+    digest = _digest(criteria, extensions, limits, model, granted, *written)
+    return Rubric(lab, criteria, extensions, limits, model, digest, source, granted, late, own)
+
+
+def own_checks(lab: Lab, folder: Path) -> OwnChecks:
+    """The instructor's own checks beside a rubric; a kit carries them beside the lab's.
+
+    Raises
+    ------
+    RubricError
+        If there are too many, or they cannot be read.
+    """
+    place = folder / (CARRIED if folder == lab.folder else "checks")
+    try:
+        own = tuple((path.name, path.read_bytes()) for path in sorted(place.glob("*.py")) if path.is_file())
+    except OSError as error:
+        raise RubricError(f"{printable(str(place), 500)}: cannot be read ({error.strerror})") from error
+    if sum(len(content) for _, content in own) > _MOST_OWN_BYTES:
+        raise RubricError(f"{printable(str(place), 500)}: more than {_MOST_OWN_BYTES:,} bytes of checks")
+    return own
 
 
 def know_part(rubric: Rubric, only: str | None) -> None:
