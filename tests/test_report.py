@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from grader.engine.evidence import Chart
-from grader.engine.feedback import catalogue
+from grader.engine.mistakes import catalogue
 from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.exhibits import drawn

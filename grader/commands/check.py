@@ -53,7 +53,7 @@ def check(
     from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    wanted = _Wanted(path, only, html, json, prints)
+    wanted = _Wanted(path, only, html, json, prints, rubric)
     if watch:
         return _watch(wanted, rubric, rung)
     submission = read_apart(path, LAB.files)
@@ -103,12 +103,23 @@ class _Wanted:
     html: Path | None
     json: Path | None
     prints: bool
+    rubric: Path | None
 
     @property
     def command(self) -> str:
         """What to type to check it again."""
-        given = () if self.path == Path() else (str(self.path),)
-        return shlex.join(("imugrade", "check", *given))
+        return shlex.join(("imugrade", "check", *self._given))
+
+    @property
+    def repeat(self) -> str:
+        """What to type to get a check as a program, with ``{}`` for its id; an archive has no files that Python finds."""
+        rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
+        typed = shlex.join(("", *self._given, *rubric)).removeprefix("''")
+        return f"imugrade repro {{}}{typed.replace('{', '{{').replace('}', '}}')}" if self.path.is_dir() else ""
+
+    @property
+    def _given(self) -> tuple[str, ...]:
+        return () if self.path == Path() else (str(self.path),)
 
 
 def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
@@ -173,7 +184,9 @@ def _lines(
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
-    lines = terminal.screen(result, screen, LAB, only=wanted.only, before=before, command=wanted.command)
+    lines = terminal.screen(
+        result, screen, LAB, only=wanted.only, before=before, command=wanted.command, repeat=wanted.repeat
+    )
     return [*lines, *told]
 
 

@@ -306,7 +306,8 @@ def stopped(submission: Submission, order: Order, reason: str) -> Result:
 
 def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
     """A result with the same row for every check of the criteria."""
-    titles = {id_: check.title for id_, check in known_checks(order.rubric.lab).items()}
+    known = known_checks(order.rubric.lab, order.rubric.own_checks)
+    titles = {id_: check.title for id_, check in known.items()}
     found = Result(
         submission.name,
         status,

@@ -72,6 +72,8 @@ class Lab:
         The file that the sheet loads, if it loads one, by the path that it names.
     points_to
         Checks whose findings point to another name than the first of their part.
+    calls
+        How each name is called, in a line, where `imugrade repro` can write the call down.
     libraries
         What some submissions import and what takes longer to import than the rest of their work: a class shares it.
     recorder
@@ -95,6 +97,7 @@ class Lab:
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
+    calls: Mapping[str, str] = field(default_factory=dict)
     libraries: tuple[str, ...] = ()
     recorder: str = ""
     same_for_all: frozenset[str] = frozenset()
@@ -140,6 +143,11 @@ class Lab:
         """The name that the lab asks for and that this check is about."""
         part = self.part(check_id.partition(".")[0])
         return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
+
+    def call_of(self, check_id: str) -> str:
+        """The line that calls what this check is about; empty where there is none."""
+        part, name = self.part(check_id.partition(".")[0]), self.name_of(check_id)
+        return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, furniture: Mapping[str, Any]) -> str:
         """The text of the sound stand-in for a name, where the box is furnished so."""

@@ -58,7 +58,7 @@ class Marker:
         match_robot(rubric.model, traces)
         self._box = box or open_box(rubric.lab, rung)  # it warms up while the checks are collected
         try:
-            self._checks: Mapping[str, Check] = known_checks(rubric.lab)
+            self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})
         except BaseException:
             self._box.close()
@@ -132,7 +132,7 @@ class Marker:
 
     def _run(self, examination: Examination) -> None:
         try:
-            session(self._lab).run(examination)
+            session(self._lab, self._rubric.own_checks).run(examination)
         finally:
             examination.student.close()
 

@@ -29,21 +29,29 @@ from grader.ground.package_data import beside
 from grader.ground.text import printable
 
 __all__ = [
+    "CARRIED",
     "CheckWeight",
     "Criterion",
     "Extension",
     "LatePolicy",
     "Limits",
     "Model",
+    "OwnChecks",
     "Rubric",
     "RubricError",
     "load",
     "match_checks",
+    "own_checks",
     "parse",
     "shipped",
 ]
 
 _OPTIONAL = ("model", "extra_credit", "late", "mistakes")
+OwnChecks = tuple[tuple[str, bytes], ...]
+"""Names and contents of the files in the folder ``checks`` beside a rubric: what is read is what runs, wherever that is."""
+
+CARRIED = "own_checks"
+_MOST_OWN_BYTES = 1_000_000
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
@@ -119,7 +127,8 @@ class Rubric:
     `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `mistakes` are
     those that have a price: what each costs in a check that it loses, in place of the check's own points. `sha256` is that of all
     that marks depend on: a comment, the order of the lines or another late policy leaves it as it is; `asked_sha256` of what is
-    asked alone: by a rubric with the same one, marks can be made anew from what is on record.
+    asked alone: by a rubric with the same one, marks can be made anew from what is on record. `own_checks` are the instructor's,
+    which lie beside the file.
     """
 
     lab: Lab
@@ -133,6 +142,7 @@ class Rubric:
     extra_credit_cap: float | None = None
     late: LatePolicy | None = None
     mistakes: Mapping[str, float] = field(default_factory=dict)
+    own_checks: OwnChecks = ()
 
     @property
     def parts(self) -> tuple[Criterion | Extension, ...]:
@@ -218,9 +228,32 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    digest = _digest(criteria, extensions, limits, model, granted, *([mistakes] if mistakes else []))
-    asked = _digest(limits, model)
-    return Rubric(lab, criteria, extensions, limits, model, digest, asked, source, granted, late, mistakes)
+    own = () if folder is None else own_checks(lab, folder)
+    written = (
+        [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []
+    )  # without any it is the digest that it was before
+    priced = [mistakes] if mistakes else []
+    digest = _digest(criteria, extensions, limits, model, granted, *priced, *written)
+    asked = _digest(limits, model, *written)
+    return Rubric(lab, criteria, extensions, limits, model, digest, asked, source, granted, late, mistakes, own)
+
+
+def own_checks(lab: Lab, folder: Path) -> OwnChecks:
+    """The instructor's own checks beside a rubric; a kit carries them beside the lab's.
+
+    Raises
+    ------
+    RubricError
+        If there are too many, or they cannot be read.
+    """
+    place = folder / (CARRIED if folder == lab.folder else "checks")
+    try:
+        own = tuple((path.name, path.read_bytes()) for path in sorted(place.glob("*.py")) if path.is_file())
+    except OSError as error:
+        raise RubricError(f"{printable(str(place), 500)}: cannot be read ({error.strerror})") from error
+    if sum(len(content) for _, content in own) > _MOST_OWN_BYTES:
+        raise RubricError(f"{printable(str(place), 500)}: more than {_MOST_OWN_BYTES:,} bytes of checks")
+    return own
 
 
 def know_part(rubric: Rubric, only: str | None) -> None:

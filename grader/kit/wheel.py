@@ -19,6 +19,7 @@ import yaml
 
 from grader import __version__
 from grader.engine.lab import Lab
+from grader.engine.rubric import CARRIED, own_checks
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
@@ -54,6 +55,7 @@ def build(lab: Lab, rubric: Path, carried: Traces | None = None) -> bytes:
     info = f"imugrade-{__version__}.dist-info"
     place = f"grader/{lab.folder.relative_to(beside('grader', '')).as_posix()}"
     files = {**dict(_package()), f"{place}/rubric.yaml": rubric.read_bytes()}
+    files |= {f"{place}/{CARRIED}/{name}": content for name, content in own_checks(lab, rubric.parent)}
     files |= _own(place, rubric, carried) if carried else {}
     files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}
     record = "".join(f"{path},{_digest(content)},{len(content)}\n" for path, content in files.items())

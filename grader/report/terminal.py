@@ -22,6 +22,7 @@ from grader.report.lines import LABEL, Setting
 
 WIDTH = 100
 _BAR = 20  # columns
+_NEVER_CALLED = frozenset({"file-missing", "name-missing", "does-not-import"})
 _STYLE = {"earned": "green", "partly": "yellow", "lost": "red", "blank": "bright_black"}
 
 
@@ -76,6 +77,7 @@ def screen(
     only: str | None = None,
     before: Mapping[str, float] | None = None,
     command: str = "imugrade check",
+    repeat: str = "",
 ) -> list[Text]:
     """The lines of a result: totals, what to do next, what was lost by its cause, what to run again.
 
@@ -93,6 +95,8 @@ def screen(
         The points of each check at the last check, by its id; None where that is not known.
     command
         What was called, without options.
+    repeat
+        What writes a check down as a program, with ``{}`` for its id; empty where it cannot be had.
     """
     setting = Setting(console, min(console.width, WIDTH) if console.is_terminal else None)
     parts = causes.parts_of(result, only)
@@ -103,7 +107,7 @@ def screen(
         _totals(result, parts, setting, change, only),
         _next(found, lab, setting),
         *([_earned(checks, setting)] if only is not None else [_mended(parts, setting, change)]),
-        *(_cause(cause, result.lab, setting, change) for cause in found),
+        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in found),
         _without_verdict(checks, setting),
         _closing(result, setting),
         _hand_in(result, lab, setting) if only is None else [],
@@ -212,6 +216,15 @@ def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change) -> list
     for line in causes.going_on(cause, lab):
         lines += setting.labelled(line.label, line.text)
     return lines
+
+
+def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]:
+    """How to ask the same once more without the grader; what was never called cannot be."""
+    first = cause.checks[0]
+    call = lab.call_of(first.id)
+    if not repeat or not call or not _NEVER_CALLED.isdisjoint(first.misconceptions):
+        return []
+    return setting.labelled("Repeat", f"{repeat.format(first.id)}\n{call}, on the same input")
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
