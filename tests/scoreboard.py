@@ -58,6 +58,7 @@ class Verdict:
     named_right: int = 0
     named_wrong: int = 0
     named_not: int = 0
+    result: Result | None = None
 
     def trouble(self, kind: str, text: str) -> None:
         self.troubles.append((kind, text))
@@ -226,12 +227,12 @@ def graded_by(marker: Marker, case: Case) -> Verdict:
     """What the scoreboard says of a case that this marker grades."""
     verdict, started = Verdict(case), time.perf_counter()
     try:
-        result = marker.mark(handed_in(case), only=case.only)
+        verdict.result = marker.mark(handed_in(case), only=case.only)
     except Exception as problem:
         verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
         return verdict
     verdict.seconds = time.perf_counter() - started
-    look_at(verdict, result)
+    look_at(verdict, verdict.result)
     return verdict
 
 
