@@ -51,6 +51,7 @@ _CASES = 30
 """Tapes that a mutant is held against."""
 _MORE_TESTS = {
     "rubric": ("tests/test_rubric.py",),
+    "findings": ("tests/judging/test_check_sensor_access.py", "tests/test_withheld.py"),
     "labels": ("tests/test_languages.py",),
     "noise_laws": ("tests/test_unforeseen_noise_filter.py",),
     "filter_outputs": ("tests/test_unforeseen_noise_filter.py",),
@@ -58,7 +59,12 @@ _MORE_TESTS = {
     "handling": ("tests/test_unforeseen_reader_collect.py",),
     "collection": ("tests/test_unforeseen_reader_collect.py",),
 }
-"""Tests without a box that stand elsewhere, by module."""
+_MORE_TESTS |= dict.fromkeys(
+    ("check_complementary_filter", "tilting", "check_allan_variance", "allan", "check_multiple_imus",
+     "check_realtime_visualization", "liveplot"),
+    ("tests/judging/test_check_extensions.py",),
+)  # fmt: skip
+"""Tests without a box under another name, by module."""
 _PARTS = {
     "sensor_access": ("check_sensor_access", "reading", "handling"),
     "data_collection": ("check_data_collection", "collection", "recordings"),
@@ -179,10 +185,11 @@ def _change(mutant: Mutant) -> None:
 
 
 def unit_tests(file: str) -> list[str]:
-    """The files with tests of a module's functions."""
+    """The files with tests of a module's functions: its own, those of the checks of its part, and others that are listed."""
     stem = Path(file).stem
-    own = TESTS / f"test_{stem.removeprefix('check_')}{'_check' if stem.startswith('check_') else ''}.py"
-    return [str(path) for path in (own, *(ROOT / more for more in _MORE_TESTS.get(stem, ()))) if path.exists()]
+    parts = [modules[0] for modules in _PARTS.values() if stem in modules]
+    own = [TESTS / f"test_{name}.py" for name in dict.fromkeys((stem, *parts))]
+    return [str(path) for path in (*own, *(ROOT / more for more in _MORE_TESTS.get(stem, ()))) if path.exists()]
 
 
 def _fails_a_unit_test(mutant: Mutant) -> bool:

@@ -77,7 +77,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
-        _not_saved(student, drawing, saved)
+        return _not_saved(student, drawing, saved)
     width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
