@@ -77,7 +77,11 @@ class Verdict:
     named_right: int = 0
     named_wrong: int = 0
     named_not: int = 0
-    lost: tuple[CheckResult, ...] = ()
+    result: Result | None = None
+
+    @property
+    def lost(self) -> tuple[CheckResult, ...]:
+        return () if self.result is None else tuple(lost(self.result))
 
     def trouble(self, kind: str, text: str) -> None:
         self.troubles.append((kind, text))
@@ -286,12 +290,12 @@ def graded_by(marker: Marker, case: Case) -> Verdict:
     """What the scoreboard says of a case that this marker grades."""
     verdict, started = Verdict(case), time.perf_counter()
     try:
-        result = marker.mark(handed_in(case), only=case.only)
+        verdict.result = marker.mark(handed_in(case), only=case.only)
     except Exception as problem:
         verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
         return verdict
     verdict.seconds = time.perf_counter() - started
-    verdict.lost = tuple(lost(result))
+    result = verdict.result
     look_at(verdict, result)
     if case.part == "recast":
         for layout, put in CASTINGS.items():

@@ -10,8 +10,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from grader.engine import rubric, traces
 from grader.engine.evidence import unpacked
-from grader.engine.mistakes import catalogue
 from grader.engine.marking import Marker
+from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB

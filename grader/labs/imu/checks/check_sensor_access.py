@@ -107,20 +107,21 @@ def _gap(readings: Readings, scene: Scene) -> tuple[Deviation, Array, Array, str
 
 
 def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...]) -> None:
-    if not np.isfinite(readings.accel).all() and not readings.oddities:
-        raise Lost("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"])
     right = [
         deviation(got.reshape(-1, 3), true.reshape(-1, 3)).worst <= diagnosis.ATOL
         for got, true in ((readings.accel, scene.accel), (readings.gyro, scene.gyro))
     ]
     if readings.oddities:
         mistakes = ("wrong-length",)  # what is there may be right; the rest is not there
+    keeps, finite = 0.5 if any(right) else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
+    if not finite and not readings.oddities:
+        raise Lost("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"], keeps=keeps)
     gap, got, true, unit, name = _gap(readings, scene)
     raise Lost(
         f"{name} ≈ {told(true[gap.row], got[gap.row])} {unit}",
         f"{name} = {told(got[gap.row], true[gap.row])}",
         mistakes=mistakes,
-        keeps=0.5 if any(right) else 0.0,
+        keeps=keeps,
         off=Size(f"{name} is off", gap.worst, unit),
         hint="" if mistakes else "Return the three numbers of each sensor as data.sensordata holds them now (Step 2).",
     )

@@ -66,8 +66,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
-        _not_saved(student, drawing)
-        return
+        return _not_saved(student, drawing)
     _nothing_is_overwritten(candidates(student, truth, drawing))
     width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
