@@ -289,7 +289,7 @@ LIVE: list[tuple[Any, list[Row]]] = [
         ("short ones", _seen(curves=[(_T[:9], _T[:9])]), (0.0, ["curves-missing"])),
         ("wrong ones", _seen(curves=[_WRONG] * 3), (0.0, ["wrong-data-plotted"])),
         ("one that is right", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0])] + [_WRONG] * 2), (0.5, [])),
-        ("half of them", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0])] + [_WRONG]), None),
+        ("half of them", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0]), _WRONG]), None),
     ]),
 ]  # fmt: skip
 

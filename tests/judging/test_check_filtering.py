@@ -165,6 +165,20 @@ class InPlace(Sound):
         return self.value
 
 
+class Guarded(Sound):
+    """Nothing, once the same measurement has come ten times."""
+
+    def begin(self) -> None:
+        self.last: Any = None
+        self.repeated = 0
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.repeated = self.repeated + 1 if np.array_equal(measurement, self.last) else 0
+        self.last = measurement.copy()
+        y = super().update(measurement)
+        return 0 * y if self.repeated >= 10 else y
+
+
 class Random(Sound):
     """Other outputs every time."""
 
@@ -246,6 +260,7 @@ CASES = [
             ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
             ("an average", Averaging, None),
             ("one that adds", Adding, (0.0, [])),
+            ("guarded", Guarded, (0.0, [])),
             ("limited", LIMITED, None),
             ("rounded", ROUNDED, None),
             ("a high-pass", HighPass, (0.0, ["high-pass"])),
