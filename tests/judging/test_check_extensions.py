@@ -149,6 +149,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
     (allan.check_averaging_times, [
         ("sound", deviation, None),
         ("in samples", _changed(lambda t, a: (t * 80, a)), (0.0, ["tau-wrong"])),
+        ("over the rate twice", _changed(lambda t, a: (t / 80, a)), (0.0, ["tau-wrong"])),
         ("beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
         ("over a decade", lambda s, r: tuple(x[:7] for x in deviation(s, r)), None),
         ("over less than a decade", lambda s, r: tuple(x[:6] for x in deviation(s, r)), (0.5, [])),
