@@ -211,8 +211,7 @@ def _look_at_names(
     verdict: Verdict, result: Result, names: set[str], wanted: set[str], right: set[str], never: Sequence[str]
 ) -> None:
     """One right name is enough where several describe the same fault; of two faults, each is counted."""
-    if wanted == {"tampering"}:  # shown to the instructor, as a note, and costs nothing
-        wanted = set()
+    wanted -= {"tampering", ""}  # shown to the instructor, as a note, and costs nothing; or without a name
     found = names & right
     count = min(len(wanted), len(found))
     verdict.named_right += count

@@ -74,6 +74,7 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("never", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
         ("in degrees", _tilted(**_DEGREES), (0.0, ["degrees-not-radians"])),
         ("pitch of the other sign", _tilted(of_accel=lambda s, a: Tilt.of_accel(s, a) * [1, -1]), (0.0, ["tilt-sign-wrong"])),
+        ("the sine for the pitch", _tilted(of_accel=lambda _s, a: np.array([math.atan2(-a[1], -a[2]), a[0] / 9.81])), (0.5, [])),
         ("small angles", _tilted(**_SMALL_ANGLES), (0.0, [])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
@@ -148,6 +149,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
     (allan.check_averaging_times, [
         ("sound", deviation, None),
         ("in samples", _changed(lambda t, a: (t * 80, a)), (0.0, ["tau-wrong"])),
+        ("over the rate twice", _changed(lambda t, a: (t / 80, a)), (0.0, ["tau-wrong"])),
         ("beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
         ("over a decade", lambda s, r: tuple(x[:7] for x in deviation(s, r)), None),
         ("over less than a decade", lambda s, r: tuple(x[:6] for x in deviation(s, r)), (0.5, [])),

@@ -165,6 +165,20 @@ class InPlace(Sound):
         return self.value
 
 
+class Guarded(Sound):
+    """Nothing, once the same measurement has come ten times."""
+
+    def begin(self) -> None:
+        self.last: Any = None
+        self.repeated = 0
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.repeated = self.repeated + 1 if np.array_equal(measurement, self.last) else 0
+        self.last = measurement.copy()
+        y = super().update(measurement)
+        return 0 * y if self.repeated >= 10 else y
+
+
 class Random(Sound):
     """Other outputs every time."""
 
@@ -192,6 +206,7 @@ NAN = of(out=lambda _s, y: y * np.nan)
 NUMBER = of(out=lambda _s, y: float(y[0]))
 ROUNDED = of(out=lambda _s, y: y.round(2))
 LIMITED = of(out=lambda _s, y: np.clip(y, -9.5, 9.5))
+NOW_AND_THEN = of(out=lambda _s, y: np.maximum(y, -11.5))
 FROM_ZERO = of(first=lambda s, x: s.alpha * x)
 LARGER = of(next=lambda s, x, y: s.alpha * x + (1.1 - s.alpha) * y)
 HALF = of(next=lambda s, x, y: 0.5 * (s.alpha * x + (1 - s.alpha) * y), first=lambda _s, x: 0.5 * x)
@@ -206,6 +221,7 @@ CASES = [
             ("another default", of(__init__=_default_alpha), (0.5, [])),
             ("rounded", ROUNDED, (0.0, ["output-rounded"])),
             ("limited", LIMITED, (0.0, [])),
+            ("limited now and then", NOW_AND_THEN, (0.0, [])),
             ("alpha swapped", ALPHA_SWAPPED, (0.0, ["alpha-swapped"])),
             ("the root of alpha", FASTER, (0.0, [])),
             ("one behind", Behind, (0.0, [])),
@@ -246,6 +262,7 @@ CASES = [
             ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
             ("an average", Averaging, None),
             ("one that adds", Adding, (0.0, [])),
+            ("guarded", Guarded, (0.0, [])),
             ("limited", LIMITED, None),
             ("rounded", ROUNDED, None),
             ("a high-pass", HighPass, (0.0, ["high-pass"])),

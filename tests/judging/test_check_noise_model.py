@@ -77,8 +77,11 @@ class Walking(Sound):
     def begin(self) -> None:
         self.sums = [np.zeros(3), np.zeros(3)]
 
+    def drawn(self, which: int) -> Any:
+        return super().noise(which)
+
     def noise(self, which: int) -> Any:
-        self.sums[which] = self.sums[which] + super().noise(which)
+        self.sums[which] = self.sums[which] + self.drawn(which)
         return self.sums[which]
 
 
@@ -153,6 +156,11 @@ def _scaled(by: float, *sensors: int) -> type:
 
 def _one_for_all_axes(self: Any, which: int) -> Any:
     return np.full(3, self.rng.normal(0, self.stds[which]))
+
+
+def _opposite(self: Any, which: int) -> Any:
+    x, _, z = Sound.noise(self, which)
+    return np.array([x, -x, z])
 
 
 def _nothing_given(self: Any, which: int, size: float, given: Any) -> Any:
@@ -304,6 +312,12 @@ CASES = [
         APART: [
             ("sound", Sound, None),
             ("one number for all axes", SAME_ON_AXES, (0.0, ["same-noise-on-axes"])),
+            ("opposite on two axes", of(noise=_opposite), (0.0, ["same-noise-on-axes"])),
+            (
+                "one for all axes that adds up",
+                type("Both", (Walking,), {"drawn": _one_for_all_axes}),
+                (0.0, ["same-noise-on-axes"]),
+            ),
             ("half of it shared", of(noise=lambda s, i: Sound.noise(s, i) + _one_for_all_axes(s, i)), (0.0, [])),
             ("one that adds up", Walking, None),
             ("one that remembers", Remembering, None),

@@ -58,6 +58,10 @@ def _strange_at(first: int, second: int) -> Reader:
     return lambda _model, data, _a, _g: (_strange(_at(data, first)), _strange(_at(data, second)))
 
 
+def _strange_by_name(_model: Any, data: Any, _a: int, _g: int) -> Any:
+    return tuple(_strange(data.sensor(f"torso_{kind}").data) for kind in ("accelerometer", "gyroscope"))
+
+
 def _raises(kind: type[Exception]) -> Reader:
     def read(*_: Any) -> Any:
         raise kind("torso_accelerometer")
@@ -165,6 +169,7 @@ CASES = [
             ("one axis elsewhere", elsewhere(altered(_x_only)), None),
             ("strange", altered(_strange, _strange), None),
             ("strange and of the torso", _strange_at(5, 14), (0.0, [])),
+            ("strange and by name", _strange_by_name, (0.0, ["hard-coded-address"])),
             ("chance", _Chance(), "skipped"),
             ("a constant", _a_constant, "skipped"),
             ("no numbers", lambda *_: None, "skipped"),

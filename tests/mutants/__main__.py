@@ -44,19 +44,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = [mutant for mutant in made if options.only in mutant.key]
     if size := options.sample or (_SAMPLE if options.judging and not options.only else 0):
         drawn = random.Random(options.seed).sample(chosen, min(size, len(chosen)))
-        chosen = [mutant for mutant in chosen if mutant in drawn]
+        chosen = sorted(drawn, key=chosen.index)
     if options.judging:
-        whole = len(chosen) == len(made) and files is None
-        return _report(judging.ends(chosen, options.jobs), judging.reasons(), whole, said=True)
+        every, read = judging.judging_mutants(there), [mutant for mutant in chosen if judging.is_python(mutant)]
+        return _report(judging.ends(read, options.jobs), judging.reasons(), every, said=True)
     ended = ((mutant, ", ".join(lost)) for mutant, lost in grading.grade_all(chosen, options.jobs))
-    return _report(ended, grading.reasons(), len(chosen) == len(grading.all_mutants()), said=False)
+    return _report(ended, grading.reasons(), grading.all_mutants(FILES), said=False)
 
 
-def _report(ended: Iterable[tuple[Mutant, str]], known: Reasons, whole: bool, *, said: bool) -> int:
-    """Count how mutants ended, show those that survived, and say whether all is explained; a killed one is `said` by name or not."""
+def _report(ended: Iterable[tuple[Mutant, str]], known: Reasons, every: Sequence[Mutant], *, said: bool) -> int:
+    """Count how mutants ended, show those that survived, and say whether all is explained; a killed one is `said` by name or not.
+
+    A reason is stale if all the mutants that it speaks of, out of `every` one that there is, were tried and none survived.
+    """
     counts: dict[str, Counter[str]] = {"killed": Counter(), "equivalent": Counter(), "survived": Counter()}
     used: set[str] = set()
+    untried = {mutant.key: mutant for mutant in every}
     for mutant, killed_by in ended:
+        untried.pop(mutant.key)
         fitting = known.of(mutant) if not killed_by else set()
         end = "killed" if killed_by else "equivalent" if fitting else "survived"
         counts[end][mutant.operator] += 1
@@ -67,7 +72,7 @@ def _report(ended: Iterable[tuple[Mutant, str]], known: Reasons, whole: bool, *,
             print(f"survived: {mutant.file}:{mutant.line}: {mutant.operator}: {mutant.key}", flush=True)
             print("".join(_difference(mutant)), end="", flush=True)
     print(_table(counts))
-    stale = sorted(known.patterns - used) if whole else []
+    stale = sorted(known.patterns - used - {pattern for mutant in untried.values() for pattern in known.of(mutant)})
     for pattern in stale:
         print(f"explains no survivor: {pattern}")
     return int(bool(counts["survived"]) or bool(stale))

@@ -14,6 +14,7 @@ import os
 import resource
 import signal
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -91,19 +92,29 @@ def reasons() -> Reasons:
 
 
 def judging_mutants(chosen: Sequence[str]) -> list[Mutant]:
-    """The mutants of these files, in the order of the code; what is no Python (a text within an f-string) is none."""
+    """The mutants of these files, in the order of the code."""
     unjudged = reasons().unjudged
     made = [
         mutant
         for file in chosen
         for mutant in mutants(file, (ROOT / file).read_text("utf-8"), frozenset(unjudged.get(file, ())))
     ]
-    return [mutant for mutant in made if _compiles(mutant)]
+    return [mutant for mutant in made if not _drops_a_proof(mutant)]
 
 
-def _compiles(mutant: Mutant) -> bool:
+def _drops_a_proof(mutant: Mutant) -> bool:
+    """Whether it takes `strict=True` from a `zip`: what that proves is so, and nothing is judged by it."""
+    return "strict=(False)" in mutant.source or (
+        mutant.operator == "keyword" and ", strict=True) → zip(" in mutant.change
+    )
+
+
+def is_python(mutant: Mutant) -> bool:
+    """Whether it can be read: Python before 3.12 does not say where the parts of an f-string stand."""
     try:
-        compile(mutant.source, mutant.file, "exec")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            compile(mutant.source, mutant.file, "exec")
     except SyntaxError:
         return False
     return True
@@ -139,6 +150,7 @@ def _killed_by(mutant: Mutant) -> str:
     resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
+    warnings.simplefilter("ignore")  # of syntax that a mutant has
     _change(mutant)
     if _fails_a_unit_test(mutant):
         return "unit tests"

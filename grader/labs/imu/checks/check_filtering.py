@@ -200,7 +200,7 @@ def check_passes_constant(student: Student, truth: Traces) -> None:
     y = _output(run)
     if not same(y[-1], signal[-1], 1e-3):
         expected, got = told_apart(signal[-1], y[-1])
-        mistakes = _gain_mistakes(student, truth)
+        mistakes = _named(student, truth)
         raise Lost(
             f"{expected}, the constant itself",
             f"{got} after {len(y)} samples",
@@ -209,12 +209,6 @@ def check_passes_constant(student: Student, truth: Traces) -> None:
             hint="" if mistakes else _SUM,
             belongs_to=_RECURSION,
         )
-
-
-def _gain_mistakes(student: Student, truth: Traces) -> list[str]:
-    runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
-    named = diagnosis.mistakes(runs)
-    return named if named else ["gain-not-one"] if all(diagnosis.recursion_of(x, y) for _, x, y in runs) else []
 
 
 @check("filtering.reduces_noise", lab_step=6, needs=filters)
