@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import PurePosixPath
 from threading import Timer
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from grader.engine.lab import Lab
 from grader.engine.loaded import Endings, Loaded, loaded_from, mistake_of, overran
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
@@ -44,6 +43,24 @@ Listener = Callable[[str, str], None]
 """Hears what a student's code prints: the part that is being examined, and the text."""
 
 
+class Sheet(Protocol):
+    """What a conversation needs to know of the lab that it is about."""
+
+    @property
+    def parts(self) -> Collection[Any]: ...
+
+    @property
+    def homes(self) -> Mapping[str, str]: ...
+
+    @property
+    def files(self) -> Collection[str]: ...
+
+    @property
+    def checked(self) -> Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]: ...
+
+    def standin(self, name: str, furniture: Mapping[str, Any]) -> str: ...
+
+
 class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not an error of ours
     """A required name is not there: the file is missing, does not import, or does not define it."""
 
@@ -74,7 +91,7 @@ class Conversation:
     Parameters
     ----------
     box : the zygote that workers come from
-    lab : whose names are asked for
+    lab : whose names are asked for, a `Lab`
     files : relative path -> content
     above : how many folders above the others some of them lie
     furniture : what the harness is given with the files: the lab's own
@@ -85,7 +102,7 @@ class Conversation:
     def __init__(
         self,
         box: Box,
-        lab: Lab,
+        lab: Sheet,
         files: Mapping[str, bytes],
         *,
         above: Mapping[str, int],
