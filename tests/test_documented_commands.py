@@ -27,9 +27,11 @@ import pytest
 import typer.main
 
 from grader import cli
+from grader.engine import traces
 from grader.kit import give, wheel
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
+from grader.report import truth
 from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
 from tests.corpus.pieces import tidy
 from tests.corpus.sheet import VERBATIM
@@ -66,6 +68,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         for name in PLATFORMS_SAY:
             here.delenv(name, raising=False)
         here.chdir(place)
+        truth.save(traces.obtain("...", None), place)
         assert run(["grade", "submissions", "canvas.zip", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         shutil.copytree("out-monday", "out-tuesday")
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
@@ -88,6 +91,7 @@ def _hand_in(place: Path) -> None:
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
     write(tidy(), place / "my_lab")
     write(tidy(), place / "lab")
+    write(tidy(), place / "student")
     write(tidy(), place / "my_lab", "zip")
     give.student(LAB, place / "kit")
     write(VERBATIM, place / "kit")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import PurePosixPath
 from threading import Timer
@@ -125,6 +125,7 @@ class Conversation:
         self._suspects: set[str] = set()
         self._endings = Endings()
         self._noted: set[str] = set()
+        self._strays: dict[str, dict[str, str]] = {}
         self.broken: set[str] = set()
         self._answers: dict[Any, Any] = {}
         self._outline: Mapping[str, Sequence[str]] | None = None
@@ -373,9 +374,19 @@ class Conversation:
             if name in (loaded := self.load(path)).names:
                 self.used += [path] if path not in self.used else []
                 self._note_what_was_stepped_over(path, loaded)
-                self.note(f"{name} was found in {printable(path, 80)}; the sheet expects it in {home}")
+                self._note_where_it_was_found(path, name, home)
                 return path
         raise self._missing(name, home)
+
+    def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
+        """One line a file, which grows by each name that is found there: a notebook holds them all."""
+        strays = self._strays.setdefault(path, {})
+        before = _found_in(path, strays)
+        strays[name] = home
+        if before in self.notes:
+            self.notes[self.notes.index(before)] = _found_in(path, strays)
+        else:
+            self.note(_found_in(path, strays))
 
     def _note_what_was_stepped_over(self, path: str, loaded: Loaded) -> None:
         """One line a file: what stands first is mostly the reason of the rest."""
@@ -417,6 +428,21 @@ class Conversation:
         shown = printable(text, _LONGEST_NOTE)
         if shown not in self.notes:
             self.notes.append(shown)
+
+
+def _found_in(path: str, strays: Mapping[str, str]) -> str:
+    """The note about names that were found in another file than in their homes."""
+    names, homes = _together(strays), _together(dict.fromkeys(strays.values()))
+    were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
+    return printable(
+        f"{names} {were} found in {printable(path, 80)}; the sheet expects {them} in {homes}", _LONGEST_NOTE
+    )
+
+
+def _together(names: Iterable[str]) -> str:
+    """``a, b and c``"""
+    *others, last = names or [""]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def is_run(path: str) -> bool:

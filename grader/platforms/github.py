@@ -160,8 +160,8 @@ that raised or at the definition, once for each cause, and writes a summary with
 GitHub shows ten errors and ten warnings of a step; those that cost most come first, and the summary has all of them. The workflow
 may read the repository and nothing else, and its actions are pinned by their hashes.
 
-Hidden scenarios stay out of a repository that students can read. In a private one of your own, with the wheel and a bundle of
-`imugrade traces --seed` in it, a job that is started by hand grades a student's repository with them:
+Hidden scenarios stay out of a repository that students can read. In a private one of your own, with the wheel and a bundle in it
+(`IMUGRADE_SEED=... imugrade traces record -o .`), a job that is started by hand grades a student's repository with them:
 
     name: Lab 04-01, hidden scenarios
     on:

@@ -296,12 +296,14 @@ def _waiting(checks: Iterable[CheckResult], found: Iterable[Cause]) -> dict[Caus
 
 def _loss(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue: Mapping[str, Mistake]) -> Loss:
     named = [catalogue[each] for each in cause.mistakes if each in catalogue]
+    title = _title(cause, named)
     told = tuple(
-        Told(_anchor(check), words.row(check, part_of(check), lab), tuple(lines)) for check, lines in causes.told(cause)
+        Told(_anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines))
+        for check, lines in causes.told(cause)
     )
     return Loss(
         words.minus(words.points_lost((*cause.checks, *waiting))),
-        _title(cause, named),
+        title,
         tuple(mistake.explanation.strip() for mistake in named),
         told,
         _count(waiting),
@@ -318,6 +320,11 @@ def _title(cause: Cause, named: Sequence[Mistake]) -> str:
     if all(mistake.group == "any" for mistake in named) and len(got) == 1:
         return _sentence(got.pop().partition("\n")[0])
     return _sentence("; ".join(mistake.means for mistake in named))
+
+
+def _says(title: str, lines: Iterable[words.Line]) -> bool:
+    """Whether the title of a cause has said already what came: nobody has to read it twice."""
+    return title in {_sentence(line.text) for line in lines if line.label == "Got"}
 
 
 def _sentence(text: str) -> str:
@@ -353,8 +360,8 @@ def _late(standing: Standing) -> tuple[str, str] | None:
         return None
     facts = [
         words.late(standing),
-        f"due {printable(late.due, 40)}" if late.due else "",
-        f"handed in {printable(standing.hand_in.submitted, 40)}" if standing.hand_in.submitted else "",
+        f"due {words.instant(late.due)}" if late.due else "",
+        f"handed in {words.instant(standing.hand_in.submitted)}" if standing.hand_in.submitted else "",
         f"{_many(late.days, 'day')} begun" if late.days and not late.refused else "",
     ]
     return words.minus(standing.deduction) if standing.deduction else "0", "; ".join(filter(None, facts))

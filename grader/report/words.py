@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import datetime
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
 from grader.ground.text import printable
@@ -151,6 +152,14 @@ def late(standing: Standing) -> str:
     hours = -(-standing.late.seconds // 3600)
     days = f"{hours // 24} d {hours % 24} h" if hours >= 24 else f"{hours} h"
     return f"{days}, after the cut-off" if standing.late.refused else days
+
+
+def instant(stamp: str) -> str:
+    """``2026-11-20 20:00 UTC``, from ISO 8601; what is none is left as it is."""
+    try:
+        return f"{datetime.fromisoformat(stamp):%Y-%m-%d %H:%M %Z}".strip()
+    except ValueError:
+        return printable(stamp, 40)
 
 
 def notes(result: Result) -> list[str]:

@@ -194,8 +194,8 @@ def _is_taken(fault: Fault | None) -> None:
     if fault is not None and _TRUTH_OF_ARRAY in fault.message:
         raise Lost(
             "a bias given as an array of three that is used as it is",
-            f"an exception{f' at {fault.where}' if fault.where else ''}: an array was tested for truth, and has none",
-            off=Size("an exception: an array was tested for truth, and has none"),
+            f"an exception{f' at {fault.where}' if fault.where else ''}: the bias, an array, was asked whether it is true or false",
+            off=Size("an exception: the bias, an array, was asked whether it is true or false"),
             mistakes=["bias-argument-ignored"],
         )
     raised(fault, "reading the noisy IMU with given biases")
@@ -251,7 +251,7 @@ def check_default_bias(student: Student, truth: Traces) -> None:
             )
         if np.ptp(mean, axis=1).max() <= diagnosis.TRUTH_ATOL:
             got = f"{vector(mean[0])}: the same on each axis"
-            raise Lost(f"a {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
+            raise Lost(f"one {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
     if any(none):
         return
     ratio = biases[1].mean(axis=1) / biases[0].mean(axis=1)
@@ -286,7 +286,7 @@ def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     if moves.max() <= diagnosis.EXACT * max(1.0, np.abs(bias).max()) or noisy:
         return
     row = int(np.argmax(moves.max(axis=1)))
-    wanted = f"a {name} bias that stays the same from read to read"
+    wanted = f"one {name} bias that stays the same from read to read"
     got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
     if np.abs(bias[:, 1:]).max() <= diagnosis.TRUTH_ATOL:
         raise Lost(wanted, got, mistakes=["bias-drifts"], belongs_to=_GIVEN_CHECK)

@@ -361,7 +361,9 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
                 raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
     if nameless:
         keeps = 0.5 if len(nameless) < len(crowded) else 0.0
-        got = "curves without a name" + ("" if len(nameless) == len(crowded) else " in one of the panels")
+        got = "curves that no legend and no text names" + (
+            "" if len(nameless) == len(crowded) else " in one of the panels"
+        )
         raise Lost("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
 
 
