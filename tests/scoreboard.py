@@ -387,9 +387,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", default="", help="cases whose name holds this")
     parser.add_argument("--part", choices=PARTS, action="append", help="one part of the corpus; may be given twice")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument(
+        "--table", action="store_true", help="write the handbook's table of faults, and grade these alone"
+    )
     options = parser.parse_args(arguments)
+    if options.table:
+        options.part, options.only = list(ONE_FAULT), ""
     chosen = [c for c in cases() if options.only in c.name and c.part in (options.part or PARTS)]
     verdicts = list(grade_all(chosen, options.jobs))
+    if options.table:
+        from tests import fault_table  # it stands above: its rows are verdicts
+
+        fault_table.FILE.write_text(fault_table.page(verdicts), encoding="utf-8")
     print(table(verdicts))
     return int(any(verdict.troubles for verdict in verdicts))
 

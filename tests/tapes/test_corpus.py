@@ -9,9 +9,11 @@ import pytest
 from grader.engine import rubric, traces
 from grader.engine.marking import Marker
 from grader.engine.results import to_dict
+from grader.handbook import pages
 from grader.labs.imu.lab import LAB
+from tests import fault_table
 from tests.made_up import without_durations
-from tests.scoreboard import Case, Verdict, graded_by, handed_in
+from tests.scoreboard import MORE_THAN_ONE, ONE_FAULT, PARTS, Case, Verdict, graded_by, handed_in
 from tests.tapes import PlayingBox, StaleError
 from tests.tapes.storing import Shelf, shelf, taped
 
@@ -83,6 +85,29 @@ def test_every_broken_submission_ends_in_a_clear_verdict(verdicts: list[Verdict]
 def test_extensions_lose_what_they_get_wrong_and_nothing_else(verdicts: list[Verdict]) -> None:
     assert len([v for v in verdicts if v.case.part == "extensions"]) >= 50
     assert _troubles(verdicts, ("extensions",)) == []
+
+
+@pytest.mark.quick
+def test_a_single_fault_costs_one_check_but_for_a_few_with_a_reason(verdicts: list[Verdict]) -> None:
+    assert _troubles(verdicts, ONE_FAULT, "charged twice") == []
+    single = {v.case.name: v for v in verdicts if v.case.part in ONE_FAULT}
+    assert len(MORE_THAN_ONE) <= 0.02 * len(single)
+    charged = {name: sum(check.outcome != "skipped" for check in single[name].lost) for name in MORE_THAN_ONE}
+    assert [name for name, count in charged.items() if count < 2] == []
+
+
+@pytest.mark.quick
+def test_whoever_loses_points_reads_how_to_go_on_and_what_came_differs_from_what_was_expected(
+    verdicts: list[Verdict],
+) -> None:
+    assert sum(len(v.lost) for v in verdicts) >= 1000
+    assert _troubles(verdicts, PARTS, "no hint", "same digits") == []
+
+
+@pytest.mark.quick
+def test_the_handbooks_table_of_faults_is_that_of_the_corpus(verdicts: list[Verdict]) -> None:
+    kept = (pages.FOLDER / "faults.txt").read_text(encoding="utf-8")
+    assert kept == fault_table.page(verdicts), "run python -m tests.scoreboard --table and commit it"
 
 
 @pytest.fixture(scope="module")
