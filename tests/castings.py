@@ -16,8 +16,11 @@ _FILES = tuple(f"{name}.py" for name in _OWN)
 
 
 def can_be_cast(files: Files) -> bool:
-    """Whether it is the sheet's three files, which Python can read, and no name means something else in two of them."""
-    if set(files) != set(_FILES):
+    """Whether it is the sheet's three files, which Python can read, and no name means something else in two of them.
+
+    A notebook has no modules of its own, and no ``__file__``.
+    """
+    if set(files) != set(_FILES) or any("__file__" in str(content) for content in files.values()):
         return False
     try:
         trees = [_tree(files[name]) for name in _FILES]
@@ -111,7 +114,7 @@ def _is_own_import(part: ast.stmt) -> bool:
 
 
 def _imports_otherwise(tree: ast.Module) -> bool:
-    """Whether a file of its own is imported as a module, under another name, or not at the top: a notebook has no modules."""
+    """Whether a file of its own is imported as a module, under another name, or not at the top."""
     found = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom) and node not in tree.body]
     found = [node for node in found if any(name in ast.unparse(node) for name in _OWN)]
     for node in tree.body:

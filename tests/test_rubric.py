@@ -22,8 +22,8 @@ SHEET = {
     " leaves_simulation_alone 2",
     "data_collection": "returns_named_arrays 3 sample_count 2 time_axis 3 matches_truth 6 starts_from_reset 3"
     " applies_push 3",
-    "visualization": "saves_image 3 two_labelled_panels 3 curves_match_data 6 axis_labels_with_units 3"
-    " legend_names_curves 2 titles 1 comparison_plot 2",
+    "visualization": "saves_image 2 two_labelled_panels 3 curves_match_data 5 axis_labels_with_units 3"
+    " legend_names_curves 2 titles 1 comparison_plot 4",
     "noise_model": "noise_size 6 given_bias 4 default_bias 3 white_and_gaussian 3 axes_and_sensors_independent 2"
     " leaves_simulation_alone 2",
     "filtering": "follows_recursion 6 starts_from_first_measurement 3 passes_constant 3 reduces_noise 3"

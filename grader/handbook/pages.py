@@ -23,6 +23,7 @@ _INDEX = """# Handbook
 | [Commands](commands.md) | every command with its options and exit codes |
 | [Checks](checks.md) | what is checked, for how many points |
 | [Mistakes](mistakes.md) | every mistake that a report may name, with the lines that mend it |
+| [Faults](faults.md) | which checks each mistake of the corpus loses |
 | [Rubric](rubric.md) | every key of `rubric.yaml` |
 | [A class](classes.md) | from the download to the upload: rosters, lateness, points by hand, regrades |
 | [Platforms](platforms.md) | GitHub, Gradescope, Classroom 50, GitLab, PrairieLearn |
@@ -51,6 +52,7 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
         "rubric.md": rubric_keys.page(),
         "platforms.md": platforms.page(),
         "classes.md": platforms.classes(),
+        "faults.md": (FOLDER / "faults.txt").read_text(encoding="utf-8"),
         "clusters.md": (FOLDER / "clusters.txt").read_text(encoding="utf-8"),
         "isolation.md": isolation.page(),
         "architecture.md": modules.page(),

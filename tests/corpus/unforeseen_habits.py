@@ -80,7 +80,7 @@ READERS = (
 )  # fmt: skip
 
 COLLECTORS = (
-    _collector("keeps-to-sixty-frames", ROWS, 6, [(_LOOP, "    for k in range(int(duration_seconds * 60)):\n"), (_STEP, "        while data.time < (k + 1) / 60:\n            mujoco.mj_step(model, data)\n")], ("samples-skipped", "fixed-rate")),
+    _collector("keeps-to-sixty-frames", COUNT, 2, [(_LOOP, "    for k in range(int(duration_seconds * 60)):\n"), (_STEP, "        while data.time < (k + 1) / 60:\n            mujoco.mj_step(model, data)\n")], ("samples-skipped", "fixed-rate")),
     _rows("a-hundred-steps-to-warm-up", ROWS, 6, [(_LOOKUP_PUSH, _LOOKUP_PUSH + "    for _ in range(100):\n        mujoco.mj_step(model, data)\n")]),
     _rows("pushed-after-a-second", PUSH, 3, [(_LOOKUP_PUSH, "\n"), ("        time[i] = data.time\n", "        if i == 500:\n            data.qvel[0] = 0.5\n        time[i] = data.time\n")], ("wrong-perturbation", "no-perturbation")),
     _rows("smoothed-while-it-is-stored", ROWS, 6, [(_RECORD, _RECORD + "        if i:\n            acceleration[i] = 0.5 * acceleration[i] + 0.5 * acceleration[i - 1]\n")], ("rows-altered",)),
@@ -100,7 +100,7 @@ NOISES = (
     _noise("one-number-for-the-bias-of-all", DEFAULT, 3, [("accel_bias = self.rng.normal(0.0, 0.1, size=3)", "accel_bias = np.full(3, self.rng.normal(0.0, 0.1))"), ("gyro_bias = self.rng.normal(0.0, 0.01, size=3)", "gyro_bias = np.full(3, self.rng.normal(0.0, 0.01))")], ("bias-shared",)),
     _noise("the-same-bias-in-every-robot", DEFAULT, 3, [("accel_bias = self.rng.normal(0.0, 0.1, size=3)", "accel_bias = np.full(3, 0.01)"), ("gyro_bias = self.rng.normal(0.0, 0.01, size=3)", "gyro_bias = np.full(3, 0.01)")], ("bias-not-random", "bias-shared")),
     _noise("tenth-of-the-bias", GIVEN, 4, [(_A, "accel + 0.1 * self.accel_bias"), (_G, "gyro + 0.1 * self.gyro_bias")]),
-    _noise("noise-in-the-bias-alone", GIVEN, 4, [(_A, "accel + self.accel_bias * (1 + 0.1 * self.rng.standard_normal(3))"), (_G, "gyro + self.gyro_bias * (1 + 0.1 * self.rng.standard_normal(3))")], ("bias-redrawn", "bias-drifts")),
+    _noise("noise-in-the-bias-alone", DEFAULT, 3, [(_A, "accel + self.accel_bias * (1 + 0.1 * self.rng.standard_normal(3))"), (_G, "gyro + self.gyro_bias * (1 + 0.1 * self.rng.standard_normal(3))")], ("bias-redrawn", "bias-drifts")),
 )  # fmt: skip
 
 FILTERS = (
@@ -112,10 +112,10 @@ FILTERS = (
     _filter("alpha-of-a-sample-rate", RECURSION, 6, [(_INIT, "        self.alpha = 1 - np.exp(-2 * np.pi * 5.0 / 500.0)\n")], ("alpha-ignored",)),
     _filter("window-without-an-axis", RECURSION, 6, [(_INIT, "        self.alpha, self.last = alpha, []\n"), (_OUT, "        self.last = (self.last + [x])[-10:]\n        return np.full(3, np.mean(self.last))\n")], ("axes-mixed", "moving-average")),
     _filter("limited-slope", RECURSION, 6, [(_UPDATE, "            self.state = self.state + np.clip(self.alpha * (x - self.state), -0.01, 0.01)\n")], ("other-low-pass",)),
-    _filter("outliers-ignored", RECURSION, 6, [(_UPDATE, "            if np.linalg.norm(x - self.state) < 0.1:\n                self.state = self.state + self.alpha * (x - self.state)\n")], ("other-low-pass",)),
-    _filter("predicts-one-ahead", RECURSION, 6, [(_UPDATE, "            last = self.state\n            self.state = self.state + self.alpha * (x - self.state)\n            return 2 * self.state - last\n")]),
+    _filter("believes-half-a-metre-at-most", RECURSION, 6, [(_UPDATE, "            self.state = self.state + self.alpha * np.clip(x - self.state, -0.5, 0.5)\n")], ("other-low-pass",)),
+    _filter("predicts-one-ahead", RECURSION, 6, [(_UPDATE, "            last = self.state\n            self.state = self.state + self.alpha * (x - self.state)\n            return 2 * self.state - last\n")], ("other-low-pass",)),
     _filter("alpha-of-half-at-least", RECURSION, 6, [(_INIT, "        self.alpha = max(alpha, 0.5)\n")], ("alpha-ignored",)),
-    _filter("starts-again-after-fifty", RECURSION, 6, [(_INIT, "        self.alpha, self.n = alpha, 0\n"), (_UPDATE, _UPDATE + "        self.n += 1\n        if self.n % 50 == 0:\n            self.state = x\n")]),
+    _filter("starts-again-after-fifty", RECURSION, 6, [(_INIT, "        self.alpha, self.n = alpha, 0\n"), (_UPDATE, _UPDATE + "        self.n += 1\n        if self.n % 50 == 0:\n            self.state = x\n")], ("other-low-pass",)),
 )  # fmt: skip
 
 HABITS = (*READERS, *COLLECTORS, *NOISES, *FILTERS)

@@ -1,7 +1,8 @@
 """What each faulty submission of the corpus loses: `python -m tests.tapes.losses` judges their tapes and writes `losses.yaml` anew.
 
-The file pins partial credit: for every case the checks that it loses, each with the share of its points that is kept. Where a change
-of the judging moves a mark, the file says which, and the change of the file is read before it is committed.
+The file pins partial credit: for every case the checks that it loses, each with the share of its points that is kept, and nothing
+where the check could not be asked. Where a change of the judging moves a mark, the file says which, and the change of the file is
+read before it is committed. The handbook's table of faults is made from it.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from pathlib import Path
 
 import yaml
 
-from grader.engine.results import Result
-from tests.scoreboard import Case, Verdict
+from grader.engine.results import CheckResult, Result
+from tests import fault_table
+from tests.scoreboard import Case, Verdict, lost
 from tests.tapes.player import player
 from tests.tapes.storing import taped
 
@@ -28,15 +30,16 @@ UNNAMED: Mapping[str, str] = {
 }
 """Cases whose mistake no measurement tells from another one, and why."""
 
-Losses = Mapping[str, float]
+Losses = Mapping[str, float | None]
 
 
 def losses(result: Result) -> Losses:
-    """The share of its points that each lost check keeps."""
-    checks = [check for part in (*result.criteria, *result.extensions) for check in part.checks]
-    return {
-        check.id: round((check.points or 0.0) / check.max_points, 2) for check in checks if check.outcome != "passed"
-    }
+    """The share of its points that each lost check keeps; None for one that could not be asked."""
+    return {check.id: None if check.outcome == "skipped" else _share(check) for check in lost(result)}
+
+
+def _share(check: CheckResult) -> float:
+    return round((check.points or 0.0) / check.max_points, 2)
 
 
 @cache
@@ -72,9 +75,10 @@ def _lost_by(case: Case) -> Losses:
 def main() -> int:
     chosen = [case for case in taped() if pins(case)]
     with ProcessPoolExecutor(2) as pool:
-        lost = pool.map(_lost_by, chosen, chunksize=10)
-        found = {case.id: dict(its) for case, its in zip(chosen, lost, strict=True) if its}
+        judged = pool.map(_lost_by, chosen, chunksize=10)
+        found = {case.id: dict(its) for case, its in zip(chosen, judged, strict=True) if its}
     FILE.write_text(yaml.safe_dump(found, sort_keys=True, width=200, allow_unicode=True), encoding="utf-8")
+    fault_table.FILE.write_text(fault_table.page(found), encoding="utf-8")
     return 0
 
 

@@ -10,8 +10,9 @@ import pytest
 from grader.engine import traces
 from grader.engine.marking import Marker
 from grader.engine.results import to_dict
+from tests import fault_table
 from tests.made_up import without_durations
-from tests.scoreboard import Case, handed_in
+from tests.scoreboard import MORE_THAN_ONE, ONE_FAULT, Case, handed_in
 from tests.tapes import PlayingBox, StaleError
 from tests.tapes.losses import UNNAMED, disagreements, pinned, pins
 from tests.tapes.player import generous, player
@@ -49,6 +50,20 @@ def test_95_percent_of_the_mistakes_are_named() -> None:
 @pytest.mark.quick
 def test_losses_are_pinned_of_cases_that_there_are() -> None:
     assert set(pinned()) <= {case.id for case in taped() if pins(case)}
+
+
+@pytest.mark.quick
+def test_single_faults_that_cost_more_than_one_check_are_few_and_have_a_reason() -> None:
+    single = [case for case in taped() if case.part in ONE_FAULT]
+    several = {case.name for case in single if sum(kept is not None for kept in pinned().get(case.id, {}).values()) > 1}
+    assert several == set(MORE_THAN_ONE)
+    assert len(several) <= 0.02 * len(single)
+
+
+@pytest.mark.quick
+def test_the_handbooks_table_of_faults_is_that_of_the_corpus() -> None:
+    kept = fault_table.FILE.read_text(encoding="utf-8")
+    assert kept == fault_table.page(pinned()), "run python -m tests.tapes.losses and commit what it writes"
 
 
 @pytest.fixture(scope="module")

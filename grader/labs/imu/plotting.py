@@ -117,9 +117,11 @@ class Plotting(Conversation):
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
         """The same without stand-ins: a script that fits its own broken part need not fit a sound one."""
-        if not self.broken or path in self.deadly or path.endswith(".ipynb"):
+        if not self.broken or path in self.deadly:
             return None
         with self.without_standins():
+            if path.endswith(".ipynb"):
+                return self._drawn_at_import(path)
             try:
                 return drawing_of(self.retried(lambda: self.ask("run_script", {"path": path})))
             except NoAnswer:

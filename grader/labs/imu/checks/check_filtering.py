@@ -256,10 +256,11 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
         raise Skipped("an output that depends on the measurements")
     if _shares_state(student, truth):
         settled = outputs.settles(_output(cases.again) - alone)
+        aliased = [] if outputs.settles(_output(cases.spoilt_output) - alone) else ["aliased-output"]
         raise Lost(
             "the same output beside a second filter as alone",
             "another output",
-            mistakes=["shared-state"] if settled else [],
+            mistakes=["shared-state", *aliased] if settled else [],
             hint="" if settled else _OWN,
             belongs_to="" if settled else _RECURSION,
         )

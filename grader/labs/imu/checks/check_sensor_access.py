@@ -132,6 +132,8 @@ def check_follows_address(student: Student, truth: Traces) -> None:
     """Reads the sensors that the ids name, wherever they lie in sensordata and in whichever model"""
     torso, scene = _torso(student, truth), _torso_scene(truth)
     first = diagnosis.explain(torso.accel, torso.gyro, scene)
+    if first is not None and "cached-reading" in first.value_mistakes:
+        follows_the_simulation(student, truth)
     if first is not None and first.place_mistake:
         _place_lost(torso, scene, [first.place_mistake])
     fixed = None if first else diagnosis.at_fixed_places(torso.accel, torso.gyro, scene)
@@ -224,9 +226,7 @@ def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Ex
         and (first is None or second.value_mistakes == first.value_mistakes)
     ):
         return
-    kept = first is not None and "cached-reading" in first.value_mistakes
-    place_mistakes = [] if kept else _place_mistakes(readings, scene, _torso_scene(truth), second)
-    _place_lost(readings, scene, place_mistakes, belongs_to=_VALUES if kept else "")
+    _place_lost(readings, scene, _place_mistakes(readings, scene, _torso_scene(truth), second))
 
 
 def _place_mistakes(readings: Readings, scene: Scene, torso: Scene, found: Explanation | None) -> list[str]:
@@ -249,7 +249,7 @@ def _ignores_ids(readings: Readings) -> None:
     )
 
 
-def _place_lost(readings: Readings, scene: Scene, mistakes: list[str], belongs_to: str = "") -> None:
+def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
     gap, got, true, unit, name = _gap(readings, scene)
     raise Lost(
         f"{name} ≈ {told(true[gap.row], got[gap.row])} {unit}",
@@ -257,7 +257,6 @@ def _place_lost(readings: Readings, scene: Scene, mistakes: list[str], belongs_t
         mistakes=mistakes,
         off=Size(f"{name} is off", gap.worst, unit),
         hint="The ids are arguments: use model.sensor_adr[id] of each, whatever the model.",
-        belongs_to=belongs_to,
     )
 
 
@@ -270,11 +269,11 @@ def follows_the_simulation(student: Student, truth: Traces) -> None:
     never_moves = _never_moves(first, again)
     if never_moves and first.disturbance[:, 1].max(initial=0.0) > DISTURBED:
         return  # it follows a simulation that it puts back itself
-    if never_moves and diagnosis.explain(first.accel, first.gyro, _torso_scene(truth)) is None:
+    if never_moves:
         raise Skipped("a reading that follows the simulation: the same numbers came in every state")
-    if not never_moves and _value_mistakes(student, truth, None):
+    if _value_mistakes(student, truth, None):
         return
-    if not never_moves and _likeness(both, np.concatenate([again.accel, again.gyro])) < _ALIKE:
+    if _likeness(both, np.concatenate([again.accel, again.gyro])) < _ALIKE:
         raise Skipped(
             "a reading that follows the simulation: other numbers came when the same states were visited again"
         )
