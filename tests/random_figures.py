@@ -35,6 +35,7 @@ def made(seed: int) -> Made:
     rng = np.random.default_rng(seed)
     with mpl.rc_context():
         plt.style.use(str(rng.choice(_STYLES)))
+        mpl.rcParams["lines.markeredgewidth"] = 1.0  # a style of no edges has no crosses and no hollow markers
         figure = _figure(rng)
         try:
             packer = Packer()
@@ -77,7 +78,11 @@ def _figure(rng: Any) -> Any:
         places = [[axes] * 3 for axes in panels]
     names = iter("abcdef")
     for sensor, (values, axes) in enumerate(zip(sensors, places, strict=True)):
-        colours = _COLOURS[rng.integers(len(_COLOURS))] if layout != 1 else ("r", "g", "b") if sensor else ("c", "m", "k")
+        colours = (
+            _COLOURS[rng.integers(len(_COLOURS))] if layout != 1 else ("r", "g", "b") if sensor else ("c", "m", "y")
+        )
+        if colours and "k" in colours and min(mpl.colors.to_rgb(mpl.rcParams["figure.facecolor"])) < 0.9:
+            colours = None  # nobody draws greys on grey, or black on black
         for k, place in enumerate(axes):
             _draw(rng, place, t, values[:, k], {} if colours is None else {"color": colours[k]}, next(names))
     for place in itertools.chain(*places):
@@ -90,13 +95,15 @@ def _draw(rng: Any, axes: Any, t: Any, values: Any, options: dict[str, Any], nam
     t, values = t[::step], values[::step]
     way = rng.integers(8)
     if way == 0:
-        axes.scatter(t, values, s=float(rng.uniform(1, 30)), marker=str(rng.choice(list(".ox+^"))), label=name, **options)
+        axes.scatter(
+            t, values, s=float(rng.uniform(4, 30)), marker=str(rng.choice(list(".ox+^"))), label=name, **options
+        )
     elif way == 1:
         axes.step(t, values, where=str(rng.choice(["pre", "mid", "post"])), label=name, **options)
     elif way == 2:
         marker = str(rng.choice(list(".ox+sD^")))
         hollow = {"markerfacecolor": "none"} if rng.integers(2) else {}
-        axes.plot(t, values, marker, markersize=float(rng.uniform(1, 8)), label=name, **hollow, **options)
+        axes.plot(t, values, marker, markersize=float(rng.uniform(2, 8)), label=name, **hollow, **options)
     else:
         stroke = str(rng.choice(_STROKES))
         width, alpha = float(rng.uniform(0.4, 4)), float(rng.choice([1, 1, 0.8, 0.5, 0.3]))
@@ -116,7 +123,11 @@ def _furnish(rng: Any, axes: Any, t: Any) -> None:
         elif which == 1:
             axes.axvspan(t[len(t) // 5], t[len(t) // 3], color="C1", alpha=0.2, zorder=0)
         elif which == 2:
-            axes.set_facecolor(str(rng.choice(["#fafafa", "#eeeeff", "#fffbe6"])) if mpl.rcParams["axes.facecolor"] == "white" else "none")
+            axes.set_facecolor(
+                str(rng.choice(["#fafafa", "#eeeeff", "#fffbe6"]))
+                if mpl.rcParams["axes.facecolor"] == "white"
+                else "none"
+            )
         elif which == 3:
             axes.set_xlim(t[0], t[-1])
         elif which == 4:

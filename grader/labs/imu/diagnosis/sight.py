@@ -29,6 +29,7 @@ _AROUND = 8  # pixels: how far what is around a point reaches
 _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
 FEWEST_SEEN = 0.25
 """Of the parts of a curve: where curves cross, thick lines and small panels leave 0.5 of an honest one at least."""
+_NO_STROKE = ("None", "none", "", " ")
 _FEW = 6  # colours of other curves that one is seen through
 _SOME = 3  # pixels
 _PARTS = 100
@@ -180,7 +181,7 @@ def _window(panel: Facts, picture: Pixels, free: Mask) -> _Window | None:
     if not panel["visible"] or small or rows.start == rows.stop or columns.start == columns.stop:
         return None
     part, its = picture[rows, columns], free[rows, columns]
-    return _Window(part, its, _commonest(part[its] if its.any() else part), (rows.start, columns.start))
+    return _Window(part, its, commonest(part[its] if its.any() else part), (rows.start, columns.start))
 
 
 def _inks(curve: Facts) -> list[Array]:
@@ -243,7 +244,7 @@ def _shown_points(
 
 def _reach(curve: Facts, wide: float) -> int:
     """How far from its point a curve may leave its colour: a hollow marker does at its rim."""
-    plain = curve["kind"] == "line" and curve["marker"] in ("None", "none", "", " ")
+    plain = curve["kind"] == "line" and curve["marker"] in _NO_STROKE
     return 1 if plain else 2 + int(min(wide, 6.0) / 2)
 
 
@@ -270,14 +271,15 @@ def _strength(
     contrast = float(np.abs(way).max())
     if contrast * opacity < _FAINTEST:
         return np.zeros(part.shape[:2], np.float32), 1.0
-    strength = _share(part, ground, way)
+    strength = share_of_way(part, ground, way)
     for other in others:
         strength = np.maximum(strength, _share_beside(part, ground, way, other - ground))
-    promised = opacity * min(1.0, wide)
-    return strength, max(_TOWARDS * min(promised, 1.0), _FAINTEST / contrast)
+    dotted = curve["kind"] == "points" or curve["style"] in _NO_STROKE
+    promised = opacity * min(1.0, wide * wide / 4 if dotted else wide)
+    return strength, max(_TOWARDS * promised, _FAINTEST / contrast)
 
 
-def _share(part: Pixels, ground: Array, way: Array) -> Pixels:
+def share_of_way(part: Pixels, ground: Array, way: Array) -> Pixels:
     """How far each pixel is on the way from the ground to a colour; 0 where it is beside it."""
     off = part - ground.astype(np.float32)
     share = off @ (way / (way @ way)).astype(np.float32)
@@ -326,7 +328,7 @@ def _widened(mask: Mask, reach: int) -> Mask:
     return wide
 
 
-def _commonest(colours: Pixels) -> Array:
+def commonest(colours: Pixels) -> Array:
     """The colour that most pixels have."""
     codes = (colours.reshape(-1, 3) * 255).round().astype(np.int64) @ np.array([65536, 256, 1])
     if not codes.size:
