@@ -115,11 +115,11 @@ def _furnish(rng: Any, axes: Any, t: Any) -> None:
     """Grid, legend, reference lines, shades and limits, as people add them."""
     axes.legend(loc=str(rng.choice(["best", "upper right", "lower left"])), fontsize=float(rng.uniform(6, 14)))
     if rng.integers(2):
-        axes.grid(bool(rng.integers(2)), alpha=float(rng.uniform(0.2, 1)))
+        axes.grid(True, alpha=float(rng.uniform(0.2, 1)))
     for _ in range(rng.integers(3)):
         which = rng.integers(6)
         if which == 0:
-            axes.axhline(-9.81, color="k", linestyle="--", alpha=0.4)
+            axes.axhline(float(np.mean(axes.get_ylim())), color="k", linestyle="--", alpha=0.4)
         elif which == 1:
             axes.axvspan(t[len(t) // 5], t[len(t) // 3], color="C1", alpha=0.2, zorder=0)
         elif which == 2:

@@ -27,8 +27,8 @@ _FAINTEST = 0.03  # difference of two colours, each channel 0 to 1, that nobody 
 _ASIDE = 0.05  # that two renderings of one colour differ by, blended or not
 _AROUND = 8  # pixels: how far what is around a point reaches
 _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
-FEWEST_SEEN = 0.25
-"""Of the parts of a curve: where curves cross, thick lines and small panels leave 0.5 of an honest one at least."""
+FEWEST_SEEN = 0.12
+"""Of the parts of a curve: where thick lines run along each other, a fifth of an honest one is left."""
 _NO_STROKE = ("None", "none", "", " ")
 _FEW = 6  # colours of other curves that one is seen through
 _SOME = 3  # pixels
