@@ -62,7 +62,8 @@ def _strokes(picture: Pixels) -> list[Pixels]:
         alike = any(way @ ink > _SAME_COLOUR * np.linalg.norm(way) * np.linalg.norm(ink) for ink in inks)
         if lengths[index] > _STRONG and counts[index] >= _FEWEST_PIXELS and not alike:
             inks.append(way)
-    found = [share_of_way(picture, ground, ink) for ink in inks[: 2 * _MOST_INKS]]
+    off = (picture - ground.astype(np.float32)).reshape(-1, 3)
+    found = [share_of_way(off, ink).reshape(picture.shape[:2]) for ink in inks[: 2 * _MOST_INKS]]
     return sorted(found, key=lambda stroke: -np.count_nonzero(stroke.max(axis=0) > 0.3))[:_MOST_INKS]
 
 
