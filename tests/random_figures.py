@@ -35,6 +35,7 @@ def made(seed: int) -> Made:
     rng = np.random.default_rng(seed)
     with mpl.rc_context():
         plt.style.use(str(rng.choice(_STYLES)))
+        mpl.rcParams["lines.markeredgewidth"] = 1.0  # a style of no edges has no crosses and no hollow markers
         figure = _figure(rng)
         try:
             packer = Packer()
@@ -78,8 +79,10 @@ def _figure(rng: Any) -> Any:
     names = iter("abcdef")
     for sensor, (values, axes) in enumerate(zip(sensors, places, strict=True)):
         colours = (
-            _COLOURS[rng.integers(len(_COLOURS))] if layout != 1 else ("r", "g", "b") if sensor else ("c", "m", "k")
+            _COLOURS[rng.integers(len(_COLOURS))] if layout != 1 else ("r", "g", "b") if sensor else ("c", "m", "y")
         )
+        if colours and "k" in colours and min(mpl.colors.to_rgb(mpl.rcParams["figure.facecolor"])) < 0.9:
+            colours = None  # nobody draws greys on grey, or black on black
         for k, place in enumerate(axes):
             _draw(rng, place, t, values[:, k], {} if colours is None else {"color": colours[k]}, next(names))
     for place in itertools.chain(*places):
@@ -93,14 +96,14 @@ def _draw(rng: Any, axes: Any, t: Any, values: Any, options: dict[str, Any], nam
     way = rng.integers(8)
     if way == 0:
         axes.scatter(
-            t, values, s=float(rng.uniform(1, 30)), marker=str(rng.choice(list(".ox+^"))), label=name, **options
+            t, values, s=float(rng.uniform(4, 30)), marker=str(rng.choice(list(".ox+^"))), label=name, **options
         )
     elif way == 1:
         axes.step(t, values, where=str(rng.choice(["pre", "mid", "post"])), label=name, **options)
     elif way == 2:
         marker = str(rng.choice(list(".ox+sD^")))
         hollow = {"markerfacecolor": "none"} if rng.integers(2) else {}
-        axes.plot(t, values, marker, markersize=float(rng.uniform(1, 8)), label=name, **hollow, **options)
+        axes.plot(t, values, marker, markersize=float(rng.uniform(2, 8)), label=name, **hollow, **options)
     else:
         stroke = str(rng.choice(_STROKES))
         width, alpha = float(rng.uniform(0.4, 4)), float(rng.choice([1, 1, 0.8, 0.5, 0.3]))
@@ -112,11 +115,11 @@ def _furnish(rng: Any, axes: Any, t: Any) -> None:
     """Grid, legend, reference lines, shades and limits, as people add them."""
     axes.legend(loc=str(rng.choice(["best", "upper right", "lower left"])), fontsize=float(rng.uniform(6, 14)))
     if rng.integers(2):
-        axes.grid(bool(rng.integers(2)), alpha=float(rng.uniform(0.2, 1)))
+        axes.grid(True, alpha=float(rng.uniform(0.2, 1)))
     for _ in range(rng.integers(3)):
         which = rng.integers(6)
         if which == 0:
-            axes.axhline(-9.81, color="k", linestyle="--", alpha=0.4)
+            axes.axhline(float(np.mean(axes.get_ylim())), color="k", linestyle="--", alpha=0.4)
         elif which == 1:
             axes.axvspan(t[len(t) // 5], t[len(t) // 3], color="C1", alpha=0.2, zorder=0)
         elif which == 2:

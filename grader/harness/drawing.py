@@ -71,12 +71,19 @@ def _few_dots(figure: Any) -> float:
 
 def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
     """The renderer's pixels on white paper."""
-    drawn = np.array(renderer.buffer_rgba())
-    opacity = drawn[:, :, 3:] / 255.0
-    pixels = drawn[:, :, :3] * opacity + 255 * (1 - opacity)
+    drawn = np.asarray(renderer.buffer_rgba())
+    pixels = drawn[:, :, :3]
+    if drawn[:, :, 3].min() < 255:
+        opacity = drawn[:, :, 3:] / 255.0
+        pixels = pixels * opacity + 255 * (1 - opacity)
     step = -(-max(pixels.shape) // int(_SIDE))  # of a ribbon
     width, height = (float(size * dots / step) for size in figure.get_size_inches())
-    return Seen(np.round(_put_together(pixels, step)).astype(np.uint8), (width, height), dots / step)
+    pixels = _put_together(pixels, step)
+    return Seen(
+        np.array(np.rint(pixels) if step > 1 or pixels.dtype != np.uint8 else pixels, np.uint8),
+        (width, height),
+        dots / step,
+    )
 
 
 def _put_together(pixels: np.ndarray, step: int) -> np.ndarray:

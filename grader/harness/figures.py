@@ -25,6 +25,7 @@ _MAX_CURVES_IN_ALL = 200
 _MAX_POINTS = 6000
 _MAX_TEXTS = 40
 _MAX_INKS = 8
+_QUICKLY = {"compress_level": 1, "compress_type": 3}  # runs of equal bytes alone: a picture that is read once
 _RAW = ("raw", "rgba")
 
 
@@ -117,6 +118,8 @@ def watch(*, read_back: bool) -> None:
         kind = _kind(filename, options)
         blank = drawing.save_blank if kind in _RAW else drawing.save
         save = drawing.save_as_asked if read_back else blank
+        if kind == "png" and save is drawing.save:
+            options = {"pil_kwargs": _QUICKLY} | options
         seen = save(really_print, self, filename, asked, options)
         RECORDER.note(self.figure, event="saved", target=filename, dpi=asked, kind=kind, seen=seen)
 

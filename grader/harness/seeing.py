@@ -1,8 +1,7 @@
-"""What can be seen of a figure, and whether matplotlib itself is asked: facts are taken from artists that say what they draw.
+"""Facts of artists that say what they draw: whether matplotlib itself is asked, where a panel lies, and what a text says.
 
-A curve that is drawn in no colour, outside the window or behind a sheet is in the figure and not in the picture. And whoever
-wants to be praised for a label can as well teach `get_ylabel` to return one; so the classes are asked as they were before any
-of the student's code ran, and an artist that answers for itself is not asked at all.
+Whoever wants to be praised for a label can as well teach `get_ylabel` to return one; so the classes are asked as they were before
+any of the student's code ran, and an artist that answers for itself is not asked at all.
 """
 
 from __future__ import annotations

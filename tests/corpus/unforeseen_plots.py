@@ -214,9 +214,6 @@ _COMPARISONS = {
     "raw-see-through": _compare((_RAW, 'np.array(raw)[:, 2], alpha=0, label="raw z"')),
     "a-comparison-outside-the-limits": _compare(("    ax.legend()\n", "    ax.legend()\n    ax.set_ylim(100, 200)\n")),
     "a-comparison-under-a-sheet": _compare(("    ax.legend()\n", "    ax.legend()\n    ax.axhspan(-99, 99, color='w', zorder=9)\n")),
-    "a-comparison-without-noise": _compare(
-        ("        accel, _ = imu.read()\n", '        accel = data.sensor("torso_accelerometer").data.copy()\n')
-    ),
     "filtered-outside-the-limits": _compare((_SMOOTH, 'np.array(smooth)[:, 2] + 99, label="filtered z"'), ("    ax.legend()\n", "    ax.legend()\n    ax.set_ylim(-11, -9)\n")),
 }  # fmt: skip
 

@@ -9,11 +9,13 @@ from pathlib import PurePath
 
 import numpy as np
 
+from grader.engine.conversation import Missing
 from grader.engine.examination import check
 from grader.engine.findings import A_PERSON_MAY, Lost, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
+from grader.labs.imu.checks import handed_in
 from grader.labs.imu.checks.plot_runs import (
     CHANNELS,
     Plot,
@@ -30,7 +32,6 @@ from grader.labs.imu.diagnosis.plots import Channel, Facts, Panel
 from grader.labs.imu.diagnosis.sight import Sight
 from grader.labs.imu.student import Student
 
-_PICTURE = "imu_data.png"
 _COMPARISON = "filtered_imu.png"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
@@ -48,7 +49,14 @@ def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, 
     def judged(student: Student, truth: Traces) -> None:
         try:
             judge(student, truth)
-        except (Lost, Skipped):
+        except (Lost, Skipped, Missing):
+            if handed_in.counts(student, truth):
+                raise Lost(
+                    "code that draws and saves the plot",
+                    f"{handed_in.PICTURE}, which shows both sensors, and no code that draws it",
+                    mistakes=["plot-not-saved"],
+                    keeps=0.5,
+                ) from None
             raised(drawing_or_fault(student, truth).fault, "plotting IMU data")
             raise
 
@@ -66,7 +74,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
-        return _not_saved(student, drawing)
+        return _not_saved(student, truth, drawing)
     _nothing_is_overwritten(candidates(student, truth, drawing))
     width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
@@ -97,13 +105,13 @@ def _nothing_is_overwritten(drawn: list[Plot]) -> None:
         missing = " and ".join(_SENSOR_WORDS[s] for s in (0, 1) if s in {sensor for sensor, _ in gone - standing})
         raise Lost(
             "each figure in a picture file of its own",
-            f"{_shown(path or _PICTURE)}, saved a second time, without the {missing}",
+            f"{_shown(path or handed_in.PICTURE)}, saved a second time, without the {missing}",
             mistakes=["picture-overwritten"],
             keeps=0.5,
         )
 
 
-def _not_saved(student: Student, drawing: Drawing) -> None:
+def _not_saved(student: Student, truth: Traces, drawing: Drawing) -> None:
     events = {figure["event"] for figure in drawing.figures if has_curves(figure)}
     broken = next((picture for picture in drawing.strange if picture["reason"]), None)
     if events & {"overwritten", "forgotten"} and broken is not None:
@@ -112,16 +120,18 @@ def _not_saved(student: Student, drawing: Drawing) -> None:
     if "overwritten" in events:
         hint = "Save the figure last, under a name that nothing else is written to afterwards (Step 4)."
         got = "a file in which the figure no longer stands at the end"
-        raise Lost(f"a picture of the curves, {_PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
+        raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
     if any(figure["event"] == "saved" for figure in drawing.figures):
         raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
-    if _picture_shows_something(student, _PICTURE) and not drawing.figures:
-        student.note(f"{_PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
-        return  # nothing draws it, and it is there to be seen
+    if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
+        if not handed_in.counts(student, truth):
+            student.note(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
+        got = f"{handed_in.PICTURE}, which no code draws, and on which the recording was not recognised"
+        raise Lost("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
     drawn = "a figure that is drawn and never saved" if events else "no figure"
     if "forgotten" in events:
         drawn = "a figure that is saved to memory, and never written to a file"
-    raise Lost(f"a saved picture, {_PICTURE}", drawn, mistakes=["plot-not-saved"])
+    raise Lost(f"a saved picture, {handed_in.PICTURE}", drawn, mistakes=["plot-not-saved"])
 
 
 @check("visualization.two_labelled_panels", lab_step=4)
@@ -417,7 +427,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             return
         drawn = drawn or bool(compared)
     if drawn:
-        if _picture_shows_something(student, _COMPARISON):
+        if handed_in.shows_something(student, _COMPARISON):
             return
         raise Lost(
             "a saved picture of raw and filtered data",
@@ -425,7 +435,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             mistakes=["comparison-missing"],
             keeps=0.5,
         )
-    if _picture_shows_something(student, _COMPARISON):
+    if handed_in.shows_something(student, _COMPARISON):
         why = f"and code that draws {seen}" if seen else "which no code of the submission draws"
         if broken_off:
             why = "and code that stops with an exception before it is drawn"
@@ -479,13 +489,6 @@ def _names_are_right(saved: list[list[comparing.Compared]]) -> None:
 
 
 # --- what the checks share -----------------------------------------------------------------------------------------------
-
-
-def _picture_shows_something(student: Student, name: str) -> bool:
-    picture = student.picture(name)
-    return (
-        picture is not None and bool(picture["readable"]) and picture["ink"] > 0.005 and min(picture["size_px"]) >= 150
-    )
 
 
 def _shown(text: str) -> str:

@@ -27,8 +27,9 @@ _FAINTEST = 0.03  # difference of two colours, each channel 0 to 1, that nobody 
 _ASIDE = 0.05  # that two renderings of one colour differ by, blended or not
 _AROUND = 8  # pixels: how far what is around a point reaches
 _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
-FEWEST_SEEN = 0.25
-"""Of the parts of a curve: where curves cross, thick lines and small panels leave 0.5 of an honest one at least."""
+FEWEST_SEEN = 0.12
+"""Of the parts of a curve: where thick lines run along each other, a fifth of an honest one is left."""
+_NO_STROKE = ("None", "none", "", " ")
 _FEW = 6  # colours of other curves that one is seen through
 _SOME = 3  # pixels
 _PARTS = 100
@@ -162,12 +163,35 @@ def _taken(places: Sequence[_Places], shape: tuple[int, ...]) -> Mask:
 
 @dataclass(frozen=True)
 class _Window:
-    """A panel's part of the picture: pixels, those where no curve is said to stand, the ground's colour, first row and column."""
+    """A panel's part of the picture.
 
-    pixels: Pixels
+    Attributes
+    ----------
+    free : (h, w) ndarray of bool, where no curve is said to stand
+    ground : (3,) ndarray, the colour behind the curves
+    marked : (k,) ndarray, the flat indices of the pixels that are not of that colour
+    off : (k, 3) ndarray, how far they are from it
+    room : (k,) ndarray, how many free pixels are around each
+    at : its first row and column
+    """
+
     free: Mask
     ground: Array
+    marked: NDArray[np.intp]
+    off: Pixels
+    room: Array
     at: tuple[int, int]
+
+    def around(self, strength: Pixels) -> Pixels:
+        """What is around each marked pixel where no curve is said to stand; where curves are everywhere, what is between them."""
+        shape, free = self.free.shape, self.free.ravel()[self.marked]
+        spread = np.zeros(self.free.size, np.float32)
+        spread[self.marked[free]] = strength[free]
+        if not spread.any():
+            return np.zeros_like(strength)
+        total, count = _boxed(spread.reshape(shape), self.marked), self.room
+        whole = float(spread.sum() / max(1, np.count_nonzero(self.free)))
+        return np.where(count >= 4, total / np.maximum(count, 1), whole).astype(np.float32)
 
 
 def _window(panel: Facts, picture: Pixels, free: Mask) -> _Window | None:
@@ -180,7 +204,10 @@ def _window(panel: Facts, picture: Pixels, free: Mask) -> _Window | None:
     if not panel["visible"] or small or rows.start == rows.stop or columns.start == columns.stop:
         return None
     part, its = picture[rows, columns], free[rows, columns]
-    return _Window(part, its, _commonest(part[its] if its.any() else part), (rows.start, columns.start))
+    ground = commonest(part[its] if its.any() else part)
+    off = (part - ground.astype(np.float32)).reshape(-1, 3)
+    marked = np.flatnonzero(_largest(off) > _FAINTEST / 4)
+    return _Window(its, ground, marked, off[marked], _boxed(its, marked), (rows.start, columns.start))
 
 
 def _inks(curve: Facts) -> list[Array]:
@@ -236,14 +263,15 @@ def _shown_points(
         if shown.sum() > place.inside.sum() / 2 or not patience.lasts_for(window.free.size * (1 + 2 * len(mixed))):
             break
         strength, least = _strength(window, ink, mixed, curve, wide)
-        stands_out = strength - _around(strength, window.free) >= least
+        stands_out = np.zeros(window.free.shape, bool)
+        stands_out.ravel()[window.marked[strength - window.around(strength) >= least]] = True
         shown |= _near(stands_out, place, window, _reach(curve, wide))
     return shown
 
 
 def _reach(curve: Facts, wide: float) -> int:
     """How far from its point a curve may leave its colour: a hollow marker does at its rim."""
-    plain = curve["kind"] == "line" and curve["marker"] in ("None", "none", "", " ")
+    plain = curve["kind"] == "line" and curve["marker"] in _NO_STROKE
     return 1 if plain else 2 + int(min(wide, 6.0) / 2)
 
 
@@ -261,60 +289,60 @@ def _near(stands_out: Mask, place: _Places, window: _Window, reach: int) -> Mask
 def _strength(
     window: _Window, ink: Array | None, others: Sequence[Array], curve: Facts, wide: float
 ) -> tuple[Pixels, float]:
-    """How much of the curve's colour is in each pixel, 0 to 1, and how much of it the curve has to leave."""
-    part, ground = window.pixels, window.ground
+    """How much of the curve's colour is in each marked pixel, 0 to 1, and how much of it the curve has to leave."""
     if ink is None:
-        return np.abs(part - ground).max(axis=2), 2 * _FAINTEST
+        return _largest(window.off), 2 * _FAINTEST
     opacity = ink[3] if ink[3] < 1 else min(max(curve["alpha"], 0.0), 1.0)
-    way = ink[:3] - ground
+    way = ink[:3] - window.ground
     contrast = float(np.abs(way).max())
     if contrast * opacity < _FAINTEST:
-        return np.zeros(part.shape[:2], np.float32), 1.0
-    strength = _share(part, ground, way)
+        return np.zeros(len(window.off), np.float32), 1.0
+    strength = share_of_way(window.off, way)
     for other in others:
-        strength = np.maximum(strength, _share_beside(part, ground, way, other - ground))
-    promised = opacity * min(1.0, wide)
-    return strength, max(_TOWARDS * min(promised, 1.0), _FAINTEST / contrast)
+        strength = np.maximum(strength, _share_beside(window.off, way, other - window.ground))
+    dotted = curve["kind"] == "points" or curve["style"] in _NO_STROKE
+    promised = opacity * min(1.0, wide * wide / 4 if dotted else wide)
+    return strength, max(_TOWARDS * promised, _FAINTEST / contrast)
 
 
-def _share(part: Pixels, ground: Array, way: Array) -> Pixels:
-    """How far each pixel is on the way from the ground to a colour; 0 where it is beside it."""
-    off = part - ground.astype(np.float32)
+def share_of_way(off: Pixels, way: Array) -> Pixels:
+    """How far pixels (k, 3), as they are off the ground, are on the way to a colour; 0 where they are beside it."""
     share = off @ (way / (way @ way)).astype(np.float32)
-    beside = np.abs(off - share[:, :, None] * way.astype(np.float32)).max(axis=2)
-    return np.where(beside <= _ASIDE + 0.1 * np.clip(share, 0, 1), np.clip(share, 0, 1), 0).astype(np.float32)
+    beside = _largest(off - share[:, None] * way.astype(np.float32))
+    share = np.clip(share, 0, 1)
+    return np.where(beside <= _ASIDE + 0.1 * share, share, 0).astype(np.float32)
 
 
-def _share_beside(part: Pixels, ground: Array, way: Array, other: Array) -> Pixels:
+def _share_beside(off: Pixels, way: Array, other: Array) -> Pixels:
     """The same where another curve's colour is mixed in, as far as that colour alone does not explain the pixel."""
     basis = np.stack([way, other])
     if abs(np.linalg.det(basis @ basis.T)) < 1e-3:
-        return np.zeros(part.shape[:2], np.float32)
-    off = (part - ground.astype(np.float32)).reshape(-1, 3)
+        return np.zeros(len(off), np.float32)
     shares = off @ np.linalg.pinv(basis).astype(np.float32)
-    beside = np.abs(off - shares @ basis.astype(np.float32)).max(axis=1)
+    beside = _largest(off - shares @ basis.astype(np.float32))
     mixed = (shares.min(axis=1) > -0.05) & (shares.sum(axis=1) < 1.1) & (beside <= _ASIDE)
     alone = off @ (other / (other @ other)).astype(np.float32)
-    missed = np.abs(off - alone[:, None] * other.astype(np.float32)).max(axis=1)
-    return (
-        np.where(mixed & (missed > _ASIDE), np.clip(shares[:, 0], 0, 1), 0).reshape(part.shape[:2]).astype(np.float32)
-    )
+    missed = _largest(off - alone[:, None] * other.astype(np.float32))
+    return np.where(mixed & (missed > _ASIDE), np.clip(shares[:, 0], 0, 1), 0).astype(np.float32)
 
 
-def _around(strength: Pixels, free: Mask) -> Pixels:
-    """What is around each pixel where no curve is said to stand; where curves are everywhere, what the panel has between them."""
-    total, count = _boxed(strength * free), _boxed(free.astype(np.float32))
-    whole = float(strength[free].mean()) if free.any() else 0.0
-    return np.where(count >= 4, total / np.maximum(count, 1), whole).astype(np.float32)
+def _largest(off: Pixels) -> Pixels:
+    """The largest of three differences, row by row; column by column it takes a third of the time of `max`."""
+    red, green, blue = np.abs(off).T
+    largest: Pixels = np.maximum(np.maximum(red, green), blue)
+    return largest
 
 
-def _boxed(values: Pixels) -> Pixels:
-    """Sums over the square around each pixel."""
-    side = 2 * _AROUND + 1
-    sums = np.pad(values, _AROUND).cumsum(0, dtype=np.float64).cumsum(1)
-    sums = np.pad(sums, ((1, 0), (1, 0)))
-    boxed: Pixels = sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
-    return boxed.astype(np.float32)
+def _boxed(values: NDArray[Any], at: NDArray[np.intp]) -> Array:
+    """Sums over the square around each of these pixels."""
+    height, width = values.shape
+    sums = np.zeros((height + 1, width + 1))
+    np.cumsum(np.cumsum(values, axis=0, dtype=np.float64), axis=1, out=sums[1:, 1:])
+    rows, columns = np.divmod(at, width)
+    top, bottom = np.maximum(rows - _AROUND, 0), np.minimum(rows + _AROUND + 1, height)
+    left, right = np.maximum(columns - _AROUND, 0), np.minimum(columns + _AROUND + 1, width)
+    boxed: Array = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
+    return boxed
 
 
 def _widened(mask: Mask, reach: int) -> Mask:
@@ -326,7 +354,7 @@ def _widened(mask: Mask, reach: int) -> Mask:
     return wide
 
 
-def _commonest(colours: Pixels) -> Array:
+def commonest(colours: Pixels) -> Array:
     """The colour that most pixels have."""
     codes = (colours.reshape(-1, 3) * 255).round().astype(np.int64) @ np.array([65536, 256, 1])
     if not codes.size:
