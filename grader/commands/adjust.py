@@ -12,7 +12,10 @@ from grader.ground.errors import RequestError
 
 def adjust(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
-    id_: Annotated[str | None, typer.Argument(metavar="ID", help="Whose marks.", show_default=False)] = None,
+    id_: Annotated[
+        str | None,
+        typer.Argument(metavar="ID", help="Whose marks: id, name or e-mail.", show_default=False),
+    ] = None,
     *,
     criterion: Annotated[str, typer.Option("--criterion", metavar="C", help="Which criterion.")] = "",
     points: Annotated[
@@ -53,7 +56,11 @@ def adjust(
         raise RequestError("adjust: give --points, or --withdraw")
     else:
         wishes = [adjusting.Wish(id_, criterion, "" if points is None else repr(points), comment)]
-    lines = adjusting.adjust(LAB, out, wishes, author or _login()) if wishes else adjusting.listing(out)
+    lines = (
+        adjusting.adjust(LAB, out, adjusting.placed(out, wishes), author or _login())
+        if wishes
+        else adjusting.listing(out)
+    )
     for line in lines:
         print(line)
     return 0

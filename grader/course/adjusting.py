@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -13,8 +12,10 @@ from grader.course.publishing import publish, publish_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
+from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
+from grader.people.identity import Meant
 from grader.people.standing import Adjustment, Standing, beneath
 from grader.report import words
 
@@ -37,14 +38,16 @@ def read_wishes(path: Path) -> list[Wish]:
     """The adjustments of a CSV with the columns id, criterion, points and comment; blank points withdraw."""
     source = printable(str(path), 500)
     try:
-        table = csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"), newline=""))
-        if not set(COLUMNS) <= set(table.fieldnames or ()):
+        table = tables.reader(path.read_bytes())
+        titles = [title.strip().casefold() for title in next(table, [])]
+        if not set(COLUMNS) <= set(titles):
             raise RequestError(f"{source}:1: the first line must name the columns {', '.join(COLUMNS)}")
-        return [_wish(row, f"{source}:{table.line_num}") for row in table]
+        rows = ((dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells))
+        return [_wish({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
     except OSError as error:
         raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
+        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
 def _wish(row: Mapping[str, str | None], place: str) -> Wish:
@@ -76,6 +79,13 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str) -> list[str
         for id_ in dict.fromkeys(id_ for id_, _ in fresh):
             publish(out, after[id_], store)
     return [_told(id_, each, after[id_], fresh=(id_, each) in fresh) for id_, each in made]
+
+
+def placed(out: Path, wishes: Sequence[Wish]) -> list[Wish]:
+    """The same with ids of submissions, where a name, an e-mail address or another number says whose it is."""
+    with Store.existing(out) as store:
+        who = Meant({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
+    return [replace(wish, id=who.by(wish.id)) for wish in wishes]
 
 
 def listing(out: Path) -> Iterator[str]:
