@@ -81,7 +81,7 @@ def make_class(out: Path, students: Sequence[Student], told: Mapping[str, Sequen
                 store.keep_files(student.id * 3, lambda files=student.files: pack(files))  # type: ignore[misc]
         store.keep_told(told or {})
         for standing in publish_class(out, store, LAB).values():
-            publish(out, standing, store)
+            publish(out, standing, store, LAB)
     return out
 
 

@@ -138,13 +138,13 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
     with Store(tmp_path / "anew") as store:
         after = remarking.remark(tmp_path / "anew", store, by)
         for standing in after.values():
-            publish(tmp_path / "anew", standing, store)
+            publish(tmp_path / "anew", standing, store, LAB)
         assert {key.rubric_sha256 for key in store.keys().values()} == {by.sha256}
     keep(tmp_path / "again", by)
     with Store(tmp_path / "again") as store:
         assert publish_class(tmp_path / "again", store, LAB) == after
         for standing in after.values():
-            publish(tmp_path / "again", standing, store)
+            publish(tmp_path / "again", standing, store, LAB)
     names = [
         path.relative_to(tmp_path / "again") for path in (tmp_path / "again").rglob("*.*") if path.suffix != ".sqlite"
     ]

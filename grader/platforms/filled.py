@@ -144,6 +144,7 @@ def _number(cell: str) -> float | None:
 
 
 def _line(what: str, names: Sequence[str]) -> Iterator[str]:
+    """Every name; they are parted by semicolons, as many are ``Last, First``."""
     for start in range(0, len(names), 20):
         yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + 20])}"
 

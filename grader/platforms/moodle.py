@@ -14,7 +14,7 @@ from grader.people.identity import Match, participant, spellings
 from grader.people.identity import Row as Who
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.filled import Filled, Form, fill_in
-from grader.platforms.found import Found, Shape, mostly
+from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
 from grader.report import words
@@ -144,6 +144,7 @@ _NAME = re.compile(
     r"(?P<who>(?P<name>[^_]*)_(?P<number>\d+))_(?P<plugin>assign(?:submission|feedback)_[a-z]+)(?:_(?P<file>.*))?",
     re.DOTALL,
 )
+_WITHIN = re.compile(r"_(\d+)_assign(?:submission|feedback)_")
 _FILES = "assignsubmission_file"
 _NOT_OURS = "not named as Moodle names files, so whose it is cannot be told"
 _FEEDBACK = "feedback, not handed in by the student"
@@ -160,11 +161,19 @@ def read(download: Download) -> Shape | None:
     left = [(name, _NOT_OURS) for name, match in told.items() if match is None]
     own: defaultdict[str, list[re.Match[str]]] = defaultdict(list)
     for name, match in told.items():
-        if match is not None and match["plugin"].startswith("assignfeedback"):
+        if match is not None and not _is_plain(name, download.known):
+            left.append((name, AMBIGUOUS))
+        elif match is not None and match["plugin"].startswith("assignfeedback"):
             left.append((name, _FEEDBACK))
         elif match is not None:
             own[match["number"]].append(match)
     return Shape(TITLE, tuple(_found(download, number, matches) for number, matches in own.items()), tuple(left))
+
+
+def _is_plain(name: str, known: Mapping[str, str]) -> bool:
+    """Whether it names one person: a second number and plugin within may be part of a person's name, or of a file's."""
+    numbers = _WITHIN.findall(name)
+    return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
 
 
 def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Found:

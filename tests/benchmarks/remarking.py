@@ -75,7 +75,7 @@ def main() -> None:
                 after = remarking.remark(out, store, rubric.load(LAB, other))
             with timed("the pages of the students"):
                 for standing in after.values():
-                    publish(out, standing, store)
+                    publish(out, standing, store, LAB)
         with timed("grade by that rubric: nothing to do"):
             grade(students, out, "--rubric", str(other))
         with timed("grade by the first rubric again, pages included"):
