@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from grader import cli
-from grader.engine.feedback import catalogue
+from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load, shipped
 from grader.handbook import flow, pages, rubric_keys
 from grader.labs.imu.lab import LAB

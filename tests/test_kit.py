@@ -182,7 +182,7 @@ def test_the_starter_files_have_the_sheets_signatures_and_say_what_is_to_do(stud
 
 
 def test_the_readme_names_commands_and_ids_that_exist(students: Path) -> None:
-    from grader.engine.feedback import catalogue
+    from grader.engine.mistakes import catalogue
 
     text = (students / "README.md").read_text(encoding="utf-8")
     assert f"python -m pip install {wheel.name()}" in text

@@ -26,26 +26,15 @@ import pytest
 
 from grader.engine import withheld
 from grader.engine.conversation import Conversation, Missing
-from grader.engine.feedback import Told, catalogue, story, told
+from grader.engine.feedback import Told, story, told
 from grader.engine.findings import Lost, Raised, Skipped
 from grader.engine.lab import Lab
+from grader.engine.mistakes import catalogue
 from grader.engine.rubric import OwnChecks
 from grader.engine.traces import Traces
+from grader.engine.written import Check, title_of
 from grader.ground.errors import GraderError, NoAnswer, RequestError
 from grader.ground.text import printable
-
-
-@dataclass(frozen=True)
-class Check:
-    """What a check is: its id, the sentence that a student reads, and the step of the sheet that it belongs to."""
-
-    id: str
-    title: str
-    lab_step: int | None
-
-    @property
-    def criterion(self) -> str:
-        return self.id.split(".")[0]
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,6 @@ def check(
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
-        title = " ".join(function.__doc__.strip().split("\n\n")[0].split()).rstrip(".")
 
         @functools.wraps(function)
         def asked(student: Any, truth: Any) -> None:
@@ -86,7 +74,7 @@ def check(
                 needs(student, truth)
             function(student, truth)
 
-        asked.check = Check(check_id, title, lab_step)  # type: ignore[attr-defined]
+        asked.check = Check(check_id, title_of(function.__doc__), lab_step)  # type: ignore[attr-defined]
         return asked
 
     return mark

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import builtins
-import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
-
-import yaml
 
 from grader.engine.conversation import THERE, Missing
 from grader.engine.findings import Fault, Lost, Raised, Skipped
-from grader.engine.lab import Lab
+from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
@@ -27,29 +23,6 @@ class Told:
     message: str
     hint: str = ""
     mistakes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Mistake:
-    """One entry of the catalogue: what the code does, how to go on, and an explanation for `imugrade explain`."""
-
-    id: str
-    group: str
-    means: str
-    hint: str
-    explanation: str
-    step: int | None
-    wrong: str
-    right: str
-
-
-@functools.cache
-def catalogue(lab: Lab) -> Mapping[str, Mistake]:
-    """Every mistake of a lab that has a name, by id, read from the file that the handbook is made from."""
-    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    text = (lab.folder / "mistakes.yaml").read_text(encoding="utf-8")
-    groups = yaml.load(text, Loader=loader)
-    return {key: Mistake(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
 
 
 def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Told:

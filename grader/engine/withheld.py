@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grader.engine.feedback import Mistake, Told, mistake_of
+from grader.engine.feedback import Told, mistake_of
 from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, NoAnswer, TimedOut
 

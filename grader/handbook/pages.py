@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from grader.engine.feedback import catalogue
+from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
 from grader.ground.package_data import beside
 from grader.handbook import commands, entries, flow, isolation, modules, platforms, rubric_keys
