@@ -49,6 +49,7 @@ def check_on_save(
     written: Collection[Path] = (),
     begins: Callable[[], None] = _nothing,
     waits: Callable[[], None] = _nothing,
+    waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
     """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
@@ -57,6 +58,7 @@ def check_on_save(
     ----------
     written : what is written of each result: it may lie in the folder, and is no change of the student's
     begins, waits : called before each marking, and again and again between two
+    waiting : told what a marking waits for, where that takes long
     listen : hears what the student's code prints
     """
     with Marker(
@@ -64,7 +66,7 @@ def check_on_save(
     ) as marker:
         for _ in saves(path, written, waits):
             begins()
-            yield marker.mark(read_submission(path, rubric.lab.files), only=only, listen=listen)
+            yield marker.mark(read_submission(path, rubric.lab.files), only=only, waiting=waiting, listen=listen)
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:
