@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.engine import rubric
-from grader.engine.examination import known_checks
 from grader.engine.rubric import CheckWeight, RubricError
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
@@ -114,10 +113,6 @@ def test_slips_of_every_kind_are_told_in_one_round() -> None:
         "the weight of time_axis must be a number from 0 to 1000, not 'many'",
         "there is no mistake 'no-such'",
     ]
-
-
-def test_what_a_labs_files_say_of_its_checks_is_what_pytest_finds() -> None:
-    assert LAB.checks == {id_: check.title for id_, check in known_checks(LAB).items()}
 
 
 # ---- the late policy ----

@@ -149,7 +149,7 @@ def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
     try:
         for result in checking.check_on_save(
             wanted.path, chosen, bundle, only=wanted.only, rung=rung, written=written, begins=begins, waits=view.refit,
-            listen=printed.hear,
+            waiting=view.tell, listen=printed.hear,
         ):  # fmt: skip
             known = history.recalled(wanted.path, result) if before is None else before
             told = printed.told(LAB) if wanted.prints else []

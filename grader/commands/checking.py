@@ -50,6 +50,7 @@ def check_on_save(
     written: Collection[Path] = (),
     begins: Callable[[], None] = _nothing,
     waits: Callable[[], None] = _nothing,
+    waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
     """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
@@ -58,6 +59,7 @@ def check_on_save(
     ----------
     written : what is written of each result: it may lie in the folder, and is no change of the student's
     begins, waits : called before each marking, and again and again between two
+    waiting : told what a marking waits for, where that takes long
     listen : hears what the student's code prints
     """
     handed_in = Alone(path, rubric.lab.files)
@@ -67,7 +69,7 @@ def check_on_save(
     ):
         for _ in saves(path, written, waits):
             begins()
-            yield marker.mark(reader.read(handed_in), only=only, listen=listen)
+            yield marker.mark(reader.read(handed_in), only=only, waiting=waiting, listen=listen)
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from grader.engine.breakpoints import breakpoints
 from grader.engine.loaded import Endings, Loaded, loaded_from, mistake_of, overran
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
@@ -23,6 +25,7 @@ SEED = 0
 
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
+_MOST_BREAKPOINTS = 3
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
 _SENT_BYTES = 24_000_000
 _LOADING = ("load", "run_script")
@@ -398,6 +401,15 @@ class Conversation:
             more = len(loaded.stepped_over) - 1
             others = f"; {more} statement{'s' * (more > 1)} after it too" if more else ""
             self.note(f"{first.where} {did}: {first.why}{others}; what the file defines counts")
+        if path.endswith(".py"):
+            self._note_breakpoints(path)
+
+    def _note_breakpoints(self, path: str) -> None:
+        for call, line in itertools.islice(breakpoints(self.files[path]), _MOST_BREAKPOINTS):
+            self.note(
+                f"{printable(path, 120)}, line {line}: {printable(call, 60)}() was passed over, as nobody can type here; a program "
+                "from `imugrade repro` stops at it"
+            )
 
     def _elsewhere(self, name: str, home: str) -> list[str]:
         if self._outline is None:

@@ -28,25 +28,13 @@ from grader.engine import withheld
 from grader.engine.conversation import Conversation, Missing
 from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Lost, Raised, Skipped
-from grader.engine.lab import Lab, sentence
+from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
 from grader.engine.rubric import OwnChecks
 from grader.engine.traces import Traces
+from grader.engine.written import Check, title_of
 from grader.ground.errors import GraderError, NoAnswer, RequestError
 from grader.ground.text import printable
-
-
-@dataclass(frozen=True)
-class Check:
-    """What a check is: its id, the sentence that a student reads, and the step of the sheet that it belongs to."""
-
-    id: str
-    title: str
-    lab_step: int | None
-
-    @property
-    def criterion(self) -> str:
-        return self.id.split(".")[0]
 
 
 @dataclass(frozen=True)
@@ -85,7 +73,6 @@ def check(
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
-        title = sentence(function.__doc__)
 
         @functools.wraps(function)
         def asked(student: Any, truth: Any) -> None:
@@ -93,7 +80,7 @@ def check(
                 needs(student, truth)
             function(student, truth)
 
-        asked.check = Check(check_id, title, lab_step)  # type: ignore[attr-defined]
+        asked.check = Check(check_id, title_of(function.__doc__), lab_step)  # type: ignore[attr-defined]
         return asked
 
     return mark

@@ -14,7 +14,7 @@ from typing import Any
 from grader import __version__
 from grader.engine.conversation import SEED, Conversation, Listener
 from grader.engine.evidence import Evidence, packed
-from grader.engine.examination import Check, Examination, Judgement, known_checks, session
+from grader.engine.examination import Examination, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.fingerprint import fingerprint
 from grader.engine.lab_box import open_box
@@ -22,6 +22,7 @@ from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from grader.engine.traces import Traces, match_robot
+from grader.engine.written import Check
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.sandbox.box import Box

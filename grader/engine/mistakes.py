@@ -1,4 +1,4 @@
-"""The mistakes that have a name: what each is, how to go on, and what it is explained by."""
+"""The catalogue of known mistakes: it is read by whoever explains one, so nothing slow is imported here."""
 
 from __future__ import annotations
 

@@ -24,6 +24,7 @@ from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
 from grader.engine.robot import Model
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
+from grader.engine.written import checks_of
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.ground.text import printable
@@ -223,17 +224,15 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     model = _model(reader, keys.get("model"), folder or Path())
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
-    if reader.problems:  # told in one round with those that `match_checks` would find
+    own = () if folder is None else own_checks(lab, folder)
+    if reader.problems and not own:  # told in one round with those that `match_checks` would find
         whole = [part for part in (*criteria, *extensions) if part.checks]
         named = {part.id for part in whole}
-        known = {id_: title for id_, title in lab.checks.items() if id_.partition(".")[0] in named}
+        known = {check.id: check.title for check in checks_of(lab).values() if check.criterion in named}
         reader.problems += _unmatched(whole, known)
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    own = () if folder is None else own_checks(lab, folder)
-    written = (
-        [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []
-    )  # without any it is the digest that it was before
+    written = [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []  # without any it is the digest of before
     priced = [mistakes] if mistakes else []
     digest = _digest(criteria, extensions, limits, model, granted, *priced, *written)
     asked = _digest(limits, model, *written)

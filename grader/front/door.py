@@ -101,12 +101,16 @@ class Door:
     @functools.cached_property
     def result(self) -> Result:
         """The result of the whole submission: `imugrade check` makes it, in a process that this run cannot disturb."""
-        with tempfile.TemporaryDirectory(prefix="imugrade-") as folder:
-            file = Path(folder, "result.json")
+        with tempfile.TemporaryDirectory(prefix="imugrade-") as private:
+            file = Path(private, "result.json")
             asked = ["check", str(self.path), "--json", str(file)]
             asked += [] if self._rubric_path is None else ["--rubric", str(self._rubric_path)]
             ended = subprocess.run(
-                [sys.executable, *_CODE, *asked], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, check=False
+                [sys.executable, *_CODE, *asked],
+                cwd=private,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                check=False,
             )
             if not file.is_file():
                 said = ended.stderr.decode("utf-8", "replace").strip()

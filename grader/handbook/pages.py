@@ -21,6 +21,7 @@ _INDEX = """# Handbook
 | Page | Tells |
 | --- | --- |
 | [Commands](commands.md) | every command with its options and exit codes |
+| [At work](working.md) | for students: a check as a program, the checks in pytest and in an editor |
 | [Checks](checks.md) | what is checked, for how many points |
 | [Mistakes](mistakes.md) | every mistake that a report may name, with the lines that mend it |
 | [Faults](faults.md) | which checks each mistake of the corpus loses |
@@ -47,6 +48,7 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
     made = {
         "README.md": _INDEX,
         "commands.md": commands.page(app),
+        "working.md": (FOLDER / "working.txt").read_text(encoding="utf-8"),
         "checks.md": _checks(),
         "mistakes.md": _mistakes(),
         "rubric.md": rubric_keys.page(),

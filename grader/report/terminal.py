@@ -22,7 +22,7 @@ from grader.report.lines import LABEL, Setting
 
 WIDTH = 100
 _BAR = 20  # columns
-_NEVER_CALLED = frozenset({"file-missing", "name-missing", "does-not-import"})
+_NEVER_CALLED = frozenset({"file-missing", "name-missing", "does-not-import", "not-written"})
 _STYLE = {"earned": "green", "partly": "yellow", "lost": "red", "blank": "bright_black"}
 
 

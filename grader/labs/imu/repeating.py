@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.examination import Check, Examination
+from grader.engine.examination import Examination
+from grader.engine.written import Check
 from grader.labs.imu.student import Student
 
 Lines = Iterator[str]
