@@ -314,6 +314,20 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
     assert run("diff", out, out)[1] == "0 of 2 moved; mean 17.0 → 17.0\n"
 
 
+def test_of_those_that_differ_and_end_with_the_same_points_only_the_number_is_told() -> None:
+    from grader.course.differences import told
+    from grader.people.standing import Standing
+
+    old = {"a": Standing("a", result(lost())), "b": Standing("b", result(lost()))}
+    new = {"a": Standing("a", result(check("timeout", 0.0))), "b": Standing("b", result(check()))}
+    assert list(told(old, new)) == [
+        "b  0 → 6",
+        "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6",
+        "1 more differ in their checks and end with the same points",
+        "1 of 2 moved; mean 0.0 → 3.0",
+    ]
+
+
 def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     from dataclasses import replace
 

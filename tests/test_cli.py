@@ -99,7 +99,7 @@ def test_a_path_that_does_not_exist_is_one_line(run: Run, tmp_path: Path) -> Non
     path = tmp_path / "nowhere"
     line = f"imugrade: {path}: there is no such file or folder; check the path\n"
     assert run("check", path) == (2, "", line)
-    assert run("grade", path, "-o", tmp_path / "out") == (2, "", NO_SEED + line)
+    assert run("grade", path, "-o", tmp_path / "out") == (2, "", line)
 
 
 def test_an_unknown_criterion_is_one_line_with_what_was_probably_meant(run: Run, tmp_path: Path) -> None:
@@ -123,7 +123,7 @@ def test_an_out_that_cannot_be_written_is_one_line_and_nothing_is_marked(
     (tmp_path / "out").write_text("a file")
     code, out, err = run("grade", students, "-o", tmp_path / "out")
     assert (code, out) == (2, "")
-    assert err == f"{NO_SEED}imugrade: {tmp_path}/out: cannot write there: File exists; choose another folder with -o\n"
+    assert err == f"imugrade: {tmp_path}/out: cannot write there: File exists; choose another folder with -o\n"
     assert marker.marked() == []
 
 
@@ -138,7 +138,7 @@ def test_an_unknown_submission_id_is_one_line(run: Run, students: Path, tmp_path
     code, _, err = run("grade", students, "-o", tmp_path / "out", "--only", "alicia")
     assert (code, err) == (
         2,
-        f"{NO_SEED}imugrade: --only alicia: there is no submission with that id; did you mean alice?\n",
+        "imugrade: --only alicia: there is no submission with that id; did you mean alice?\n",
     )
 
 
@@ -382,10 +382,7 @@ def test_results_do_not_go_where_the_submissions_are(
 ) -> None:
     code, told, err = run("grade", students, "-o", students / out)
     assert (code, told, marker.marked()) == (2, "", [])
-    assert (
-        err
-        == f"{NO_SEED}imugrade: -o {students / out}: is itself to be graded; give a folder of its own for the results\n"
-    )
+    assert err == f"imugrade: -o {students / out}: is itself to be graded; give a folder of its own for the results\n"
 
 
 def test_an_out_that_was_made_beforehand_in_the_class_is_no_submission(
@@ -412,7 +409,7 @@ def test_a_marker_that_cannot_be_opened_ends_the_run_and_keeps_the_record(
     run("grade", students, "-o", tmp_path / "out", "--only", "alice")
     monkeypatch.setattr(classroom, "opener", lambda order: partial(no_marker, tmp_path))
     code, _, err = run("grade", students, "-o", tmp_path / "out")
-    assert (code, err) == (2, f"{NO_SEED}imugrade: no marker for {tmp_path.name}\n")
+    assert (code, err) == (2, f"imugrade: no marker for {tmp_path.name}\n")
     assert (tmp_path / "out" / "gradebook.csv").read_text().startswith("id,name,sensor_access,total,status\nalice,")
 
 
@@ -477,7 +474,7 @@ def test_a_run_that_is_interrupted_keeps_what_it_had_and_goes_on_later(students:
         "",
         "imugrade: stopped; run the same command again to go on",
     )
-    assert err == f"{NO_SEED}imugrade: stopped; run the same command again to go on\n"
+    assert err == "imugrade: stopped; run the same command again to go on\n"
     assert (tmp_path / "out" / "gradebook.csv").read_text().count("\n") == 3
 
 

@@ -309,8 +309,8 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
 
     everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
     assert list(remarks({s.id: s for s in everyone}, (), ())) == [
-        "the same files were handed in by: a, c",
-        "nothing in them that could be marked (look at what was handed in): d, e",
+        "the same files were handed in by: a; c",
+        "nothing in them that could be marked (look at what was handed in): d; e",
     ]
 
 

@@ -81,16 +81,16 @@ def grade(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
         one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), roster, one_of("--attempts", attempts, ATTEMPTS),
     )  # fmt: skip
-    if spot := traces.blind_spot(bundle):
-        say(spot)
-    if seed is None:
-        say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
     found = classroom.find(order)
     for line in found.told:
         say(line)
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
         outcome = classroom.grade_class(order, found, audience)
+    if spot := traces.blind_spot(bundle):
+        say(spot)
+    if seed is None:
+        say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
     for line in outcome.remarks:
         say(line)
     terminal.show_class(outcome, str(out / "index.html"), screen)

@@ -109,7 +109,9 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts)
+    listed = [] if order.roster is None else roster.load(order.roster)
+    known = {each.who.key: each.who.name for each in listed if each.who.key}
+    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts, known)
     submissions = _beside_out(found.entries, order)
     entries = _chosen(submissions, order.only)
     if not entries:
@@ -117,7 +119,7 @@ def find(order: Order) -> Class:
             f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
         )
     latest = {entry.id: _with_people(entry) for entry in submissions}
-    placed = roster.place([] if order.roster is None else roster.load(order.roster), latest)
+    placed = roster.place(listed, latest)
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = () if order.roster is None else placed.unknown
     return Class(dated, found.leftovers, found.told, placed.absent, unknown)

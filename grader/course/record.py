@@ -10,12 +10,14 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+import zlib
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 from types import TracebackType
+from typing import Any, TypeVar
 
 from grader.engine.evidence import Chart, unpacked
 from grader.engine.marks import fits, marked
@@ -24,6 +26,8 @@ from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.people.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
+
+T = TypeVar("T")
 
 FILE_NAME = "results.sqlite"
 SCHEMA_VERSION = 3
@@ -190,7 +194,7 @@ class Store:
             row = self._db.execute(query, astuple(key)).fetchone()
             if row is not None:
                 self._point_at(key)
-        return None if row is None else from_dict(json.loads(row[0]))
+            return None if row is None else _result(row[0])
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
         """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a box."""
@@ -200,7 +204,7 @@ class Store:
         )
         with self._told(), self._transaction():
             for seq, record in self._db.execute(query, (key.id, key.submission_sha256, key.traces_sha256, key.grader)):
-                found = from_dict(json.loads(record))
+                found = _result(record)
                 if fits(found, rubric):
                     result = marked(found, rubric)
                     self._db.execute(_REMARK, (rubric.sha256, _text(result), seq))
@@ -218,20 +222,20 @@ class Store:
         """The present result of every submission of the class, by id, in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
-            return {id_: from_dict(json.loads(record)) for id_, record in self._db.execute(query)}
+            return {id_: _result(record) for id_, record in self._db.execute(query)}
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
         """The charts of a submission's present result."""
         query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
         with self._told():
             row = self._db.execute(query, (id_,)).fetchone()
-        return () if row is None else unpacked(row[0])
+            return () if row is None else _read(unpacked, row[0])
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
         """The fingerprint of every submission's code, by id."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
-            return {id_: tuple(array("Q", record)) for id_, record in self._db.execute(query)}
+            return {id_: _read(_hashes, record) for id_, record in self._db.execute(query)}
 
     def standings(self) -> dict[str, Standing]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
@@ -292,10 +296,15 @@ class Store:
         """Every adjustment ever made, by id of the submission, oldest first; those that withdraw one as well."""
         with self._told():
             rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
-        return [
-            (id_, Adjustment(criterion, points, comment, author, at, json.loads(record), bool(alone), decision, seq))
-            for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
-        ]
+            return [
+                (
+                    id_,
+                    Adjustment(
+                        criterion, points, comment, author, at, _read(json.loads, record), bool(alone), decision, seq
+                    ),
+                )
+                for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
+            ]
 
     def last_adjustment(self) -> int:
         """The number of the last one that anybody made."""
@@ -321,7 +330,7 @@ class Store:
         """Who handed in and when, as last recorded, by id."""
         with self._told():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
-        return {id_: hand_in_from_dict(json.loads(record)) for id_, record in rows}
+            return {id_: _read(_hand_in, record) for id_, record in rows}
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
         """Those in force, by id of the submission: the last on each criterion or check, unless it withdraws."""
@@ -483,7 +492,35 @@ class Store:
                 f"{self.path}: {problem}; free or repair it, or choose another folder with -o "
                 "(what was recorded before is kept)"
             ) from problem
+        except _ForeignError as problem:
+            raise RequestError(
+                f"{self.path}: holds what this imugrade does not write ({problem}); choose another folder with -o"
+            ) from problem
 
 
 def _text(result: Result) -> str:
     return json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
+
+
+class _ForeignError(Exception):
+    """A row holds something else than we write; the message is what."""
+
+
+def _read(parse: Callable[[Any], T], record: object) -> T:
+    """A row of ours, whatever it holds: anyone can write into a file of this kind."""
+    try:
+        return parse(record)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:
+        raise _ForeignError(printable(f"{type(problem).__name__}: {problem}", 100)) from problem
+
+
+def _result(record: object) -> Result:
+    return _read(lambda text: from_dict(json.loads(text)), record)
+
+
+def _hand_in(text: str) -> HandIn:
+    return hand_in_from_dict(json.loads(text))
+
+
+def _hashes(record: bytes) -> tuple[int, ...]:
+    return tuple(array("Q", record))

@@ -12,13 +12,17 @@ from grader.people.standing import Adjustment, HandIn, Standing, summed, under, 
 from grader.report import words
 
 A_LINE = 20  # names
+OUTDATED = 5  # lines
 
 
 def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
     """Lines about adjustments that are out of date, equal and empty hand-ins, lateness without a time, and the roster."""
-    for standing in standings.values():
-        for adjustment in standing.outdated():
-            yield _outdated(standing, adjustment)
+    outdated = [
+        _outdated(standing, adjustment) for standing in standings.values() for adjustment in standing.outdated()
+    ]
+    yield from outdated[:OUTDATED]
+    if len(outdated) > OUTDATED:
+        yield f"and {len(outdated) - OUTDATED} more adjustments of marks that have moved since; the class page lists whose"
     for ids in equal(standings.values()):
         yield from _lines("the same files were handed in by", ids)
     nothing = [s.id for s in standings.values() if s.result.status in ("empty", "unreadable")]
@@ -69,5 +73,6 @@ def equal(standings: Iterable[Standing]) -> Iterator[list[str]]:
 
 
 def _lines(what: str, names: Sequence[str]) -> Iterator[str]:
+    """Every name; they are parted by semicolons, as many are ``Last, First``."""
     for start in range(0, len(names), A_LINE):
-        yield f"{what}: {', '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
+        yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"

@@ -22,7 +22,7 @@ from grader.engine import withheld
 from grader.engine.conversation import Conversation, Missing
 from grader.engine.feedback import Told, story, told
 from grader.engine.findings import Lost, Raised, Skipped
-from grader.engine.lab import Lab
+from grader.engine.lab import Lab, sentence
 from grader.engine.mistakes import catalogue
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError, NoAnswer, RequestError
@@ -71,7 +71,7 @@ def check(
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
-        title = " ".join(function.__doc__.strip().split("\n\n")[0].split()).rstrip(".")
+        title = sentence(function.__doc__)
 
         @functools.wraps(function)
         def asked(student: Any, truth: Any) -> None:

@@ -5,9 +5,10 @@ Everything that lists parts, names, files or pictures derives it from one `Lab`;
 
 from __future__ import annotations
 
+import ast
 import importlib
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -117,6 +118,12 @@ class Lab:
         return tuple(dict.fromkeys(part.home for part in self.parts))
 
     @cached_property
+    def checks(self) -> Mapping[str, str]:
+        """Every check by id, with the sentence that a student reads, as its files say: they are read and not run."""
+        texts = (file.read_text(encoding="utf-8") for file in sorted((self.folder / "checks").glob("check_*.py")))
+        return dict(found for text in texts for found in _checks(ast.parse(text)))
+
+    @cached_property
     def pictures(self) -> tuple[str, ...]:
         return tuple(picture for part in self.parts for picture in part.pictures)
 
@@ -142,6 +149,20 @@ class Lab:
         """The text of the sound stand-in for a name, where the box is furnished so."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return text.replace("IMU_SENSORS", repr(tuple(furniture.get("imu", ()))))
+
+
+def _checks(module: ast.Module) -> Iterator[tuple[str, str]]:
+    """The id that each decorator ``@check("part.name")`` gives, and the function's sentence."""
+    for node in module.body:
+        if isinstance(node, ast.FunctionDef):
+            for call in node.decorator_list:
+                if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "check":
+                    yield str(ast.literal_eval(call.args[0])), sentence(ast.get_docstring(node) or "")
+
+
+def sentence(docstring: str) -> str:
+    """A docstring's first paragraph on one line."""
+    return " ".join(docstring.strip().split("\n\n")[0].split()).rstrip(".")
 
 
 def lab_of(module: str) -> Lab:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from grader.engine.evidence import Evidence
 
@@ -205,7 +205,7 @@ def from_dict(record: Mapping[str, Any]) -> Result:
             for row in rows
         )
 
-    return Result(
+    result = Result(
         submission=record["submission"],
         status=record["status"],
         criteria=tuple(
@@ -221,3 +221,29 @@ def from_dict(record: Mapping[str, Any]) -> Result:
         extra_credit_cap=record["extra_credit"]["cap"] if "extra_credit" in record else None,
         asked_sha256=record.get("asked_sha256", ""),
     )
+    _hold_to_their_kinds(result)
+    return result
+
+
+_OUTCOMES, _STATUSES = frozenset(get_args(Outcome)), frozenset(get_args(Status))
+
+
+def _hold_to_their_kinds(result: Result) -> None:
+    """Raise ValueError where a record that anyone may have written holds what no page could show."""
+    checks = [check for part in result.parts for check in part.checks]
+    numbers = [
+        each for part in result.parts for each in (part.max_points, *(check.max_points for check in part.checks))
+    ]
+    points = [each for check in checks for each in (check.points, check.keeps) if each is not None]
+    texts = [result.submission, *result.notes, *(part.id for part in result.parts)]
+    texts += [
+        text for check in checks for text in (check.id, check.title, check.message, check.hint, *check.misconceptions)
+    ]
+    if (
+        result.status not in _STATUSES
+        or not all(check.outcome in _OUTCOMES for check in checks)
+        or not all(isinstance(each, (int, float)) for each in (*numbers, *points, result.duration_s))
+        or not all(isinstance(text, str) for text in texts)
+        or not isinstance(result.provenance, dict)
+    ):
+        raise ValueError("no such result was ever written")

@@ -216,6 +216,11 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     model = _model(reader, keys.get("model"), folder or Path())
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
+    if reader.problems:  # told in one round with those that `match_checks` would find
+        whole: list[Criterion | Extension] = [*filter(_has_checks, criteria), *filter(_has_checks, extensions)]
+        named = {part.id for part in whole}
+        known = {id_: title for id_, title in lab.checks.items() if id_.partition(".")[0] in named}
+        reader.problems += _unmatched(whole, known)
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
     digest = _digest(criteria, extensions, limits, model, granted, *([mistakes] if mistakes else []))
@@ -254,19 +259,29 @@ def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
     RubricError
         One line for each check that stands on one side only.
     """
+    problems = _unmatched(rubric.parts, known)
+    if problems:
+        refuse(rubric.source, problems)
+
+
+def _has_checks(part: Criterion | Extension) -> bool:
+    return bool(part.checks)
+
+
+def _unmatched(parts: Sequence[Criterion | Extension], known: Mapping[str, str]) -> list[tuple[int, str]]:
+    """Checks of these parts that stand on one side only, with their lines."""
+    listed = {check.id: check for part in parts for check in part.checks}
     problems = [
-        (check.line, f"there is no check {check.id}{guess_at(check.id, known)}; correct the name or remove the line")
-        for check in rubric.checks
-        if check.id not in known
+        (check.line, f"there is no check {id_}{guess_at(id_, known)}; correct the name or remove the line")
+        for id_, check in listed.items()
+        if id_ not in known
     ]
-    listed = {check.id for check in rubric.checks}
-    lines = {part.id: part.line for part in rubric.parts}
-    for check_id in sorted(set(known) - listed):
+    lines = {part.id: part.line for part in parts}
+    for check_id in sorted(set(known) - listed.keys()):
         part, _, name = check_id.partition(".")
         what = f"the check {check_id} ({printable(known[check_id], 100)}) has no weight under {part}"
         problems.append((lines.get(part, 1), f"{what}; add the line `{name}: WEIGHT` to its checks"))
-    if problems:
-        refuse(rubric.source, problems)
+    return problems
 
 
 def _criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:

@@ -31,6 +31,10 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
 """What each column may be called: an export of Canvas, Moodle, Gradescope or Classroom 50 is a roster as it stands."""
 
 
+_NOBODY = ("Points Possible", "Student, Test")
+"""What the first cell of a Canvas gradebook may hold that is no person: its second line, and its own test student."""
+
+
 @dataclass(frozen=True)
 class Listed:
     """One person of the roster. `due` and `submitted` are None and "" where the roster leaves them open."""
@@ -74,7 +78,7 @@ def _rows(text: str, source: str) -> Iterator[Listed]:
         raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
     for cells in table:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
-        if any(cells) and not cells[0].strip().startswith("Points Possible"):  # Canvas's second line is no person
+        if any(cells) and not cells[0].strip().startswith(_NOBODY):
             yield _listed(values, f"{source}:{table.line_num}")
 
 

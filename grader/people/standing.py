@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from grader.engine.results import CheckResult, CriterionResult, Result
@@ -126,13 +126,15 @@ class Standing:
     """Everything that a gradebook or a page tells of one submission: what it is handed in place of a bare `Result`.
 
     `result` is what was marked, and stays as it is. `adjusted` is its total with the adjustments, `final` what is left of that
-    by the late policy. Both are None while points are open through a fault of the grader.
+    by the late policy. Both are None while points are open through a fault of the grader, and `unseen` where there was nothing to
+    mark and nobody has looked: such a mark is not given out.
     """
 
     id: str
     result: Result
     hand_in: HandIn = NOTHING_KNOWN
     adjustments: tuple[Adjustment, ...] = ()
+    unseen: bool = False
 
     @property
     def people(self) -> tuple[Person, ...]:
@@ -160,7 +162,11 @@ class Standing:
 
     def _summed(self) -> float | None:
         points = summed({criterion.id: self.points(criterion) for criterion in self.result.criteria})
-        return None if points is None or self._credit_is_open() else round(points + self.result.extra_credit, 2)
+        return (
+            None
+            if self.unseen or points is None or self._credit_is_open()
+            else round(points + self.result.extra_credit, 2)
+        )
 
     @property
     def deduction(self) -> float:
@@ -199,6 +205,15 @@ class Standing:
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
+
+
+def given_out(standings: Mapping[str, Standing]) -> dict[str, Standing]:
+    """As they go to a platform: nothing stands for those that could not be read or held nothing, until a person has looked."""
+
+    def nothing(standing: Standing) -> bool:
+        return standing.result.status in ("empty", "unreadable") and all(each.alone for each in standing.adjustments)
+
+    return {id_: replace(standing, unseen=nothing(standing)) for id_, standing in standings.items()}
 
 
 def beneath(criterion: CriterionResult) -> dict[str, float | None]:

@@ -9,6 +9,8 @@ from pathlib import Path
 from grader.intake.downloads import Sources
 from grader.people.standing import NOTHING_KNOWN, HandIn
 
+AMBIGUOUS = "its name can mean several people; give --roster with the platform's numbers, and it is who stands there"
+
 
 @dataclass(frozen=True)
 class Found:

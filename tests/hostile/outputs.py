@@ -227,6 +227,7 @@ LOOKS: Mapping[str, Callable[[str], Iterator[str]]] = {
     "index.html": _in_index,
     "the terminal": _plain,
     "gradebook.csv": _in_csv,
+    "marks.csv": _in_csv,
     "gradescope": _in_json,
     "gradescope.csv": _in_csv,
     "canvas.csv": _in_csv,
