@@ -318,11 +318,12 @@ def graded(done: Done) -> None:
 
 def adjusted(done: Done) -> None:
     target = done.after("--criterion") or ("bonus" if "--take-back" in done.words else "filtering")
-    assert done.out.startswith(f"alice {target} ")
+    told = next(line for line in done.out.splitlines() if line.startswith("alice "))
+    assert told.startswith(f"alice {target} ")
     back = {"--withdraw", "--undo", "--take-back"} & set(done.words)
     assert ("withdrawn" in done.out) == bool(back) or len(done.words) == 2
     if points := done.after("--points"):
-        assert done.out.startswith(f"alice {target} {points}, final ")
+        assert told.startswith(f"alice {target} {points}, final ")
 
 
 def told_apart(done: Done) -> None:
