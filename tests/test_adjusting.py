@@ -293,6 +293,36 @@ def test_an_unknown_word_is_one_line(arguments: list[str], line: str, run: Run, 
     assert run("grade", tmp_path / "class", "-o", out, *arguments) == (2, "", f"imugrade: {line}\n")
 
 
+@pytest.mark.parametrize("word", ["alice", "Doe, Jane", "jane doe", "JANE@example.edu", "s1"])
+def test_people_are_called_by_any_name_of_theirs(word: str, run: Run, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", alice=14, bob=20)
+    roster = tmp_path / "roster.csv"
+    roster.write_bytes("username;sid;name;email\nalice;s1;Doe, Jane;jane@example.edu\n".encode("cp1252"))
+    given = ("grade", tmp_path / "class", "-o", tmp_path / "out", "--roster", roster)
+    assert "1 graded" in run(*given, "--only", word)[1]
+    wish = ("--criterion", "sensor_access", "--points", 3, "--comment", "x")
+    assert run("adjust", tmp_path / "out", word, *wish) == (0, "alice sensor_access 3, final 3\n", "")
+
+
+def test_who_handed_in_is_listed_before_anything_is_graded(run: Run, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", alice=14, bob=20)
+    roster = tmp_path / "roster.csv"
+    roster.write_bytes("id;name;email\nalice;Müller, Jane;jane@example.edu\n".encode("cp1252"))
+    code, out, _ = run("grade", tmp_path / "class", "-o", tmp_path / "out", "--roster", roster, "--list")
+    assert (code, out) == (0, "alice  Müller, Jane alice jane@example.edu\nbob  bob bob\n")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("encoding", "sign"), [("cp1252", ";"), ("utf-8-sig", ","), ("utf-16", "\t")])
+def test_adjustments_are_read_as_a_spreadsheet_saves_them(
+    encoding: str, sign: str, run: Run, out: Path, tmp_path: Path
+) -> None:
+    rows = (("ID", "Criterion", "Points", "Comment"), ("bob", "sensor_access", "12.5", "für später"))
+    (tmp_path / "a.csv").write_bytes("".join(f"{sign.join(row)}\r\n" for row in rows).encode(encoding))
+    assert run("adjust", out, "--csv", tmp_path / "a.csv")[1] == "bob sensor_access 12.5, final 12.5\n"
+    assert "für später" in run("adjust", out)[1]
+
+
 # ---- diff ----
 
 

@@ -138,7 +138,7 @@ def test_an_unknown_submission_id_is_one_line(run: Run, students: Path, tmp_path
     code, _, err = run("grade", students, "-o", tmp_path / "out", "--only", "alicia")
     assert (code, err) == (
         2,
-        "imugrade: --only alicia: there is no submission with that id; did you mean alice?\n",
+        "imugrade: --only alicia: there is no submission of that id, name, number or address (did you mean alice?); --list tells all\n",
     )
 
 

@@ -141,6 +141,8 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(si
     classroom.grade_class(replace(order, out=tmp_path / "here"), found, Nobody())
     assert results(tmp_path / "there") == results(tmp_path / "here")
     assert evidence(tmp_path / "there") == evidence(tmp_path / "here")
+    marks = [(tmp_path / place / "gradebook.csv").read_bytes() for place in ("there", "here")]
+    assert marks[0] == marks[1]
     assert recorded(tmp_path / "there") == len(outcome.results) == 6
 
 

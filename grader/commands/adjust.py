@@ -13,7 +13,10 @@ from grader.ground.errors import RequestError
 
 def adjust(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
-    id_: Annotated[str | None, typer.Argument(metavar="ID", help="Whose marks.", show_default=False)] = None,
+    id_: Annotated[
+        str | None,
+        typer.Argument(metavar="ID", help="Whose marks: id, name or e-mail.", show_default=False),
+    ] = None,
     *,
     criterion: Annotated[
         str, typer.Option("--criterion", metavar="C", help="Which criterion, check (filtering.titles), total or bonus.")
@@ -76,7 +79,11 @@ def adjust(
         what, ids = ("", [id_]) if having is None else groups.having(out, having)
         said = "" if points is None else repr(points)
         wishes = [adjusting.Wish(each, criterion, said, comment, alone=alone) for each in ids if each]
-    lines = adjusting.adjust(LAB, out, wishes, author or login(), what) if wishes else adjusting.listing(out)
+    lines = (
+        adjusting.adjust(LAB, out, adjusting.placed(out, wishes), author or login(), what)
+        if wishes
+        else adjusting.listing(out)
+    )
     for line in lines:
         print(line)
     return 0

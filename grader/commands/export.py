@@ -50,7 +50,7 @@ def export(
 
     \b
     Examples:
-      imugrade export out --format csv
+      imugrade export out --format csv -o marks.csv
       imugrade export out --format canvas --template gradebook.csv --column "Lab 04-01"
       imugrade export out --format moodle --template worksheet.csv --feedback reports.zip
     """

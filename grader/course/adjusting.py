@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -13,8 +12,10 @@ from grader.course.publishing import publish, publish_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
+from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
+from grader.people.identity import Meant
 from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, under, worth
 from grader.report import words
 
@@ -55,14 +56,16 @@ def read_wishes(path: Path) -> list[Wish]:
     """
     source = printable(str(path), 500)
     try:
-        table = csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"), newline=""))
-        if not set(COLUMNS) <= set(table.fieldnames or ()):
+        table = tables.reader(path.read_bytes())
+        titles = [title.strip().casefold() for title in next(table, [])]
+        if not set(COLUMNS) <= set(titles):
             raise RequestError(f"{source}:1: the first line must name the columns {', '.join(COLUMNS)}")
-        return [_wish(row, f"{source}:{table.line_num}") for row in table]
+        rows = ((dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells))
+        return [_wish({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
     except OSError as error:
         raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
+        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
 def _wish(row: Mapping[str, str | None], place: str) -> Wish:
@@ -152,8 +155,9 @@ def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None)
 
 def undone_in(out: Path, id_: str, criterion: str) -> Wish:
     """The same of a class on disk."""
+    (meant,) = placed(out, [Wish(id_, criterion, "", "")])
     with Store.existing(out) as store:
-        return undone(store, id_, criterion)
+        return undone(store, meant.id, criterion)
 
 
 def undone_decision(store: Store, number: int) -> list[Wish]:
@@ -180,6 +184,13 @@ def _before(id_: str, rows: Sequence[Adjustment]) -> Wish:
         return Wish(id_, last.criterion, "", "" if last.alone else "undone", alone=last.alone)
     points = "" if before.points is None else repr(before.points)
     return Wish(id_, last.criterion, points, before.comment, alone=last.alone)
+
+
+def placed(out: Path, wishes: Sequence[Wish]) -> list[Wish]:
+    """The same with ids of submissions, where a name, an e-mail address or another number says whose it is."""
+    with Store.existing(out) as store:
+        who = Meant({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
+    return [replace(wish, id=who.by(wish.id)) for wish in wishes]
 
 
 def listing(out: Path) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -26,11 +25,13 @@ from grader.engine.marking import Marker
 from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import Criterion, Rubric
+from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError, RequestError
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.people import lateness, roster
+from grader.people.identity import Meant
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
 
@@ -113,13 +114,12 @@ def find(order: Order) -> Class:
     known = {each.who.key: each.who.name for each in listed if each.who.key}
     found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts, known)
     submissions = _beside_out(found.entries, order)
-    entries = _chosen(submissions, order.only)
-    if not entries:
+    if not submissions:
         raise RequestError(
             f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
         )
-    latest = {entry.id: _with_people(entry) for entry in submissions}
-    placed = roster.place(listed, latest)
+    placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
+    entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = () if order.roster is None else placed.unknown
     return Class(dated, found.leftovers, found.told, placed.absent, unknown)
@@ -136,6 +136,15 @@ def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     due = own.isoformat() if own else ""
     hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted, due=due)
     return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
+
+
+def listing(found: Class) -> Iterator[str]:
+    """A line on each submission before it is graded: its id, whose it is, when it came, whether it is late."""
+    for entry in found.entries:
+        hand_in = entry.hand_in
+        people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)
+        late = "late" if hand_in.late else ""
+        yield "  ".join(printable(text, 200) for text in (entry.id, people, hand_in.submitted, late) if text)
 
 
 def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
@@ -341,14 +350,16 @@ def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...]) -> list[Entry]:
+def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: Meant) -> list[Entry]:
     ids = [entry.id for entry in entries]
-    for wanted in only:
-        if wanted not in ids:
-            near = difflib.get_close_matches(wanted, ids, 1)
-            guess = f"; did you mean {near[0]}?" if near else ""
-            raise RequestError(f"--only {printable(wanted)}: there is no submission with that id{guess}")
-    return [entry for entry in entries if not only or entry.id in only]
+    wanted = {who.by(word): word for word in only}
+    for id_, word in wanted.items():
+        if id_ not in ids:
+            raise RequestError(
+                f"--only {printable(word)}: there is no submission of that id, name, number or address"
+                f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list tells all"
+            )
+    return [entry for entry in entries if not only or entry.id in wanted]
 
 
 def _told(paths: tuple[Path, ...]) -> str:

@@ -60,6 +60,8 @@ class CheckWeight:
 
 @dataclass(frozen=True)
 class Criterion:
+    """A part that earns points by its checks."""
+
     id: str
     title: str
     points: float
@@ -68,15 +70,10 @@ class Criterion:
 
 
 @dataclass(frozen=True)
-class Extension:
-    """One of the sheet's extensions: `points` 0 means that it is reported and earns nothing."""
+class Extension(Criterion):
+    """One of the sheet's extensions, in a file of its own: `points` 0 means that it is reported and earns nothing."""
 
-    id: str
-    title: str
     file: str
-    points: float
-    checks: tuple[CheckWeight, ...]
-    line: int
 
 
 @dataclass(frozen=True)
@@ -135,7 +132,7 @@ class Rubric:
     mistakes: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def parts(self) -> tuple[Criterion | Extension, ...]:
+    def parts(self) -> tuple[Criterion, ...]:
         """All that holds checks: the criteria, then the extensions."""
         return (*self.criteria, *self.extensions)
 
@@ -217,7 +214,7 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
     if reader.problems:  # told in one round with those that `match_checks` would find
-        whole: list[Criterion | Extension] = [*filter(_has_checks, criteria), *filter(_has_checks, extensions)]
+        whole = [part for part in (*criteria, *extensions) if part.checks]
         named = {part.id for part in whole}
         known = {id_: title for id_, title in lab.checks.items() if id_.partition(".")[0] in named}
         reader.problems += _unmatched(whole, known)
@@ -264,11 +261,7 @@ def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
         refuse(rubric.source, problems)
 
 
-def _has_checks(part: Criterion | Extension) -> bool:
-    return bool(part.checks)
-
-
-def _unmatched(parts: Sequence[Criterion | Extension], known: Mapping[str, str]) -> list[tuple[int, str]]:
+def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tuple[int, str]]:
     """Checks of these parts that stand on one side only, with their lines."""
     listed = {check.id: check for part in parts for check in part.checks}
     problems = [
@@ -317,7 +310,7 @@ def _extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each
         checks = _extension_checks(reader, keys.get("checks"), name, points)
         if points and not checks:
             reader.say(item, f"{name} has points but no checks to earn them; set its points to 0")
-        extensions.append(Extension(name, title, file, points, checks, item.start_mark.line + 1))
+        extensions.append(Extension(name, title, points, checks, item.start_mark.line + 1, file))
     return tuple(extensions)
 
 

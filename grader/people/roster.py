@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
+from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.stamps import read_stamp, stamp
 from grader.ground.text import printable
@@ -62,15 +62,13 @@ def load(path: Path) -> list[Listed]:
     if len(data) > MAX_BYTES:
         raise RequestError(f"{source}: is larger than {MAX_BYTES // 1_000_000} MB; give a roster")
     try:
-        text = data.decode("utf-8-sig")
-        return list(_rows(text, source))
+        return list(_rows(data, source))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
+        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
-def _rows(text: str, source: str) -> Iterator[Listed]:
-    head = text.partition("\n")[0]
-    table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
+def _rows(data: bytes, source: str) -> Iterator[Listed]:
+    table = tables.reader(data)
     titles = [title.strip().casefold() for title in next(table, [])]
     known = {**COLUMNS, "canvas": ("id",), "id": COLUMNS["id"][1:]} if titles[:2] == ["student", "id"] else COLUMNS
     places = {kind: [i for i, title in enumerate(titles) if title in names] for kind, names in known.items()}
