@@ -45,6 +45,13 @@ def desk(out: Path) -> Iterator[Desk]:
         yield opened
 
 
+@pytest.fixture(scope="module")
+def still(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    """One that nobody changes anything at."""
+    with desk_over(make_class(tmp_path_factory.mktemp("still"), STUDENTS)) as opened:
+        yield opened
+
+
 def row(out: Path, id_: str) -> dict[str, str]:
     with open(out / "gradebook.csv", newline="") as stream:
         return next(row for row in csv.DictReader(stream) if row["id"] == id_)
@@ -62,21 +69,21 @@ def give(desk: Desk, id_: str, target: str, points: object, comment: str = "seen
 # ---- who may come in ----
 
 
-def test_the_first_address_gives_a_cookie_that_no_script_reads_and_no_other_site_sends(desk: Desk) -> None:
-    answer = desk.enter()
+def test_the_first_address_gives_a_cookie_that_no_script_reads_and_no_other_site_sends(still: Desk) -> None:
+    answer = still.enter()
     assert (answer.status, answer.headers["location"]) == (303, "/")
     name, _, rest = answer.headers["set-cookie"].partition("=")
-    assert name == desk.keys.cookie_name
+    assert name == still.keys.cookie_name
     assert rest.split("; ")[1:] == ["HttpOnly", "Path=/", "SameSite=strict"]
-    assert desk.keys.token not in answer.headers["set-cookie"]
-    assert desk.get("/").status == 200
+    assert still.keys.token not in answer.headers["set-cookie"]
+    assert still.get("/").status == 200
 
 
 @pytest.mark.parametrize(
     "path", ["/", "/submission/ada", "/static/desk.css", "/enter", "/enter?token=x", "/enter?token="]
 )
-def test_without_the_whole_address_nothing_is_told(desk: Desk, path: str) -> None:
-    answer = desk.raw("GET", path)
+def test_without_the_whole_address_nothing_is_told(still: Desk, path: str) -> None:
+    answer = still.raw("GET", path)
     assert answer.status == 403
     assert b"ada" not in answer.data
 
@@ -84,45 +91,50 @@ def test_without_the_whole_address_nothing_is_told(desk: Desk, path: str) -> Non
 @pytest.mark.parametrize(
     "cookie", ["", "x", "imugrade-desk-{port}=x", "imugrade-desk-{port}={token}", '"\x7f', "a=" + "b" * 9000]
 )
-def test_another_cookie_opens_nothing(desk: Desk, cookie: str) -> None:
-    given = cookie.format(port=desk.keys.port, token=desk.keys.token)
-    assert desk.raw("GET", "/", Cookie=given).status == 403
+def test_another_cookie_opens_nothing(still: Desk, cookie: str) -> None:
+    given = cookie.format(port=still.keys.port, token=still.keys.token)
+    assert still.raw("GET", "/", Cookie=given).status == 403
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "[::1]", ""])
-def test_a_name_that_was_bent_to_this_machine_reaches_nothing(desk: Desk, host: str) -> None:
-    cookie = f"{desk.keys.cookie_name}={desk.keys.cookie}"
-    assert desk.raw("GET", "/", Host=host, Cookie=cookie).status in (400, 421)
+def test_a_name_that_was_bent_to_this_machine_reaches_nothing(still: Desk, host: str) -> None:
+    cookie = f"{still.keys.cookie_name}={still.keys.cookie}"
+    assert still.raw("GET", "/", Host=host, Cookie=cookie).status in (400, 421)
 
 
 @pytest.mark.parametrize("origin", [None, "null", "http://evil.example", "http://127.0.0.1:1", "https://127.0.0.1"])
-def test_only_our_own_pages_change_something(desk: Desk, origin: str | None) -> None:
-    headers = {"Cookie": f"{desk.keys.cookie_name}={desk.keys.cookie}"} | ({"Origin": origin} if origin else {})
+def test_only_our_own_pages_change_something(still: Desk, origin: str | None) -> None:
+    headers = {"Cookie": f"{still.keys.cookie_name}={still.keys.cookie}"} | ({"Origin": origin} if origin else {})
     body = b"target=total&points=1&comment=x"
-    assert desk.raw("POST", "/submission/ada/by-hand", body, **headers).status == 403
-    assert desk.book.on_thread(desk.book.store.history) == []
+    assert still.raw("POST", "/submission/ada/by-hand", body, **headers).status == 403
+    assert still.book.on_thread(still.book.store.history) == []
 
 
 @pytest.mark.parametrize("path", ["/tick", "/submission/ada/by-hand", "/decisions/take-back", "/who"])
-def test_nothing_is_changed_by_looking(desk: Desk, path: str) -> None:
-    assert desk.get(path).status == 405
+def test_nothing_is_changed_by_looking(still: Desk, path: str) -> None:
+    assert still.get(path).status == 405
 
 
-def test_every_answer_forbids_scripts_that_are_not_ours(desk: Desk) -> None:
-    for answer in (desk.get("/"), desk.get("/submission/ada/picture/1"), desk.raw("GET", "/"), desk.get("/nowhere")):
+def test_every_answer_forbids_scripts_that_are_not_ours(still: Desk) -> None:
+    for answer in (
+        still.get("/"),
+        still.get("/submission/ada/picture/1"),
+        still.raw("GET", "/"),
+        still.get("/nowhere"),
+    ):
         policy = answer.headers["content-security-policy"]
         assert "default-src 'none'" in policy
         assert "unsafe" not in policy
         assert answer.headers["x-content-type-options"] == "nosniff"
 
 
-def test_the_desk_listens_on_this_machine_alone(desk: Desk) -> None:
-    assert desk.keys.first_address.startswith("http://127.0.0.1:")
+def test_the_desk_listens_on_this_machine_alone(still: Desk) -> None:
+    assert still.keys.first_address.startswith("http://127.0.0.1:")
 
 
-def test_a_form_larger_than_ours_is_not_read(desk: Desk) -> None:
-    assert desk.post("/appeals", {"text": "x" * 2_100_000}).status == 413
-    assert desk.post("/appeals", [("id", k) for k in range(6000)]).status == 400
+def test_a_form_larger_than_ours_is_not_read(still: Desk) -> None:
+    assert still.post("/appeals", {"text": "x" * 2_100_000}).status == 413
+    assert still.post("/appeals", [("id", k) for k in range(6000)]).status == 400
 
 
 # ---- points by hand ----

@@ -236,6 +236,9 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
     if "--watch" in words:
         watch(words, folder)
         return
+    if words[0] == "review":
+        review(words, folder)
+        return
     with pytest.MonkeyPatch.context() as here:
         here.chdir(folder)
         code, out, err = run(words)
@@ -285,6 +288,17 @@ def watch(words: list[str], folder: Path) -> None:
     assert "Ctrl-C ends" in "".join(told)
 
 
+def review(words: list[str], folder: Path) -> None:
+    """Ended by Ctrl-C once it has said where it is."""
+    line = [sys.executable, "-m", "grader", *words]
+    with subprocess.Popen(line, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        told = next(each for each in process.stdout if each.startswith("http"))
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/enter\?token=\S{40,}\n", told)
+
+
 def checked(done: Done) -> None:
     assert "public" in done.out
     part = done.after("--only")
@@ -308,10 +322,13 @@ def graded(done: Done) -> None:
 
 
 def adjusted(done: Done) -> None:
-    assert done.out.startswith("alice filtering ")
-    assert ("withdrawn" in done.out) == ("--withdraw" in done.words) or len(done.words) == 2
+    target = done.after("--criterion") or ("bonus" if "--take-back" in done.words else "filtering")
+    told = next(line for line in done.out.splitlines() if line.startswith("alice "))
+    assert told.startswith(f"alice {target} ")
+    back = {"--withdraw", "--undo", "--take-back"} & set(done.words)
+    assert ("withdrawn" in done.out) == bool(back) or len(done.words) == 2
     if points := done.after("--points"):
-        assert done.out.startswith(f"alice filtering {points}, final ")
+        assert told.startswith(f"alice {target} {points}, final ")
 
 
 def told_apart(done: Done) -> None:

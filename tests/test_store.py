@@ -147,7 +147,7 @@ def test_another_programs_database_is_refused_and_left_as_it_is(tmp_path: Path) 
         "UPDATE results SET record = json_set(record, '$.criteria[0].checks[0].title', 7)",
         "UPDATE results SET charts = 'x', fingerprint = x'00'",
         "INSERT INTO hand_ins VALUES ('alice', '[]')",
-        "INSERT INTO adjustments VALUES (1, 'alice', 'c', 1.0, '', '', '', 'no JSON')",
+        "INSERT INTO adjustments VALUES (1, 'alice', 'c', 1.0, '', '', '', 'no JSON', 0, 0)",
         "DROP TABLE class",
     ],
 )

@@ -56,7 +56,7 @@ def adjust(
       imugrade adjust out alice --criterion filtering --points 18 --comment "shown in the lab hour"
       imugrade adjust out alice --criterion filtering --withdraw --comment "was bob"
       imugrade adjust out alice --criterion bonus --points 2 --comment "found a slip in the sheet"
-      imugrade adjust out --having sensor-id-as-address --criterion sensor_access --points 15 --comment "the sheet misled"
+      imugrade adjust out --having data_collection.applies_push --criterion bonus --points 1 --comment "the sheet misled"
       imugrade adjust out --csv adjustments.csv
       imugrade adjust out
     """

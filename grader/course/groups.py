@@ -120,6 +120,8 @@ def decisions(store: Store, standings: Mapping[str, Standing]) -> list[Decision]
 
 
 def _lost(result: Result) -> list[CheckResult]:
+    if result.status in ("empty", "unreadable"):
+        return []  # nothing was asked of them
     rows = (check for criterion in result.criteria for check in criterion.checks)
     return [check for check in rows if check.points is not None and check.points < check.max_points]
 

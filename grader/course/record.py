@@ -306,6 +306,11 @@ class Store:
                 for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
             ]
 
+    def last_adjustment(self) -> int:
+        """The number of the last one that anybody made."""
+        with self._told():
+            return int(self._db.execute("SELECT coalesce(max(seq), 0) FROM adjustments").fetchone()[0])
+
     def decisions(self) -> dict[int, str]:
         """What each decision on several submissions was on, by its number."""
         with self._told():

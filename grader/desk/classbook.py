@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from grader.course.adjusting import Made, Wish, decide
 from grader.course.kept import Kept, unpack
@@ -52,10 +52,14 @@ class Classbook:
         self.rubric, self.rubric_path = load(lab, rubric), rubric
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))
-        self._seen = -1
+        self._seen = self._last = -1
         self._marked: dict[str, Standing] = {}
+        self._made: dict[str, tuple[object, Any]] = {}
         self._alikes: Alikes | None = None
-        self._publisher = _Publisher(lab, out)
+        self._publisher = _Publisher(lab, out, self._keep_digest)
+
+    def _keep_digest(self, id_: str, digest: str) -> None:
+        self.on_thread(lambda: self._store.keep_page_digest(id_, digest))
 
     def on_thread(self, do: Callable[[], T]) -> T:
         return self.thread.submit(do).result()
@@ -73,8 +77,19 @@ class Classbook:
         seen = self._store.changes()
         if seen != self._seen:
             self._marked, self._seen, self._alikes = self._store.standings(), seen, None
-        adjustments = self._store.adjustments()
-        return {id_: replace(each, adjustments=adjustments.get(id_, ())) for id_, each in self._marked.items()}
+            self._last = self.last_number()
+        elif self._last != (last := self.last_number()):
+            adjustments, self._last = self._store.adjustments(), last
+            self._marked = {id_: replace(s, adjustments=adjustments.get(id_, ())) for id_, s in self._marked.items()}
+        return self._marked
+
+    def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
+        """What follows from the facts; what was made of the same ones before is given again."""
+        known = self._made.get(name)
+        if known is None or known[0] != facts:
+            known = self._made[name] = (facts, make())
+        made: T = known[1]
+        return made
 
     def alikes(self) -> Alikes:
         self.standings()
@@ -101,7 +116,7 @@ class Classbook:
 
     def last_number(self) -> int:
         """The number of the last adjustment that there is: what somebody who looks now has seen."""
-        return max((each.number for _, each in self._store.history()), default=0)
+        return self._store.last_adjustment()
 
     # ---- what people say ----
 
@@ -116,9 +131,9 @@ class Classbook:
 
     def mark_by(self, rubric: Rubric) -> None:
         """Mark the class anew by another rubric, from what is on record."""
-        self.settled()
         remark(self.out, self._store, rubric)
         self.rubric, self._seen = rubric, -1
+        self._publisher.changed(id_ for id_, _ in self._store.history())  # it may have been at work on them meanwhile
 
     def appeals(self) -> list[Appeal]:
         return self._store.appeals()
@@ -137,11 +152,22 @@ def now() -> str:
     return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
+class _Beside(Store):
+    """A connection of its own for reading; what it keeps the desk's own one writes, which then knows that nobody else has."""
+
+    def __init__(self, out: Path, keep: Callable[[str, str], None]) -> None:
+        super().__init__(out)
+        self._keep = keep
+
+    def keep_page_digest(self, id_: str, digest: str) -> None:
+        self._keep(id_, digest)
+
+
 class _Publisher:
     """Writes pages in the background: whoever decides does not wait for the page of a class of two thousand."""
 
-    def __init__(self, lab: Lab, out: Path) -> None:
-        self._lab, self._out = lab, out
+    def __init__(self, lab: Lab, out: Path, keep: Callable[[str, str], None]) -> None:
+        self._lab, self._out, self._keep = lab, out, keep
         self._ids: set[str] = set()
         self._lock = threading.Condition()
         self._busy = self._closed = False
@@ -180,7 +206,7 @@ class _Publisher:
                 self.trouble = f"The files of {self._out} could not be written: {problem}"
 
     def _publish(self, ids: set[str]) -> None:
-        with Store.existing(self._out) as store:
+        with _Beside(self._out, self._keep) as store:
             standings = publish_class(self._out, store, self._lab)
             for id_ in sorted(ids):
                 publish(self._out, standings[id_], store, self._lab)

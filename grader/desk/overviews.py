@@ -15,8 +15,9 @@ from grader.ground.errors import RequestError
 
 
 def all_looks(book: Classbook) -> list[Look]:
-    cliques, told = book.alikes().cliques, book.store.told()
-    return looks(book.standings(), cliques, told, book.appeals(), book.store.ticks())
+    """Every reason to look, made anew only when what it follows from has changed."""
+    facts = (book.standings(), book.alikes().cliques, book.store.told(), book.appeals(), book.store.ticks())
+    return book.once("looks", facts, lambda: looks(*facts))
 
 
 def needs_a_look(book: Classbook, ask: Ask) -> Response:

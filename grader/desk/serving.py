@@ -62,6 +62,6 @@ def serve(book: Classbook, author: str, port: int, announce: Callable[[str], Non
     with open_socket(port) as listening:
         keys = Keys(listening.getsockname()[1])
         made = server(book, keys, author)
-        announce(keys.first_address)
         with suppress(KeyboardInterrupt):  # the way to end it
+            announce(keys.first_address)
             made.run(sockets=[listening])

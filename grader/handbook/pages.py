@@ -27,6 +27,7 @@ _INDEX = """# Handbook
 | [Faults](faults.md) | which checks each mistake of the corpus loses |
 | [Rubric](rubric.md) | every key of `rubric.yaml` |
 | [A class](classes.md) | from the download to the upload: rosters, lateness, points by hand, regrades |
+| [The review desk](desk.md) | what needs a look, code beside reports, one decision for many, appeals, what a rubric would cost |
 | [Platforms](platforms.md) | GitHub, Gradescope, Classroom 50, GitLab, PrairieLearn |
 | [Clusters](clusters.md) | `--cluster` on SLURM and Kubernetes, and how many machines a class needs |
 | [Isolation](isolation.md) | what each rung promises, and what the attacks on it came to |
@@ -55,6 +56,7 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
         "platforms.md": platforms.page(),
         "classes.md": platforms.classes(),
         "faults.md": (FOLDER / "faults.txt").read_text(encoding="utf-8"),
+        "desk.md": (FOLDER / "desk.txt").read_text(encoding="utf-8"),
         "clusters.md": (FOLDER / "clusters.txt").read_text(encoding="utf-8"),
         "isolation.md": isolation.page(),
         "architecture.md": modules.page(),

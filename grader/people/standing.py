@@ -186,10 +186,10 @@ class Standing:
 
     def points(self, criterion: CriterionResult) -> float | None:
         """Points by hand, or else the automatic ones; None where they are open."""
-        by_hand = self.adjustment(criterion.id)
-        if by_hand is not None:
-            return by_hand.points
-        return summed({check.id: self.check_points(check) for check in criterion.checks})
+        given = {each.criterion: each.points for each in self.adjustments if not each.alone}
+        if criterion.id in given:
+            return given[criterion.id]
+        return summed({check.id: given.get(check.id, check.points) for check in criterion.checks})
 
     def check_points(self, check: CheckResult) -> float | None:
         """The same of one check, as long as its criterion has none by hand."""
@@ -211,7 +211,7 @@ def given_out(standings: Mapping[str, Standing]) -> dict[str, Standing]:
     """As they go to a platform: nothing stands for those that could not be read or held nothing, until a person has looked."""
 
     def nothing(standing: Standing) -> bool:
-        return standing.result.status in ("empty", "unreadable") and not standing.adjustments
+        return standing.result.status in ("empty", "unreadable") and all(each.alone for each in standing.adjustments)
 
     return {id_: replace(standing, unseen=nothing(standing)) for id_, standing in standings.items()}
 
