@@ -183,7 +183,7 @@ def test_hidden_scenarios_are_graded_with_in_a_private_job_of_the_instructors(na
 def test_a_private_job_needs_isolation_as_any_other(
     monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(Given, "isolation", "none")
+    monkeypatch.setattr(Given, "isolation", UNWALLED)
     assert cli.main(["ci", "--format", "junit", "--traces", secret, "--private"]) == 2
     assert "nothing here keeps students' code from reading them" in capsys.readouterr().err
 

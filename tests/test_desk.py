@@ -230,7 +230,7 @@ NEEDY = (
     Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
     Student("late", hand_in=HandIn(late=Lateness("", None))),
     Student("drew", notes=(f"imu_data.png was handed in: {A_PERSON_MAY} for it",)),
-    Student("edge", {TITLES: 0.5, "sensor_access.leaves_simulation_alone": 0.0, "visualization.comparison_plot": 0.0,
+    Student("edge", {TITLES: 0.5, "sensor_access.leaves_simulation_alone": 0.0, "visualization.two_labelled_panels": 0.0,
                      "visualization.saves_image": 0.0, "visualization.axis_labels_with_units": 0.0}),
     Student("slow", dict.fromkeys([c.id for c in rubric.load(LAB).checks], 0.0), {c.id: {"outcome": "timeout"} for c in rubric.load(LAB).checks}),
     Student("twin1", prints=tuple(range(60))), Student("twin2", prints=tuple(range(60))), Student("twin3", prints=tuple(range(60))),

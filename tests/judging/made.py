@@ -128,7 +128,10 @@ def marked(found: BaseException | None) -> Marked:
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told."""
     if isinstance(found, Lost):
-        told = {"expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint}
+        told = {
+            "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint,
+            "belongs to": found.belongs_to,
+        }  # fmt: skip
         return {key: text for key, text in told.items() if text}
     return {} if found is None else {type(found).__name__.lower(): str(found)}
 

@@ -13,6 +13,7 @@ import pytest
 from grader.engine.findings import Fault
 from grader.labs.imu.answers import KEYS, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
+from grader.labs.imu.diagnosis.sight import Sight
 from grader.labs.imu.student import Student
 from tests.judging.made import Case, Made, is_as_marked, truth
 
@@ -26,6 +27,7 @@ SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
     checks.check_comparison_plot,
 )
 _COLOURS = ("#ff0000", "#00ff00", "#0000ff", "#888800", "#008888", "#880088")
+_IN_FULL = Sight(np.ones(100, bool), np.ones(100, bool))
 Figure = dict[str, Any]
 
 
@@ -39,7 +41,7 @@ class Plotted(Made):
         super().__init__()
         self._drawing, self._scripts, self._pictures, self.broken = drawing, scripts, pictures or {}, set(broken)  # type: ignore[assignment, misc]
 
-    def plot(self, **_: Any) -> Drawing:
+    def plot(self, *_: Any, **__: Any) -> Drawing:
         return self._drawing
 
     def scripts(self) -> Iterator[Drawing]:
@@ -79,7 +81,7 @@ class Sheet:
     def curve(self, x: Any, y: Any, label: str, colour: str) -> Figure:
         return {
             "label": label, "colour": colour, "kind": "line", "visible": True, "n": len(y), "style": "-", "marker": "None",
-            "stroke": "", "x": self.keep(x), "y": self.keep(y),
+            "stroke": "", "x": self.keep(x), "y": self.keep(y), "sight": _IN_FULL,
         }  # fmt: skip
 
     def _axes(self, sensor: int, title: str, ylabel: str, xlabel: str) -> Figure:
@@ -229,7 +231,10 @@ def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Student]:
     return lambda: Plotted(Drawing((), {}, ()), scripts=drawings, **more)
 
 
-_SEEN = {"readable": True, "ink": 0.2, "size_px": (800, 600)}
+_SEEN = {
+    "readable": True, "ink": 0.2, "size_px": (800, 600), "preview": np.zeros((60, 80), np.uint8),
+    "palette": np.full((64, 3), 255, np.uint8),
+}  # fmt: skip
 _PICTURE, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
 _STOPPED = replace(
     _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
@@ -246,7 +251,7 @@ CASES = [
             ("just large enough", _with(size_px=[400, 250]), None),
             ("never saved", _with(event="shown"), (0.0, ["plot-not-saved"])),
             ("nothing drawn", _nothing(), (0.0, ["plot-not-saved"])),
-            ("nothing drawn, a picture handed in", _nothing(**_PICTURE), None),
+            ("nothing drawn, a picture handed in", _nothing(**_PICTURE), (0.5, ["plot-not-saved"])),
             ("never saved, a picture handed in", drawn(_unsaved, **_PICTURE), (0.0, ["plot-not-saved"])),
             ("blank", drawn(lambda s: s.figure.update(axes=[])), (0.0, ["blank-image"])),
             ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),

@@ -17,7 +17,7 @@ import yaml
 
 from grader.engine.results import CheckResult, Result
 from tests import fault_table
-from tests.scoreboard import Case, Verdict, lost
+from tests.scoreboard import Case, Verdict
 from tests.tapes.player import player
 from tests.tapes.storing import taped
 
@@ -35,7 +35,8 @@ Losses = Mapping[str, float | None]
 
 def losses(result: Result) -> Losses:
     """The share of its points that each lost check keeps; None for one that could not be asked."""
-    return {check.id: None if check.outcome == "skipped" else _share(check) for check in lost(result)}
+    checks = [check for part in (*result.criteria, *result.extensions) for check in part.checks]
+    return {c.id: None if c.outcome == "skipped" else _share(c) for c in checks if c.outcome != "passed"}
 
 
 def _share(check: CheckResult) -> float:
