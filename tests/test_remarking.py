@@ -80,7 +80,7 @@ def found(name: str) -> Result:
 
 def regraded(by: Rubric) -> dict[str, Result]:
     """The example class, asked and judged again from the start."""
-    box = PlayingBox(_box().rung)
+    box = PlayingBox(_box().rung.name)
     marker = Marker(by, traces.shipped(), box=box)  # type: ignore[arg-type]
     results = {}
     for folder in folders():

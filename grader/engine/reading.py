@@ -24,6 +24,7 @@ WITHIN_S = 60.0
 """Twenty times what the largest archive takes that is opened at all."""
 _ATTEMPTS = 2
 MEMORY_BYTES = 4 << 30
+_LEAVES_WITHIN_S = 0.2
 _ENDED_WITHIN_S = 5.0
 
 
@@ -136,8 +137,10 @@ class Reader:
         if self._line is not None:
             self._line.close()
         if self._process is not None:
-            self._process.kill()
-            self._process.join(_ENDED_WITHIN_S)
+            self._process.join(_LEAVES_WITHIN_S)  # it reads that the line is closed; one that is busy does not
+            if self._process.is_alive():
+                self._process.kill()
+                self._process.join(_ENDED_WITHIN_S)
         self._line = self._process = None
 
 

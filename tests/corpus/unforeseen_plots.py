@@ -222,7 +222,7 @@ FAULTY = [
     *_PARTLY,
     *_FILES,
     *(
-        Unforeseen(name, files, (COMPARISON,), 2.0, ("comparison-missing", *NOT_SEEN))
+        Unforeseen(name, files, (COMPARISON,), 4.0, ("comparison-missing", *NOT_SEEN))
         for name, files in _COMPARISONS.items()
     ),
 ]

@@ -269,6 +269,8 @@ def follows_the_simulation(student: Student, truth: Traces) -> None:
     never_moves = _never_moves(first, again)
     if never_moves and first.disturbance[:, 1].max(initial=0.0) > DISTURBED:
         return  # it follows a simulation that it puts back itself
+    if never_moves and _mostly_right(again, _torso_scene(truth)):
+        return  # so does the robot's own sensor
     if never_moves:
         raise Skipped("a reading that follows the simulation: the same numbers came in every state")
     if _value_mistakes(student, truth, None):
