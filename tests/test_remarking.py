@@ -41,7 +41,10 @@ CHANGES = {
         ("points: 20", "points: 33.33"),
         ("title: Sensor access", "title: The sensors"),
         ("follows_address: 6", "follows_address: 0"),
-        ("      titles: 1\n      comparison_plot: 2\n", "      comparison_plot: 2\n      titles: 1\n"),
+        (
+            "      titles: 1\n      comparison_plot: 4 # the second of the sheet's two pictures, in one check\n",
+            "      comparison_plot: 2\n      titles: 1\n",
+        ),
         ("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 3}"),
     ),
 }
