@@ -18,7 +18,7 @@ from typing import Annotated
 import typer
 
 from grader import __version__
-from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, repro, review, traces
+from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, traces
 from grader.commands.common import say
 from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu.lab import LAB
@@ -39,14 +39,12 @@ app = typer.Typer(
 for _command in (
     check.check,
     grade.grade,
-    review.review,
     adjust.adjust,
     diff.diff,
     export.export,
     ci.ci,
     kit.kit,
     explain.explain,
-    repro.repro,
     doctor.doctor,
 ):
     app.command()(_command)

@@ -6,7 +6,7 @@ import os
 import re
 import signal
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +16,6 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
-from grader.sandbox.rungs import RUNGS, Rung
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
 SHA = "0123456789abcdef" * 4
@@ -76,7 +74,7 @@ class FakeMarker:
     """Does what the submission's id says."""
 
     folder: Path
-    isolation: Rung = RUNGS[0]
+    isolation: str = "full"
     pid: int = field(default_factory=os.getpid)
 
     def mark(self, submission: Submission, *, only: str | None = None) -> Result:
@@ -114,17 +112,6 @@ def fake_marker(folder: Path) -> Iterator[FakeMarker]:
 def no_marker(folder: Path) -> Iterator[FakeMarker]:
     raise RequestError(f"no marker for {folder.name}")
     yield FakeMarker(folder)
-
-
-class Nobody:
-    """Is told how a class goes on, and does not listen."""
-
-    def begins(self, total: int) -> None: ...
-
-    def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
-
-    def pages(self, standings: Sequence[Standing]) -> Sequence[Standing]:
-        return standings
 
 
 def without_durations(value: Any) -> Any:

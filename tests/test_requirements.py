@@ -29,9 +29,7 @@ def imported() -> Iterator[str]:
 def declared() -> set[str]:
     """Distributions that an install brings, or its extras."""
     needs = importlib.metadata.requires("imugrade") or []
-    asked = [
-        need for need in needs if "extra ==" not in need or need.endswith(("extra == 'cluster'", "extra == 'desk'"))
-    ]
+    asked = [need for need in needs if "extra ==" not in need or need.endswith("extra == 'cluster'")]
     return {_normal(re.split(r"[^\w.-]", need)[0]) for need in asked}
 
 

@@ -37,8 +37,7 @@ def handed_in(
     seconds: float, policy: LatePolicy | None = POLICY, due: datetime | None = None, **person: str
 ) -> Lateness | None:
     came = (DUE + timedelta(seconds=seconds)).isoformat()
-    hand_in = HandIn((Person("Jane", **person),), came, due=due.isoformat() if due else "")
-    return judged(hand_in, policy, ("jane_1",)).late
+    return judged(HandIn((Person("Jane", **person),), came), policy, due, ("jane_1",)).late
 
 
 # ---- lateness ----
@@ -65,13 +64,12 @@ def test_days_begun_count_from_the_due_date_once_the_grace_is_over(
 
 def test_without_a_policy_only_the_platforms_own_word_stands() -> None:
     assert handed_in(10**6, None) is None
-    marked = HandIn(marked_late=True)
-    assert judged(marked, None, ()).late == Lateness("", None)
-    assert judged(judged(marked, replace(POLICY, due=DUE + timedelta(days=9)), ()), None, ()).late == Lateness("", None)
+    marked = HandIn(late=Lateness("", None))
+    assert judged(marked, None, None, ()) == marked
 
 
 def test_late_without_a_time_takes_nothing_off_and_is_told() -> None:
-    hand_in = judged(HandIn((Person("Jane"),), marked_late=True), POLICY, ())
+    hand_in = judged(HandIn((Person("Jane"),), late=Lateness("", None)), POLICY, None, ())
     one = Standing("jane", result(), hand_in)
     assert (one.deduction, one.final) == (0.0, 20.0)
     assert list(remarks({"jane": one}, (), ())) == [
@@ -309,8 +307,8 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
 
     everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
     assert list(remarks({s.id: s for s in everyone}, (), ())) == [
-        "the same files were handed in by: a; c",
-        "nothing in them that could be marked (look at what was handed in): d; e",
+        "the same files were handed in by: a, c",
+        "nothing in them that could be marked (look at what was handed in): d, e",
     ]
 
 

@@ -42,10 +42,6 @@ def ci(
     trust: Annotated[
         bool, typer.Option("--trust-submissions", help="Hidden scenarios where nothing isolates students' code.")
     ] = False,
-    private: Annotated[
-        bool,
-        typer.Option("--private", help="Hidden scenarios in a job whose files and log students cannot read."),
-    ] = False,
     rung: RungOption = None,
 ) -> int:
     """Grade one submission in a CI job, in the words of its platform.
@@ -54,8 +50,7 @@ def ci(
     Examples:
       imugrade ci
       imugrade ci --format github --min-score 60
-      imugrade ci lab -o junit.xml
-      imugrade ci student --traces hidden.npz --private -o junit.xml
+      imugrade ci lab --format junit -o junit.xml
     """
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine import traces  # noqa: PLC0415
@@ -66,7 +61,7 @@ def ci(
     bundle = traces.obtain(None, None, chosen.model) if traces_ is None else traces.load(traces_)
     order = job.Job(
         job.named(format_), chosen, bundle, path, out,
-        job.visible(visibility), trust, min_score, rung, private=private,
+        job.visible(visibility), trust, min_score, rung,
     )  # fmt: skip
     result = job.run(order)
     if result.status == "incomplete":

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -12,32 +13,27 @@ from typing import Protocol
 
 from grader import __version__
 from grader.course import cluster
-from grader.course.kept import pack
 from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import publish, publish_class
+from grader.course.reading import Reader
 from grader.course.record import Key, Store
 from grader.course.remarks import forgotten, remarks
 from grader.engine.evidence import Evidence
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
-from grader.engine.marks import marked
-from grader.engine.reading import Reader
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import Criterion, Rubric
-from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError, RequestError
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.people import lateness, roster
-from grader.people.identity import Meant
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
 
 _WALL_PER_CPU = 5
-"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
-parts of a conversation have together."""
+"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +76,6 @@ class Audience(Protocol):
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
-    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
-        """The same ones, told as they are taken."""
-
 
 @dataclass
 class Outcome:
@@ -111,16 +104,15 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    listed = [] if order.roster is None else roster.load(order.roster)
-    known = {each.who.key: each.who.name for each in listed if each.who.key}
-    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts, known)
+    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts)
     submissions = _beside_out(found.entries, order)
-    if not submissions:
+    entries = _chosen(submissions, order.only)
+    if not entries:
         raise RequestError(
             f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
         )
-    placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
-    entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
+    latest = {entry.id: _with_people(entry) for entry in submissions}
+    placed = roster.place([] if order.roster is None else roster.load(order.roster), latest)
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = () if order.roster is None else placed.unknown
     return Class(dated, found.leftovers, found.told, placed.absent, unknown)
@@ -133,19 +125,8 @@ def _with_people(entry: Entry) -> HandIn:
 
 def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
-    own = placed.due.get(entry.id)
-    due = own.isoformat() if own else ""
-    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted, due=due)
-    return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
-
-
-def listing(found: Class) -> Iterator[str]:
-    """A line on each submission before it is graded: its id, whose it is, when it came, whether it is late."""
-    for entry in found.entries:
-        hand_in = entry.hand_in
-        people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)
-        late = "late" if hand_in.late else ""
-        yield "  ".join(printable(text, 200) for text in (entry.id, people, hand_in.submitted, late) if text)
+    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
+    return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
 
 
 def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
@@ -164,14 +145,12 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
         before = store.hand_ins()
-        store.keep_told({"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown})
         run = _Run(order, store, audience, outcome)
         audience.begins(len(found.entries))
         try:
             run.grade(found.entries)
         finally:
             standings = publish_class(order.out, store, order.rubric.lab)
-        run.publish_known()
     outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
     if order.roster is None:
         outcome.remarks += tuple(forgotten(before, standings))
@@ -188,7 +167,6 @@ class _Run:
         self._outcome = outcome
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
-        self._known: list[Standing] = []
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -208,20 +186,14 @@ class _Run:
             still_open = [each for each in attempts if each[1].final is None]
             key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
-            self._count(standing)
-            self._known = [*(each for each in self._known if each.id != standing.id), standing]
-
-    def publish_known(self) -> None:
-        """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
-        for standing in self._audience.pages(self._known):
-            publish(self._order.out, standing, self._store, self._order.rubric.lab)
+            self._publish(standing)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
-        bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
         if order.cluster is not None:
-            return cluster.mark_all(submissions, opener(order), order.cluster, bounds)
+            return cluster.mark_all(submissions, opener(order), order.cluster)
         jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
+        bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
         return mark_all(submissions, opener(order), jobs, bounds)
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
@@ -229,13 +201,10 @@ class _Run:
         for entry in entries:
             submission = reader.read(entry)
             key = self._key(submission)
-            self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            known = (
-                None if self._order.force else self._store.recall(key) or self._store.remark(key, self._order.rubric)
-            )
+            known = None if self._order.force else self._store.recall(key)
             if known is None:
                 yield submission
             else:
@@ -249,12 +218,7 @@ class _Run:
     def _tell(self, key: Key, result: Result, *, resumed: bool) -> None:
         attempt = self._attempts[key]
         attempt.result = result
-        standing = self._standing(key, attempt)
-        self._count(standing)
-        if resumed:
-            self._known.append(standing)
-        else:
-            publish(self._order.out, standing, self._store, self._order.rubric.lab)
+        self._publish(self._standing(key, attempt))
         self._audience.done(key.id, result, resumed=resumed)
 
     def _standing(self, key: Key, attempt: _Attempt) -> Standing:
@@ -262,8 +226,9 @@ class _Run:
             raise GraderError(f"{key.id}: one of its attempts has no result")
         return Standing(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
 
-    def _count(self, standing: Standing) -> None:
+    def _publish(self, standing: Standing) -> None:
         self._store.keep_hand_in(standing.id, standing.hand_in)
+        publish(self._order.out, standing, self._store)
         self._outcome.results[standing.id] = standing.result
 
 
@@ -284,7 +249,7 @@ def opener(order: Order) -> OpenMarker:
 def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bool) -> Iterator[Marker]:
     """A marker for other people's code: refused where nothing isolates it."""
     with Marker(rubric, traces, rung=rung) as marker:
-        if not marker.isolation.walled and not trusted:
+        if marker.isolation == "none" and not trusted:
             raise RequestError(
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "
                 "grade on Linux, or add --trust-submissions if you trust every one of them"
@@ -310,16 +275,14 @@ def stopped(submission: Submission, order: Order, reason: str) -> Result:
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
     )
-    message = "Expected  an answer in time\nGot  none, twice"
-    row = CheckResult("", "", "timeout", 0.0, 0.0, message=message, keeps=0.0)
+    row = CheckResult("", "", "timeout", 0.0, 0.0, message="Expected  an answer in time\nGot  none, twice")
     return _without_marker(submission, order, "graded", row, note)
 
 
 def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
     """A result with the same row for every check of the criteria."""
-    known = known_checks(order.rubric.lab, order.rubric.own_checks)
-    titles = {id_: check.title for id_, check in known.items()}
-    found = Result(
+    titles = {id_: check.title for id_, check in known_checks(order.rubric.lab).items()}
+    return Result(
         submission.name,
         status,
         criteria=tuple(_alike(criterion, titles, row) for criterion in order.rubric.criteria),
@@ -333,11 +296,10 @@ def _without_marker(submission: Submission, order: Order, status: Status, row: C
             "submission_sha256": submission.sha256,
         },
     )
-    return marked(found, order.rubric)
 
 
 def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) -> CriterionResult:
-    rows = (replace(row, id=check.id, title=titles.get(check.id, check.id)) for check in criterion.checks)
+    rows = (replace(row, id=c.id, title=titles.get(c.id, c.id), max_points=c.max_points) for c in criterion.checks)
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 
@@ -352,16 +314,14 @@ def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: Meant) -> list[Entry]:
+def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...]) -> list[Entry]:
     ids = [entry.id for entry in entries]
-    wanted = {who.by(word): word for word in only}
-    for id_, word in wanted.items():
-        if id_ not in ids:
-            raise RequestError(
-                f"--only {printable(word)}: there is no submission of that id, name, number or address"
-                f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list tells all"
-            )
-    return [entry for entry in entries if not only or entry.id in wanted]
+    for wanted in only:
+        if wanted not in ids:
+            near = difflib.get_close_matches(wanted, ids, 1)
+            guess = f"; did you mean {near[0]}?" if near else ""
+            raise RequestError(f"--only {printable(wanted)}: there is no submission with that id{guess}")
+    return [entry for entry in entries if not only or entry.id in only]
 
 
 def _told(paths: tuple[Path, ...]) -> str:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import builtins
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
+
+import yaml
 
 from grader.engine.conversation import THERE, Missing
-from grader.engine.findings import Fault, Lost, Raised, Skipped, Unusable
-from grader.engine.mistakes import Mistake
+from grader.engine.findings import Fault, Lost, Raised, Skipped
+from grader.engine.lab import Lab
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
@@ -25,6 +29,29 @@ class Told:
     mistakes: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Mistake:
+    """One entry of the catalogue: what the code does, how to go on, and an explanation for `imugrade explain`."""
+
+    id: str
+    group: str
+    means: str
+    hint: str
+    explanation: str
+    step: int | None
+    wrong: str
+    right: str
+
+
+@functools.cache
+def catalogue(lab: Lab) -> Mapping[str, Mistake]:
+    """Every mistake of a lab that has a name, by id, read from the file that the handbook is made from."""
+    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    text = (lab.folder / "mistakes.yaml").read_text(encoding="utf-8")
+    groups = yaml.load(text, Loader=loader)
+    return {key: Mistake(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
+
+
 def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Told:
     """Words for what stopped a check.
 
@@ -34,12 +61,12 @@ def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mis
     earlier : title of the check that has told the same story already, or None
     mistakes : the lab's catalogue
     """
+    if isinstance(finding, Lost):
+        return _lost(finding, mistakes)
     if isinstance(finding, Skipped):
         return Told("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
         return Told("skipped", 0.0, f"Not reached: see “{earlier}”.")
-    if isinstance(finding, Lost):
-        return _lost(finding, mistakes)
     if isinstance(finding, Missing):
         return Told(
             "failed",
@@ -59,8 +86,6 @@ def story(finding: BaseException, part: str) -> str | None:
 
     A part's calls that do not end are one story, though each has less time than the one before.
     """
-    if isinstance(finding, Unusable):
-        return f"Unusable: {part}"
     if isinstance(finding, Lost | Skipped):
         return None
     if isinstance(finding, Missing):
@@ -70,19 +95,10 @@ def story(finding: BaseException, part: str) -> str | None:
     return f"{type(finding).__name__}: {finding}"
 
 
-STEP_BY_STEP = "Hold this part of your code against the sheet's step, line by line: look at the lines that differ."
-"""Where the measurement says no more than what was expected and what came."""
-
-
-def charged_with(title: str) -> Told:
-    """Words for a check that is lost by the fault of another one."""
-    return Told("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
-
-
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     message = f"Expected  {finding.expected}\nGot       {finding.got}"
-    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes) or STEP_BY_STEP
+    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes)
     return Told(outcome, finding.keeps, message, hint, finding.mistakes)
 
 
@@ -128,7 +144,7 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the harness was changed" in str(finding) else ()
     message = "Expected  an answer\nGot       something that is not an answer to the question asked"
-    return Told("crashed", 0.0, message, NOT_UNDERSTOOD.hint, named)
+    return Told("crashed", 0.0, message, mistakes=named)
 
 
 NOT_UNDERSTOOD = Told(

@@ -9,9 +9,6 @@ from typing import Any
 
 from grader.ground.text import printable
 
-A_PERSON_MAY = "whoever looks at it may give more"
-"""In a note: a person should look at this."""
-
 
 @dataclass(frozen=True)
 class Fault:
@@ -82,7 +79,6 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
     keeps : share of the points that is earned all the same, 0 to 1
     hint : words for `Try` where the measurement says more than the names of the mistakes, or names none
     off : the size of the error, which is said in place of the data where the scenario is hidden
-    belongs_to : id of the check that charges the same fault: where that one is lost, this one keeps its points
     """
 
     def __init__(
@@ -94,15 +90,10 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
         keeps: float = 0.0,
         hint: str = "",
         off: Size | None = None,
-        belongs_to: str = "",
     ) -> None:
         super().__init__(f"expected {expected}; got {got}")
-        self.expected, self.got, self.off, self.belongs_to = expected, got, off, belongs_to
+        self.expected, self.got, self.off = expected, got, off
         self.mistakes, self.keeps, self.hint = tuple(mistakes), keeps, hint
-
-
-class Unusable(Lost):
-    """No check of the part can judge what came: it is told once, and the others are not reached."""
 
 
 class Skipped(Exception):  # noqa: N818 - an outcome

@@ -11,8 +11,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 from grader.engine.evidence import Evidence
 
@@ -24,10 +23,7 @@ Status = Literal["graded", "incomplete", "empty", "unreadable"]
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One row: what one check found. `points` is None when the grader could not judge.
-
-    `keeps` is the share of its points that is earned, whatever those are worth: what `marks` marks anew.
-    """
+    """One row: what one check found. `points` is None when the grader could not judge."""
 
     id: str
     title: str
@@ -39,7 +35,6 @@ class CheckResult:
     lab_step: int | None = None
     misconceptions: tuple[str, ...] = ()
     duration_s: float = 0.0
-    keeps: float | None = field(default=None, compare=False, repr=False)
 
 
 def _total(points: tuple[float | None, ...]) -> float:
@@ -54,7 +49,7 @@ class CriterionResult:
     max_points: float
     checks: tuple[CheckResult, ...]
 
-    @cached_property
+    @property
     def points(self) -> float:
         return _total(tuple(check.points for check in self.checks))
 
@@ -66,7 +61,7 @@ class ExtensionResult:
     max_points: float
     checks: tuple[CheckResult, ...] = ()
 
-    @cached_property
+    @property
     def points(self) -> float:
         return _total(tuple(check.points for check in self.checks))
 
@@ -85,8 +80,7 @@ class Result:
 
     `extra_credit_cap` is None where extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` beside the
     score, which stays the sum of the criteria. `lab` is what the lab is called.
-    `evidence` is shown beside the result and is no part of its record. `asked_sha256` is what was asked of the submission, where
-    the record holds what it takes to mark it anew by another rubric that asks the same.
+    `evidence` is shown beside the result and is no part of its record.
     """
 
     submission: str
@@ -99,12 +93,6 @@ class Result:
     extra_credit_cap: float | None = None
     lab: LabName = LabName()
     evidence: Evidence = field(default=Evidence(), compare=False, repr=False)
-    asked_sha256: str = field(default="", compare=False, repr=False)
-
-    @property
-    def parts(self) -> tuple[CriterionResult | ExtensionResult, ...]:
-        """All that holds checks: the criteria, then the extensions."""
-        return (*self.criteria, *self.extensions)
 
     @property
     def extra_credit(self) -> float:
@@ -118,7 +106,7 @@ class Result:
         """What goes into a gradebook: score plus extra credit."""
         return _total((self.score, self.extra_credit))
 
-    @cached_property
+    @property
     def score(self) -> float:
         return _total(tuple(criterion.points for criterion in self.criteria))
 
@@ -129,7 +117,8 @@ class Result:
     @property
     def misconceptions(self) -> tuple[str, ...]:
         """Ids in the order in which the checks found them, each once."""
-        return tuple(dict.fromkeys(m for part in self.parts for check in part.checks for m in check.misconceptions))
+        parts: tuple[CriterionResult | ExtensionResult, ...] = (*self.criteria, *self.extensions)
+        return tuple(dict.fromkeys(m for part in parts for check in part.checks for m in check.misconceptions))
 
     def renamed(self, submission: str) -> Result:
         return replace(self, submission=submission)
@@ -141,7 +130,8 @@ def to_dict(result: Result) -> dict[str, Any]:
     def part(value: CriterionResult | ExtensionResult) -> dict[str, Any]:
         head: dict[str, Any] = {"id": value.id}
         head |= {"title": value.title} if isinstance(value, CriterionResult) else {"attempted": value.attempted}
-        return {**head, "points": value.points, "max_points": value.max_points, "checks": [*map(_row, value.checks)]}
+        checks = [{**asdict(check), "misconceptions": list(check.misconceptions)} for check in value.checks]
+        return {**head, "points": value.points, "max_points": value.max_points, "checks": checks}
 
     return {
         "schema": SCHEMA,
@@ -158,18 +148,6 @@ def to_dict(result: Result) -> dict[str, Any]:
         "provenance": dict(result.provenance),
         "duration_s": result.duration_s,
     }
-
-
-def _row(check: CheckResult) -> dict[str, Any]:
-    row = {**vars(check), "misconceptions": list(check.misconceptions)}
-    del row["keeps"]
-    return row
-
-
-def to_record(result: Result) -> dict[str, Any]:
-    """What is kept of a result: `result.json`, and what it takes to mark it anew."""
-    keeps = {check.id: check.keeps for part in result.parts for check in part.checks}
-    return {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps}
 
 
 def _extra_credit(result: Result) -> dict[str, Any]:
@@ -193,19 +171,14 @@ _UNSEEN = re.compile(
 
 
 def from_dict(record: Mapping[str, Any]) -> Result:
-    """The inverse of `to_dict` and of `to_record`."""
+    """The inverse of `to_dict`, for results read back from the store."""
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
 
-    keeps = record.get("keeps", {})
-
     def checks(rows: list[dict[str, Any]]) -> tuple[CheckResult, ...]:
-        return tuple(
-            CheckResult(**{**row, "misconceptions": tuple(row["misconceptions"])}, keeps=keeps.get(row["id"]))
-            for row in rows
-        )
+        return tuple(CheckResult(**{**row, "misconceptions": tuple(row["misconceptions"])}) for row in rows)
 
-    result = Result(
+    return Result(
         submission=record["submission"],
         status=record["status"],
         criteria=tuple(
@@ -219,31 +192,4 @@ def from_dict(record: Mapping[str, Any]) -> Result:
         duration_s=record["duration_s"],
         lab=LabName(**record.get("lab", {})),
         extra_credit_cap=record["extra_credit"]["cap"] if "extra_credit" in record else None,
-        asked_sha256=record.get("asked_sha256", ""),
     )
-    _hold_to_their_kinds(result)
-    return result
-
-
-_OUTCOMES, _STATUSES = frozenset(get_args(Outcome)), frozenset(get_args(Status))
-
-
-def _hold_to_their_kinds(result: Result) -> None:
-    """Raise ValueError where a record that anyone may have written holds what no page could show."""
-    checks = [check for part in result.parts for check in part.checks]
-    numbers = [
-        each for part in result.parts for each in (part.max_points, *(check.max_points for check in part.checks))
-    ]
-    points = [each for check in checks for each in (check.points, check.keeps) if each is not None]
-    texts = [result.submission, *result.notes, *(part.id for part in result.parts)]
-    texts += [
-        text for check in checks for text in (check.id, check.title, check.message, check.hint, *check.misconceptions)
-    ]
-    if (
-        result.status not in _STATUSES
-        or not all(check.outcome in _OUTCOMES for check in checks)
-        or not all(isinstance(each, (int, float)) for each in (*numbers, *points, result.duration_s))
-        or not all(isinstance(text, str) for text in texts)
-        or not isinstance(result.provenance, dict)
-    ):
-        raise ValueError("no such result was ever written")

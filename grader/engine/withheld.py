@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grader.engine.feedback import NOT_UNDERSTOOD, Told, mistake_of
+from grader.engine.feedback import Mistake, Told, mistake_of
 from grader.engine.findings import Lost, Raised, Skipped
-from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, NoAnswer, TimedOut
 
@@ -61,5 +60,5 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
         message = "Expected  an answer within the time limit\nGot       none"
         return Told("timeout", 0.0, message, mistakes["never-returns"].hint, ("never-returns",))
     named = ("kills-its-process",) if isinstance(finding, Crashed) else ()
-    hint = " ".join(mistakes[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
+    hint = " ".join(mistakes[id_].hint for id_ in named)
     return Told("crashed", 0.0, "Expected  an answer\nGot       none that can be read", hint, named)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.stamps import read_stamp, stamp
 from grader.ground.text import printable
@@ -29,10 +29,6 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "submitted": ("submitted",),
 }
 """What each column may be called: an export of Canvas, Moodle, Gradescope or Classroom 50 is a roster as it stands."""
-
-
-_NOBODY = ("Points Possible", "Student, Test")
-"""What the first cell of a Canvas gradebook may hold that is no person: its second line, and its own test student."""
 
 
 @dataclass(frozen=True)
@@ -62,13 +58,15 @@ def load(path: Path) -> list[Listed]:
     if len(data) > MAX_BYTES:
         raise RequestError(f"{source}: is larger than {MAX_BYTES // 1_000_000} MB; give a roster")
     try:
-        return list(_rows(data, source))
+        text = data.decode("utf-8-sig")
+        return list(_rows(text, source))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
+        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
 
 
-def _rows(data: bytes, source: str) -> Iterator[Listed]:
-    table = tables.reader(data)
+def _rows(text: str, source: str) -> Iterator[Listed]:
+    head = text.partition("\n")[0]
+    table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
     titles = [title.strip().casefold() for title in next(table, [])]
     known = {**COLUMNS, "canvas": ("id",), "id": COLUMNS["id"][1:]} if titles[:2] == ["student", "id"] else COLUMNS
     places = {kind: [i for i, title in enumerate(titles) if title in names] for kind, names in known.items()}
@@ -76,7 +74,7 @@ def _rows(data: bytes, source: str) -> Iterator[Listed]:
         raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
     for cells in table:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
-        if any(cells) and not cells[0].strip().startswith(_NOBODY):
+        if any(cells) and not cells[0].strip().startswith("Points Possible"):  # Canvas's second line is no person
             yield _listed(values, f"{source}:{table.line_num}")
 
 

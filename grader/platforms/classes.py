@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
@@ -19,13 +18,12 @@ from grader.intake.pile import LINK
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.standing import NOTHING_KNOWN, HandIn
 from grader.platforms import registry
-from grader.platforms.found import Found, Shape, mostly
+from grader.platforms.found import Found, Shape
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
 SUPERSEDED = "an earlier attempt; the latest one is graded"
 MAX_LOOKED_AT = 50_000  # entries, to tell a class from a submission
 
-ITSELF = "the download itself, whose files lie beside it"
 ATTEMPTS = ("latest", "best")
 
 
@@ -73,11 +71,7 @@ def _all_of(download: Download, name: str) -> Sources:
 
 
 def read_class(
-    paths: Sequence[Path],
-    required: tuple[str, ...],
-    shape: str | None = None,
-    attempts: str = "latest",
-    known: Mapping[str, str] = MappingProxyType({}),
+    paths: Sequence[Path], required: tuple[str, ...], shape: str | None = None, attempts: str = "latest"
 ) -> Intake:
     """Find the submissions; none of them is read.
 
@@ -93,9 +87,6 @@ def read_class(
     attempts
         One of `ATTEMPTS`: of several by the same people only the latest, or all of them, for the best to be chosen.
 
-    known
-        Who is in the class, by the platform's number: it tells what a name means that can mean several.
-
     Raises
     ------
     RequestError
@@ -105,7 +96,7 @@ def read_class(
     leftovers: list[str] = []
     told: list[str] = []
     for path in paths:
-        whole = _shape_at(path, shape, known)
+        whole = _shape_at(path, shape)
         if whole is None:
             for place, objection in _found_at(path, required):
                 if objection:
@@ -125,7 +116,7 @@ def _counted(shape: Shape) -> str:
     return f"{len(shape.found)} submission{'s' * (len(shape.found) != 1)}"
 
 
-def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape | None:
+def _shape_at(path: Path, wanted: str | None) -> Shape | None:
     """What a platform's download holds; None where it is a plain folder, one submission or an archive of one."""
     if not os.path.exists(path):
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
@@ -134,24 +125,12 @@ def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape
         return next((_read_folders(top) for top in reversed(tops)), None)
     for top in open_download(path) if os.path.isdir(path) or has_suffix(path.name, (".zip",)) else ():
         for platform in registry.platforms("read"):
-            shape = (
-                platform.read(replace(top, known=known)) if platform.read and wanted in (None, platform.name) else None
-            )
+            shape = platform.read(top) if platform.read and wanted in (None, platform.name) else None
             if shape is not None and shape.found:
-                left = ((name, _itself(top, name) or why) for name, why in shape.left)
-                return Shape(shape.title, shape.found, (*left, *top.left))
+                return Shape(shape.title, shape.found, (*shape.left, *top.left))
     if wanted is not None:
         raise RequestError(f"--from {wanted}: {printable(str(path), 500)} does not have that shape; leave --from out")
     return None
-
-
-def _itself(download: Download, name: str) -> str:
-    """Why an archive beside the files of a download is none of them: they were unpacked from it."""
-    place = download.path / download.place(name)
-    if not has_suffix(name, (".zip",)) or not os.path.isfile(place):
-        return ""
-    packed = {inner for top in open_download(place) for inner in top.top}
-    return ITSELF if mostly(inner in packed for inner in download.top if inner != name) else ""
 
 
 def _whole(place: Path) -> Found:
@@ -174,9 +153,8 @@ def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[
 
 
 def _told(found: Found) -> str:
-    """Where it is; of several files each, as they lie beside those of others."""
-    first, *others = [place for place, _ in found.sources] or [""]
-    return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
+    place = found.sources[0][0] if found.sources else ""
+    return printable(str(found.path / place), 500)
 
 
 def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]:

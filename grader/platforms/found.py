@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.intake.downloads import Sources
-from grader.people.standing import NOTHING_KNOWN, HandIn
+from grader.people.standing import NOTHING_KNOWN, HandIn, Lateness
 
-AMBIGUOUS = "its name can mean several people; give --roster with the platform's numbers, and it is who stands there"
+MARKED_LATE = Lateness(due="", seconds=None)
+"""The platform says that it is late, and not how late."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""`result.json` itself."""
+"""`result.json` itself, where no platform is recognised."""
 
 from __future__ import annotations
 
@@ -10,5 +10,6 @@ PLATFORM = Platform(
     title="result.json",
     help=Help(respond="The result as it is, for a program of your own."),
     respond=lambda result, _: to_json(result),
+    recognise=lambda *_: True,
     keeps_secrets=True,
 )

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result
 from grader.ground.text import printable
-from grader.report import causes, words
-from grader.report.causes import Cause
+from grader.report import words
 
 Part = CriterionResult | ExtensionResult
 
@@ -46,13 +45,6 @@ def lines(check: CheckResult, part: Part, lab: LabName) -> list[words.Line]:
 def plain(check: CheckResult, part: Part, lab: LabName) -> str:
     """The lines of a check as text, labels in a column."""
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
-
-
-def together(cause: Cause, lab: LabName) -> str:
-    """What the checks of a cause say, each thing once, as text."""
-    said = [line for _, lines in causes.told(cause) for line in lines]
-    again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
-    return "\n".join(_plain_line(line) for line in [*said, *causes.going_on(cause, lab), *again])
 
 
 def _plain_line(line: words.Line) -> str:

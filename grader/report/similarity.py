@@ -40,18 +40,15 @@ class Pair:
         return round(self.common * (WINDOW + 1) / 2 / _TOKENS_A_LINE)
 
 
-def pairs(
-    fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset(), most: int = _MOST
-) -> list[Pair]:
+def pairs(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset()) -> list[Pair]:
     """The most alike, the largest share first; neither what the lab gives nor what half of the class has counts.
 
     Parameters
     ----------
     fingerprints : id of the submission -> hashes of its code
     given : hashes of the lab's own code
-    most : how many
     """
-    own = own_hashes(fingerprints, given)
+    own = _own(fingerprints, given)
     ids = [id_ for id_, hashes in own.items() if len(hashes) >= FEWEST]
     if len(ids) < 2:
         return []
@@ -65,12 +62,11 @@ def pairs(
             Pair(ids[start + i], ids[j], int(common[i, j]), float(share[i, j]))
             for i, j in zip(rows, columns, strict=True)
         ]
-        found = sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:most]
+        found = sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:_MOST]
     return found
 
 
-def own_hashes(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
-    """What each has without what the lab gives and what half of the class has."""
+def _own(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
     own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
     counts = Counter(value for hashes in own.values() for value in hashes)
     most = max(_CLASS, _COMMON * len(own))  # a handout that the grader does not know

@@ -6,9 +6,7 @@ Nothing in here renders; every text that may stem from a submission comes out `p
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import datetime
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
 from grader.ground.text import printable
@@ -92,16 +90,6 @@ def number(points: float) -> str:
     return f"{points:.2f}".rstrip("0").rstrip(".")
 
 
-def minus(points: float) -> str:
-    """``−9.5``, with a real minus."""
-    return f"−{number(round(points, 2))}"
-
-
-def points_lost(checks: Iterable[CheckResult]) -> float:
-    """What checks have cost; what was not judged has cost nothing."""
-    return sum(check.max_points - check.points for check in checks if check.points is not None)
-
-
 def fraction(points: float | None, of: float) -> str:
     """``14 / 20``; points that are not known are a dash."""
     return f"{'–' if points is None else number(points)} / {number(of)}"
@@ -152,14 +140,6 @@ def late(standing: Standing) -> str:
     hours = -(-standing.late.seconds // 3600)
     days = f"{hours // 24} d {hours % 24} h" if hours >= 24 else f"{hours} h"
     return f"{days}, after the cut-off" if standing.late.refused else days
-
-
-def instant(stamp: str) -> str:
-    """``2026-11-20 20:00 UTC``, from ISO 8601; what is none is left as it is."""
-    try:
-        return f"{datetime.fromisoformat(stamp):%Y-%m-%d %H:%M %Z}".strip()
-    except ValueError:
-        return printable(stamp, 40)
 
 
 def notes(result: Result) -> list[str]:

@@ -3,43 +3,41 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .plan import Contents
+from .plan import RUNGS, Contents
 from .process import WallsRefusedError, ZygoteGoneError
-from .rungs import RUNGS, Rung
 
 if TYPE_CHECKING:
     from .launch import Zygote
 
 
 @dataclass(frozen=True)
-class Tried:
-    """A rung, whether it holds here, and if not (or not quite), why."""
+class Rung:
+    """One rung of the ladder, best first: whether it holds here, and if not (or not quite), why."""
 
-    rung: Rung
+    name: str
     usable: bool
     reason: str
 
 
-def probe() -> list[Tried]:
-    """Try every rung in a child process, best first, with its walls tested from inside; about 50 ms each."""
-    return [_tried(rung) for rung in RUNGS]
+def probe() -> list[Rung]:
+    """Try every rung in a child process, with its walls tested from inside; about 50 ms each."""
+    return [_tried(name) for name in RUNGS]
 
 
-def _tried(rung: Rung) -> Tried:
-    if not rung.walled:
-        return Tried(rung, True, "a fresh process with a time limit, and no walls")
+def _tried(name: str) -> Rung:
+    if name == "none":
+        return Rung(name, True, "a fresh process with a time limit, and no walls")
     try:
-        zygote = raise_walls(rung, Contents(Path(__file__).parent))
+        zygote = raise_walls(name, Contents(Path(__file__).parent))
     except WallsRefusedError as error:
-        return Tried(rung, False, str(error))
+        return Rung(name, False, str(error))
     zygote.close()
-    return Tried(rung, True, caveat(zygote))
+    return Rung(name, True, caveat(zygote))
 
 
 def caveat(zygote: Zygote) -> str:
@@ -47,18 +45,18 @@ def caveat(zygote: Zygote) -> str:
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 
-def raise_walls(rung: Rung, contents: Contents) -> Zygote:
+def raise_walls(name: str, contents: Contents) -> Zygote:
     """Start a zygote on this very rung, or raise WallsRefusedError."""
     if sys.platform != "linux":
         raise WallsRefusedError("needs Linux")
-    from . import launch  # noqa: PLC0415 - of Linux only
+    from . import bubblewrap, launch  # noqa: PLC0415 - of Linux only
 
-    if rung.program and shutil.which(rung.program) is None:
-        raise WallsRefusedError(f"the program {rung.program} is not installed")
+    if name == "bubblewrap" and not bubblewrap.is_installed():
+        raise WallsRefusedError("the program bwrap is not installed")
     with contextlib.suppress(ZygoteGoneError):
-        return launch.Zygote(rung, contents)
+        return launch.Zygote(name, contents)
     try:
-        return launch.Zygote(rung, contents)
+        return launch.Zygote(name, contents)
     except ZygoteGoneError as error:
         raise WallsRefusedError(f"{error}, twice") from None
 
@@ -66,11 +64,11 @@ def raise_walls(rung: Rung, contents: Contents) -> Zygote:
 def climb(contents: Contents) -> tuple[Zygote | None, str]:
     """Start a zygote on the best rung that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
-    for rung in filter(lambda each: each.walled, RUNGS):
+    for name in RUNGS[:-1]:
         try:
-            zygote = raise_walls(rung, contents)
+            zygote = raise_walls(name, contents)
         except WallsRefusedError as error:
-            refused.append(f"{rung.name}: {error}")
+            refused.append(f"{name}: {error}")
             continue
         return zygote, "; ".join(filter(None, [*refused, caveat(zygote)]))
     return None, "; ".join(refused)

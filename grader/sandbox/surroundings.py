@@ -34,7 +34,6 @@ _MODULES_OF_THE_BOX = (
     "plain_worker",
     "plan",
     "rootfs",
-    "rungs",
     "seccomp",
     "serve",
     "syscalls",

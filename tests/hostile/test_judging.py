@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import pytest
 
-from grader.sandbox.rungs import UNWALLED
 from tests.hostile import outputs
 from tests.hostile.bait import SECRET, below
 from tests.hostile.forging import READS
@@ -59,7 +58,7 @@ def no_descendants() -> Iterator[None]:
 
 @pytest.mark.usefixtures("no_descendants")
 def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
-    with Court(UNWALLED.name) as unwalled:
+    with Court("none") as unwalled:
         troubles = unwalled.try_(in_filter(ESCAPES)).troubles
     assert "report.html: it holds what the decoys hold" in troubles
     assert "result.json: it holds what the decoys hold" in troubles

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine.findings import Fault
-from grader.labs.imu.diagnosis.sight import Patience, looked_at
 from grader.sandbox.wire import Frame
 
 Array = NDArray[np.float64]
@@ -331,30 +330,19 @@ class FilterRun:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Everything that was drawn while something ran.
-
-    Attributes
-    ----------
-    figures : facts of each, with what is seen of each curve
-    arrays : those that the facts name
-    pictures : names of the picture files
-    strange : those that show none of the figures, with the reason why they cannot be read, if they cannot
-    """
+    """Everything that was drawn while something ran: figure facts, the arrays they name, and the picture files."""
 
     figures: tuple[Mapping[str, Any], ...]
     arrays: Arrays
     pictures: tuple[str, ...]
     fault: Fault | None = None
-    strange: tuple[Mapping[str, str], ...] = ()
 
 
 def drawing_of(frame: Frame) -> Drawing:
     """What an answer tells of figures and pictures."""
-    patience = Patience()
     return Drawing(
-        tuple(looked_at(figure, frame.arrays, patience) for figure in frame.fields["figures"]),
+        tuple(frame.fields["figures"]),
         frame.arrays,
         tuple(frame.fields["pictures"]),
         Fault.of(frame.fields.get("error")),
-        tuple(frame.fields["strange"]),
     )

@@ -42,14 +42,14 @@ class Plotting(Conversation):
         answers = (drawing_of(a.frame) if isinstance(a, Loaded) else a for a in self._answers.values())
         return [answer for answer in answers if isinstance(answer, Drawing)]
 
-    def plot(self, run: str, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
-        """What `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
+    def plot(self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
+        """What `plot_imu_data` draws and saves of the given data, by the submission's own keys, else by those of the sheet.
 
         If it raises, it is given what the submission's own recorder returns, with the data in it: an object of the
         submission's own, or a dictionary with labels and settings beside the numbers. If it raises again, it gets the
         sheet's recording: a key that is misspelled where the data is recorded is no fault of the plot's.
         """
-        return self.once(("plot", run), lambda: self._plot(data, sheet, ids))
+        return self.once("plot", lambda: self._plot(data, sheet, ids))
 
     def _plot(self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
         drawing = self._plotted(data)
@@ -117,11 +117,9 @@ class Plotting(Conversation):
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
         """The same without stand-ins: a script that fits its own broken part need not fit a sound one."""
-        if not self.broken or path in self.deadly:
+        if not self.broken or path in self.deadly or path.endswith(".ipynb"):
             return None
         with self.without_standins():
-            if path.endswith(".ipynb"):
-                return self._drawn_at_import(path)
             try:
                 return drawing_of(self.retried(lambda: self.ask("run_script", {"path": path})))
             except NoAnswer:

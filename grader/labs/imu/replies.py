@@ -76,9 +76,7 @@ def _draws(answer: Answer, rows: int) -> None:
 
 def _filter(answer: Answer) -> None:
     cases = answer.fields["cases"]
-    kinds = record(
-        output=maybe(short), odd=maybe(node(answer)), error=maybe(fault), input_changed=flag, output_changed=flag
-    )
+    kinds = record(odd=maybe(node(answer)), error=maybe(fault), input_changed=flag, output_changed=flag)
     answer.part("cases", listed(kinds, len(cases), len(cases)))
     for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
         signal = answer.asked[asked["input"]]
@@ -104,8 +102,7 @@ def _plot(answer: Answer) -> None:
 
 def _tilt(answer: Answer) -> None:
     cases = answer.fields["cases"]
-    kinds = record(output=short, odd=maybe(node(answer)), error=maybe(fault))
-    answer.part("cases", listed(kinds, len(cases), len(cases)))
+    answer.part("cases", listed(record(odd=maybe(node(answer)), error=maybe(fault)), len(cases), len(cases)))
     for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
         _series(answer, case, len(answer.asked[asked["accel"]]), (2,))
 

@@ -199,7 +199,7 @@ def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
     claim = {name: arrays[f"first_{name}"] for name in names if f"first_{name}" in arrays}
     sound = len(claim) == len(names) and all(np.isfinite(value).all() for value in claim.values())
     sound = sound and len({len(claim[name]) for name in names if name.startswith("set_")}) == 1
-    return claim if sound and 1e-6 <= claim["timestep"][0] <= 1.0 and claim["steps"][0] >= 0 else {}
+    return claim if sound and 1e-6 <= claim["timestep"][0] <= 1.0 else {}
 
 
 def _grid(vectors: Sequence[Array | None], shape: tuple[int, ...]) -> Array:

@@ -34,8 +34,6 @@ from ..recordings import (
 )
 from ..student import Student
 
-_ROWS = "data_collection.matches_truth"
-"""This charges what other checks see as well."""
 _SAME_START = 1e-9
 _TIME_ATOL = 1e-6
 """s. Adding a time step 5,000 times errs by 1e-12 s, and single precision by 1e-7 s at 3 s."""
@@ -95,16 +93,6 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         hint=""
         if mistakes
         else "Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).",
-        belongs_to=_ROWS if _are_too_many(student, truth) else "",
-    )
-
-
-def _are_too_many(student: Student, truth: Traces) -> bool:
-    """Whether as many rows as there are steps are filled, and those behind them never: matches_truth charges these."""
-    pairs = ((pushed(student, truth), "push"), (from_dirt(student, truth), "push_dirty"))
-    return all(
-        complete(series) and abs(diagnosis.filled_rows(series) - Worlds.of(truth[name]).steps) <= 1 < length(series)
-        for series, name in pairs
     )
 
 

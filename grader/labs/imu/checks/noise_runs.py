@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from grader.engine.findings import Unusable, raised
+from grader.engine.findings import Lost, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
@@ -37,9 +37,7 @@ def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
     raised(run.fault, "reading the noisy IMU")
     if not _is_whole(run):
         mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Unusable(
-            "a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake]
-        )
+        raise Lost("a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake])
     return _exchanged(run) if returns_exchanged(student, truth) else run
 
 

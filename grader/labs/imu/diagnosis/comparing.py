@@ -14,8 +14,6 @@ from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, Facts, is_reference, 
 
 Index = NDArray[np.intp]
 
-_SEEN = 0.05
-"""Of a curve: a comparison may be a detail, and one that shows nothing is none."""
 _MOST_POINTS = 20_000
 """Of a curve are compared, its last: eight times what the lab records."""
 _MOST_PAIRS = 1000
@@ -40,7 +38,7 @@ class Compared:
 
 def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
     """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
-    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _seen_curves(axes, arrays)]
+    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)]
     pairs = (
         (above, raw, below, smooth)
         for above, raw in drawn
@@ -62,7 +60,7 @@ def _last_points(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
 def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
     """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
     names = [
-        _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _seen_curves(axes, arrays)
+        _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)
     ]
     return [Compared(raw, smooth) for raw in names for smooth in names if says_raw(raw) and says_smooth(smooth)]
 
@@ -72,30 +70,12 @@ def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
     return [points_of(c, arrays)[1] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
 
 
-def unseen(figure: Facts, arrays: Arrays) -> list[str]:
-    """The names of the curves that are drawn, and that nobody sees."""
-    return [
-        _name_on(axes, curve)
-        for axes in figure["axes"]
-        for curve in _long_curves(axes, arrays)
-        if not (axes["visible"] and _is_seen(curve))
-    ]
-
-
 def _name_on(axes: Facts, curve: Facts) -> str:
     return name_of(curve, axes["legend"] or (), axes["texts"]) or ""
 
 
-def _seen_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
-    return [curve for curve in _long_curves(axes, arrays) if _is_seen(curve)]
-
-
-def _is_seen(curve: Facts) -> bool:
-    return bool(curve["visible"] and curve["sight"].seen.mean() >= _SEEN)
-
-
 def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
-    drawn = [c for c in axes["curves"] if c["kind"] != "nothing"]
+    drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
     long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
     return [c for c in long if len(points_of(c, arrays)[1]) >= FEWEST_POINTS]
 

@@ -19,7 +19,7 @@ def charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
     with np.errstate(all="ignore"):  # a student's numbers may overflow
         found = (
             motion.chart(student.answered(("simulate", "push")), truth["push"]),
-            *drawn.charts(student.answered(("plot", "tumbling")), student.drawings()),
+            *drawn.charts(student.answered("plot"), student.drawings()),
             *pictures,
             *noise.charts(student.answered(("noise", "given")), truth),
             filtering.chart(student.answered(("filter", "cases")), truth["filter"]),

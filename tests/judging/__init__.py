@@ -1,1 +1,0 @@
-"""Tests of what judges: pure functions, arrays in and findings out, without a box."""
