@@ -18,7 +18,7 @@ from typing import Annotated
 import typer
 
 from grader import __version__
-from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, traces
+from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, repro, review, traces
 from grader.commands.common import say
 from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu.lab import LAB
@@ -39,17 +39,22 @@ app = typer.Typer(
 for _command in (
     check.check,
     grade.grade,
+    review.review,
     adjust.adjust,
     diff.diff,
     export.export,
     ci.ci,
     kit.kit,
     explain.explain,
+    repro.repro,
     doctor.doctor,
 ):
     app.command()(_command)
 app.add_typer(traces.app, name="traces")
 atexit.register(gc.freeze)  # what is left goes with the process: to search it for cycles takes a tenth of a second
+gc.set_threshold(
+    50_000
+)  # a class of thousands is millions of objects without a cycle: to search them often takes a second
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

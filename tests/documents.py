@@ -16,7 +16,7 @@ from grader.kit import give, wheel
 
 ROOT = Path(__file__).resolve().parent.parent
 _PROGRAMS = r"(?:imugrade|python3?|pip|dask|bash|\.venv/bin/[a-z]+)"
-_COMMAND = re.compile(rf"(?:[A-Z_]+=\S+ )*{_PROGRAMS} \S.*")
+_COMMAND = re.compile(rf"(?:[A-Z_]+=\S+ )*(?<!-){_PROGRAMS} \S.*")
 _PIECE = re.compile(r"^```\w*\n(?P<fence>(?:.*\n)*?)```$|^ {4}(?P<line>.*)$|`(?P<span>[^`]+)`", re.MULTILINE)
 _SAID_OF_IT = re.compile(r"\s{2,}.*|\s#.*")  # a comment, or words in a column of their own
 

@@ -12,6 +12,7 @@ import contextlib
 import json
 import os
 import random
+import re
 import signal
 import sqlite3
 import subprocess
@@ -145,7 +146,7 @@ def disturb(students: Path, out: Path, expected: dict[str, Any], target: str, ch
     run.runs += 1
     if again.returncode:
         run.troubles.append(f"resumed: exit code {again.returncode}: {again.stderr[-300:]}")
-    run.resumed = again.stdout.count("(on record)")
+    run.resumed = sum(int(number) for number in re.findall(r"(\d+) on record", again.stdout))
     if run.resumed != run.recorded_before:
         run.troubles.append(f"{run.recorded_before} results were on record, {run.resumed} were taken from there")
     found = results(out)

@@ -6,7 +6,7 @@ import os
 import re
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,18 +16,28 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
+from grader.people.standing import Standing
+from grader.sandbox.rungs import RUNGS, Rung
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
 SHA = "0123456789abcdef" * 4
 
 
-def check(outcome: Outcome = "passed", points: float | None = 6.0, **more: object) -> CheckResult:
+def said(message: str) -> dict[str, Any]:
+    """What a check says, as its fields: what is labelled ``Expected`` and ``Got``, or else a sentence."""
+    labelled = re.findall(r"^(Expected|Got) {2,}((?:.*(?:\n {10})?)*)", message, re.MULTILINE)
+    return {label.lower(): text.strip("\n").replace("\n" + 10 * " ", "\n") for label, text in labelled} or {
+        "said": message
+    }
+
+
+def check(outcome: Outcome = "passed", points: float | None = 6.0, message: str = "", **more: object) -> CheckResult:
     values: dict[str, object] = {
         "id": "sensor_access.follows_address",
         "title": "Reads the right sensor",
         "max_points": 6.0,
     }
-    return CheckResult(outcome=outcome, points=points, **{**values, **more})  # type: ignore[arg-type]
+    return CheckResult(outcome=outcome, points=points, **{**values, **said(message), **more})  # type: ignore[arg-type]
 
 
 def lost(**more: object) -> CheckResult:
@@ -74,7 +84,7 @@ class FakeMarker:
     """Does what the submission's id says."""
 
     folder: Path
-    isolation: str = "full"
+    isolation: Rung = RUNGS[0]
     pid: int = field(default_factory=os.getpid)
 
     def mark(self, submission: Submission, *, only: str | None = None) -> Result:
@@ -112,6 +122,17 @@ def fake_marker(folder: Path) -> Iterator[FakeMarker]:
 def no_marker(folder: Path) -> Iterator[FakeMarker]:
     raise RequestError(f"no marker for {folder.name}")
     yield FakeMarker(folder)
+
+
+class Nobody:
+    """Is told how a class goes on, and does not listen."""
+
+    def begins(self, total: int) -> None: ...
+
+    def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
+
+    def pages(self, standings: Sequence[Standing]) -> Sequence[Standing]:
+        return standings
 
 
 def without_durations(value: Any) -> Any:

@@ -1,16 +1,19 @@
 """How fair and how sharp the grader is: `python -m tests.scoreboard [--only NAME] [--part PART] [--jobs 2]`.
 
 Grades the whole corpus with the real marker and prints sound submissions with false deductions, faults missed, points lost
-in other criteria, and mistakes named right, wrong or not at all; then a line for each trouble.
+in other criteria, faults that cost more than one check, and mistakes named right, wrong or not at all; a line for each trouble.
+A run over the whole corpus takes long, most of it for the part that hands everything in twice more in other layouts.
+`--table` writes the handbook's page of faults and the checks that they lose.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
@@ -21,16 +24,32 @@ from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
+from grader.report.words import tells
+from tests.castings import CASTINGS, can_be_cast
 from tests.corpus.broken import ALL, BROKEN, Broken
 from tests.corpus.extensions import FAULTY_EXTENSIONS, FILES, SOUND_EXTENSIONS, FaultyExtension
 from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS, Faulty, Pair
 from tests.corpus.module_level import EDITS, LAYOUTS, Edit
+from tests.corpus.nothing import NOTHING, Nothing
 from tests.corpus.pieces import verbatim
 from tests.corpus.sound import SOUND, WRAPPED
 from tests.corpus.writing import Files, write
 
-PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level")
-FULL = 20.0
+PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
+ONE_FAULT = ("faulty", "lookalikes")
+_WHOLE_FILE = (
+    "the file that is missing or cannot be read was to hold two parts or more, and each part has nothing to show"
+)
+_HALF_A_PICTURE = "half of the picture is missing: the panel, and the three curves in it"
+MORE_THAN_ONE: Mapping[str, str] = {
+    "no-imu-reader": _WHOLE_FILE,
+    "no-imu-reader-sheet": _WHOLE_FILE,
+    "no-filters": _WHOLE_FILE,
+    "reader-with-a-syntax-error": _WHOLE_FILE,
+    "accelerometer-panel-only": _HALF_A_PICTURE,
+    "saved-before-the-gyroscope": _HALF_A_PICTURE,
+}
+"""Single faults that cost more than one check, and why a marker would take both."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +77,11 @@ class Verdict:
     named_right: int = 0
     named_wrong: int = 0
     named_not: int = 0
+    result: Result | None = None
+
+    @property
+    def lost(self) -> tuple[CheckResult, ...]:
+        return () if self.result is None else tuple(lost(self.result))
 
     def trouble(self, kind: str, text: str) -> None:
         self.troubles.append((kind, text))
@@ -71,6 +95,9 @@ def cases() -> Iterator[Case]:
     yield from (Case("broken", broken.name, broken.files, broken.as_) for broken in BROKEN)
     for layout, put in LAYOUTS.items():
         yield from (Case("module level", f"{edit.name} in {layout}", put(edit.steps)) for edit in EDITS)
+    yield from (Case("nothing", nothing.name, nothing.files) for nothing in NOTHING)
+    styles_and_faults = (*SOUND.items(), *((fault.name, fault.files) for fault in (*FAULTY, *LOOKALIKES)))
+    yield from (Case("recast", name, files) for name, files in styles_and_faults if can_be_cast(files))
     for part, styles in SOUND_EXTENSIONS.items():
         yield from (_extension(part, f"{part}-{style}", source) for style, source in styles.items())
     quick = [fault for fault in FAULTY_EXTENSIONS if fault.mistake != "never-returns"]
@@ -126,6 +153,43 @@ def look_at_fault(verdict: Verdict, result: Result, fault: Faulty) -> None:
     _look_at_names(verdict, result, names, {fault.mistake}, {fault.mistake, *fault.also}, fault.never)
 
 
+_VECTOR = re.compile(r"\[[^\]]*\.[^\]]*\]")
+
+
+def look_at_words(verdict: Verdict) -> None:
+    """Whoever loses points is told how to go on, and never reads the same digits as expected and as what came."""
+    for check in filter(tells, verdict.lost):
+        expected, _, got = check.message.removeprefix("Expected").partition("\nGot")
+        vectors = [_VECTOR.findall(text)[:1] for text in (expected, got)]
+        if not check.hint:
+            verdict.trouble("no hint", words([check]))
+        if expected.strip() == got.strip() or (vectors[0] and vectors[0] == vectors[1]):
+            verdict.trouble("same digits", words([check]))
+
+
+def look_at_charges(verdict: Verdict) -> None:
+    """One fault costs one check; what could not be asked then, for want of an answer, belongs to it."""
+    charged = [check for check in verdict.lost if check.outcome != "skipped"]
+    if len(charged) > 1 and verdict.case.name not in MORE_THAN_ONE:
+        verdict.trouble("charged twice", words(charged))
+
+
+def look_at_nothing(verdict: Verdict, result: Result, nothing: Nothing) -> None:
+    for criterion in result.criteria:
+        if criterion.id == nothing.criterion and criterion.points > nothing.most:
+            verdict.trouble("earns too much", f"{criterion.points} for {criterion.title}; lost: {words(lost(result))}")
+        if criterion.id != nothing.criterion and criterion.points < criterion.max_points:
+            verdict.trouble("cascade", words(c for c in lost(result) if criterion_of(c) == criterion.id))
+
+
+def look_at_casting(verdict: Verdict, result: Result, cast: Result, layout: str) -> None:
+    before, after = ({c.id: c for each in r.criteria for c in each.checks} for r in (result, cast))
+    moved = [after[id_] for id_, check in before.items() if after[id_].points != check.points]
+    if moved:
+        was = ", ".join(f"{check.id} {before[check.id].points}" for check in moved)
+        verdict.trouble("another mark", f"{layout}: {words(moved)}; was {was}")
+
+
 def look_at_pair(verdict: Verdict, result: Result, pair: Pair) -> None:
     gone = lost(result)
     for mistake, criterion in pair.faults:
@@ -147,8 +211,7 @@ def _look_at_names(
     verdict: Verdict, result: Result, names: set[str], wanted: set[str], right: set[str], never: Sequence[str]
 ) -> None:
     """One right name is enough where several describe the same fault; of two faults, each is counted."""
-    if wanted == {"tampering"}:  # shown to the instructor, as a note, and costs nothing
-        wanted = set()
+    wanted -= {"tampering", ""}  # shown to the instructor, as a note, and costs nothing; or without a name
     found = names & right
     count = min(len(wanted), len(found))
     verdict.named_right += count
@@ -226,19 +289,32 @@ def graded_by(marker: Marker, case: Case) -> Verdict:
     """What the scoreboard says of a case that this marker grades."""
     verdict, started = Verdict(case), time.perf_counter()
     try:
-        result = marker.mark(handed_in(case), only=case.only)
+        verdict.result = marker.mark(handed_in(case), only=case.only)
     except Exception as problem:
         verdict.trouble("grader failed", f"{type(problem).__name__}: {problem}")
         return verdict
     verdict.seconds = time.perf_counter() - started
+    result = verdict.result
     look_at(verdict, result)
+    if case.part == "recast":
+        for layout, put in CASTINGS.items():
+            cast = marker.mark(handed_in(Case(case.part, case.name, put(case.files))))
+            look_at_casting(verdict, result, cast, layout)
     return verdict
 
 
 def look_at(verdict: Verdict, result: Result) -> None:
     """Hold the result of a case against what the corpus says of it."""
     case = verdict.case
-    if case.part == "sound":
+    if case.part in ("faulty", "lookalikes", "pairs", "broken", "nothing"):
+        look_at_words(verdict)
+    if case.part in ONE_FAULT:
+        look_at_charges(verdict)
+    if case.part == "recast":
+        return  # it is held against its own castings
+    if case.part == "nothing":
+        look_at_nothing(verdict, result, next(n for n in NOTHING if n.name == case.name))
+    elif case.part == "sound":
         look_at_sound(verdict, result)
     elif case.part == "pairs":
         look_at_pair(verdict, result, next(p for p in PAIRS if p.name == case.name))
@@ -285,12 +361,28 @@ def table(verdicts: Sequence[Verdict]) -> str:
         f"bad input with trouble                    {count(('broken',), 'status', 'cascade', 'missed', 'not judged', 'grader failed')}",
         f"edits at module level marked unfairly     {count(('module level',), 'too much', 'missed', 'grader failed')}",
         f"failures of the grader                    {count(PARTS, 'grader failed', 'not judged')}",
+        f"single faults that cost more than one     {charged_more_than_once(verdicts)}",
+        f"parts that do nothing and earn too much   {count(('nothing',), 'earns too much', 'cascade')}",
+        f"lost checks without a hint                {without_a_hint(verdicts)}",
+        f"other marks in another layout             {count(('recast',), 'another mark')}",
     ]
     if longest:
         lines.append(
             f"seconds a submission                      {sum(v.seconds for v in verdicts) / len(verdicts):.2f}, longest {longest.seconds:.1f} ({longest.case.name})"
         )
     return "\n".join(lines)
+
+
+def charged_more_than_once(verdicts: Sequence[Verdict]) -> str:
+    of = [v for v in verdicts if v.case.part in ONE_FAULT]
+    more = [v for v in of if sum(check.outcome != "skipped" for check in v.lost) > 1]
+    silent = [v for v in of if v not in more and len(v.lost) > 1]
+    return f"{len(more)} of {len(of)}, each for a reason; {len(silent)} leave a part with nothing else to ask"
+
+
+def without_a_hint(verdicts: Sequence[Verdict]) -> str:
+    gone = [check for v in verdicts if v.case.part not in ("sound", "extensions") for check in v.lost if tells(check)]
+    return f"{sum(not check.hint for check in gone)} of {len(gone)}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

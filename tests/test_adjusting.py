@@ -16,6 +16,7 @@ from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import FILE_NAME, Store
 from grader.engine.results import Result
 from grader.intake import Submission
+from grader.sandbox.rungs import RUNGS
 from tests.made_up import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 
@@ -26,7 +27,7 @@ Run = Callable[..., tuple[int, str, str]]
 class ByWords:
     """Marks what the first line of filters.py asks for: ``# 14`` has 14 of 20, ``# open`` is not judged."""
 
-    isolation = "full"
+    isolation = RUNGS[0]
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -144,7 +145,7 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
     [
         (["alice"], "adjust: give --points, or --withdraw"),
         (["alice", "--points", "1", "--withdraw"], "adjust: give --points, or --withdraw"),
-        (["alice", "--csv", "x"], "adjust: give an ID or --csv, not both"),
+        (["alice", "--csv", "x"], "adjust: give an ID, --csv, --having or --take-back, one of them alone"),
         (["alice", "--points", "1"], "adjust: there is no criterion "),
         (
             ["--csv", "nowhere.csv"],
@@ -293,6 +294,36 @@ def test_an_unknown_word_is_one_line(arguments: list[str], line: str, run: Run, 
     assert run("grade", tmp_path / "class", "-o", out, *arguments) == (2, "", f"imugrade: {line}\n")
 
 
+@pytest.mark.parametrize("word", ["alice", "Doe, Jane", "jane doe", "JANE@example.edu", "s1"])
+def test_people_are_called_by_any_name_of_theirs(word: str, run: Run, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", alice=14, bob=20)
+    roster = tmp_path / "roster.csv"
+    roster.write_bytes("username;sid;name;email\nalice;s1;Doe, Jane;jane@example.edu\n".encode("cp1252"))
+    given = ("grade", tmp_path / "class", "-o", tmp_path / "out", "--roster", roster)
+    assert "1 graded" in run(*given, "--only", word)[1]
+    wish = ("--criterion", "sensor_access", "--points", 3, "--comment", "x")
+    assert run("adjust", tmp_path / "out", word, *wish) == (0, "alice sensor_access 3, final 3\n", "")
+
+
+def test_who_handed_in_is_listed_before_anything_is_graded(run: Run, tmp_path: Path) -> None:
+    hand_in(tmp_path / "class", alice=14, bob=20)
+    roster = tmp_path / "roster.csv"
+    roster.write_bytes("id;name;email\nalice;Müller, Jane;jane@example.edu\n".encode("cp1252"))
+    code, out, _ = run("grade", tmp_path / "class", "-o", tmp_path / "out", "--roster", roster, "--list")
+    assert (code, out) == (0, "alice  Müller, Jane alice jane@example.edu\nbob  bob bob\n")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("encoding", "sign"), [("cp1252", ";"), ("utf-8-sig", ","), ("utf-16", "\t")])
+def test_adjustments_are_read_as_a_spreadsheet_saves_them(
+    encoding: str, sign: str, run: Run, out: Path, tmp_path: Path
+) -> None:
+    rows = (("ID", "Criterion", "Points", "Comment"), ("bob", "sensor_access", "12.5", "für später"))
+    (tmp_path / "a.csv").write_bytes("".join(f"{sign.join(row)}\r\n" for row in rows).encode(encoding))
+    assert run("adjust", out, "--csv", tmp_path / "a.csv")[1] == "bob sensor_access 12.5, final 12.5\n"
+    assert "für später" in run("adjust", out)[1]
+
+
 # ---- diff ----
 
 
@@ -312,6 +343,20 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
         "",
     )
     assert run("diff", out, out)[1] == "0 of 2 moved; mean 17.0 → 17.0\n"
+
+
+def test_of_those_that_differ_and_end_with_the_same_points_only_the_number_is_told() -> None:
+    from grader.course.differences import told
+    from grader.people.standing import Standing
+
+    old = {"a": Standing("a", result(lost())), "b": Standing("b", result(lost()))}
+    new = {"a": Standing("a", result(check("timeout", 0.0))), "b": Standing("b", result(check()))}
+    assert list(told(old, new)) == [
+        "b  0 → 6",
+        "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6",
+        "1 more differ in their checks and end with the same points",
+        "1 of 2 moved; mean 0.0 → 3.0",
+    ]
 
 
 def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:

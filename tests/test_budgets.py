@@ -14,6 +14,7 @@ from grader.engine import fingerprint
 from grader.ground.errors import Malformed
 from grader.intake import read_submission
 from grader.labs.imu.diagnosis import comparing, labels
+from grader.labs.imu.diagnosis.sight import Patience, Sight, looked_at
 from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
 from tests.budgets import cpu_within, memory_within
@@ -117,6 +118,9 @@ def test_units_in_words_are_still_read() -> None:
     assert labels.unit_of("ускорение (метров в секунду), м/с2") == "m/s²"
 
 
+SEEN = Sight(np.ones(100, bool), np.ones(100, bool))
+
+
 # Replies --------------------------------------------------------------------------------------------------------------
 
 
@@ -128,7 +132,7 @@ def nested(key: str) -> dict[str, object]:
 
 def curve(key: str) -> dict[str, object]:
     words = dict.fromkeys(("label", "colour", "kind", "style", "marker", "stroke"), "line")
-    return {**words, "visible": True, "n": 1000, "x": key, "y": key}
+    return {**words, "alpha": 1.0, "inks": [], "width": 1.0, "n": 1000, "x": key, "y": key}
 
 
 def test_a_reply_that_names_one_array_many_times_is_no_answer() -> None:
@@ -142,7 +146,11 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
     """One pair of such curves was compared for nine seconds, and there were 14,400 pairs."""
     axes = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "y_limits": [0.0, 1.0], "legend": None, "texts": []}
     axes |= dict.fromkeys(("xlabel", "ylabel", "title"), "")
+    axes |= {"x_limits": [0.0, 1.0], "scales": ["linear", "linear"]}
     figure = {
+        "seen": "s",
+        "extent": [9.0, 9.0],
+        "dots": 1.0,
         "event": "saved",
         "path": None,
         "format": "png",
@@ -150,7 +158,8 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
         "axes": [axes | {"curves": [curve("a0")]}],
     }
     figure |= {"title": "", "xlabel": "", "ylabel": "", "texts": [], "legends": []}
-    frame = Frame({"error": None, "pictures": [], "figures": [figure]}, {"a0": np.zeros(40_000)})
+    arrays = {"a0": np.zeros(40_000), "s": np.zeros((9, 9, 3), np.uint8)}
+    frame = Frame({"error": None, "pictures": [], "strange": [], "figures": [figure]}, arrays)
     with pytest.raises(Malformed, match="array 'a0' in two places"):
         LAB.checked("plot", frame, {}, {})
 
@@ -166,7 +175,7 @@ def test_many_long_curves_are_compared_in_time() -> None:
         f"y{n}": np.convolve(rng.normal(size=rows + k - 1), np.ones(k) / k, "valid") for n, k in enumerate(widths)
     }
     arrays |= {f"x{number}": np.arange(rows) * 1.0 for number in range(240)}
-    words = {"label": "metersec" * 25, "colour": "#1f77b4", "kind": "line", "visible": True, "n": rows}
+    words = {"label": "metersec" * 25, "colour": "#1f77b4", "kind": "line", "visible": True, "sight": SEEN, "n": rows}
     words |= dict.fromkeys(("style", "marker", "stroke"), "-")
     curves = [{**words, "x": f"x{number}", "y": f"y{number}"} for number in range(240)]
     axes = {
@@ -186,7 +195,7 @@ def test_filtered_curves_are_found_among_five_versions_of_each_channel() -> None
     raw = rng.normal(size=(500, 6))
     versions = [raw, *(np.apply_along_axis(np.convolve, 0, raw, np.ones(k) / k, "same") for k in (3, 5, 7, 9, 11))]
     arrays = {f"y{number}": column for number, column in enumerate(np.hstack(versions).T)} | {"x": np.arange(500.0)}
-    words = {"label": "", "colour": "#1f77b4", "kind": "line", "visible": True, "n": 500}
+    words = {"label": "", "colour": "#1f77b4", "kind": "line", "visible": True, "sight": SEEN, "n": 500}
     words |= dict.fromkeys(("style", "marker", "stroke"), "-")
     axes = {"visible": True, "ylabel": "m/s²", "legend": [], "texts": [], "position": [0, 0, 1, 1], "title": ""}
     panels = [
@@ -195,3 +204,17 @@ def test_filtered_curves_are_found_among_five_versions_of_each_channel() -> None
     ]
     panels[1]["ylabel"] = "rad/s"
     assert len(comparing.comparisons({"axes": panels}, arrays)) >= 30
+
+
+def test_a_reply_of_many_curves_in_many_colours_is_looked_at_in_time() -> None:
+    """Two hundred and forty curves of sixteen colours each, in panels as large as the picture."""
+    rng = np.random.default_rng(0)
+    arrays = {name: rng.uniform(0, 1, 6000) for name in ("x", "y")}
+    arrays["s"] = rng.integers(0, 255, (640, 640, 3)).astype(np.uint8)
+    words = {"kind": "line", "style": "-", "marker": "o", "width": 9.0, "alpha": 1.0, "x": "x", "y": "y", "n": 6000}
+    curves = [words | {"inks": [f"#{n:02x}{k:02x}80" for k in range(0, 256, 16)]} for n in range(240)]
+    panel = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "x_limits": [0.0, 1.0], "y_limits": [0.0, 1.0]}
+    panels = [panel | {"scales": ["linear", "linear"], "curves": curves[10 * n : 10 * n + 10]} for n in range(24)]
+    figure = {"axes": panels, "seen": "s", "extent": [640.0, 640.0], "dots": 50.0}
+    with cpu_within(20):
+        looked_at(figure, arrays, Patience())

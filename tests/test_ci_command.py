@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import subprocess
 from dataclasses import replace
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
@@ -16,6 +18,7 @@ from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.platforms import job
+from grader.sandbox.rungs import RUNGS, UNWALLED
 from tests import made_up_platform
 from tests.made_up import check, lost, result
 from tests.test_ci_formats import ID
@@ -25,7 +28,7 @@ class Given:
     """Stands in for the marker: gives the result that the test wants, and the rung that it says."""
 
     answer: Result
-    isolation = "full"
+    isolation = RUNGS[0]
 
     def __init__(self, rubric: Rubric, bundle: Traces, *, box: object) -> None:
         pass
@@ -57,7 +60,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
     monkeypatch.setattr(job, "open_box_for", lambda lab, files, rung: None)
-    monkeypatch.setattr(Given, "isolation", "full")
+    monkeypatch.setattr(Given, "isolation", RUNGS[0])
     monkeypatch.setattr(
         Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False
     )
@@ -108,8 +111,17 @@ def test_junit_goes_to_the_file_that_is_named(tmp_path: Path, capsys: pytest.Cap
     assert capsys.readouterr().out == "reports/junit.xml written: 14 of 20 points\n"
 
 
-def test_json_is_the_result_on_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
+def test_where_no_platform_is_recognised_the_answer_is_junit_with_the_instant_of_marking(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert cli.main(["ci"]) == 0
+    (suite, _) = ElementTree.fromstring(capsys.readouterr().out)
+    at = datetime.fromisoformat(suite.get("timestamp", ""))
+    assert abs(datetime.now(timezone.utc) - at) < timedelta(minutes=5)
+
+
+def test_json_is_the_result_on_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["ci", "--format", "json"]) == 0
     assert json.loads(capsys.readouterr().out)["schema"] == "imugrade/result/v1"
 
 
@@ -163,10 +175,23 @@ def test_hidden_scenarios_are_refused_where_students_can_read_them(
     assert "hidden scenarios stay out of" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["github", "junit"])
+def test_hidden_scenarios_are_graded_with_in_a_private_job_of_the_instructors(name: str, secret: str) -> None:
+    assert cli.main(["ci", "--format", name, "--traces", secret, "--private"]) == 0
+
+
+def test_a_private_job_needs_isolation_as_any_other(
+    monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Given, "isolation", UNWALLED)
+    assert cli.main(["ci", "--format", "junit", "--traces", secret, "--private"]) == 2
+    assert "nothing here keeps students' code from reading them" in capsys.readouterr().err
+
+
 def test_hidden_scenarios_are_refused_where_nothing_isolates_the_code(
     monkeypatch: pytest.MonkeyPatch, secret: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(Given, "isolation", "none")
+    monkeypatch.setattr(Given, "isolation", UNWALLED)
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret]) == 2
     assert "nothing here keeps students' code from reading them" in capsys.readouterr().err
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret, "--trust-submissions"]) == 0

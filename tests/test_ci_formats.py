@@ -7,6 +7,7 @@ import re
 import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
+from datetime import datetime, timezone
 from html.parser import HTMLParser
 from typing import Any
 from xml.etree import ElementTree
@@ -18,7 +19,9 @@ from hypothesis import strategies as st
 from junitparser import xunit2
 from markdown_it import MarkdownIt
 
-from grader.engine.results import Result
+from grader.engine import rubric
+from grader.engine.findings import Where
+from grader.engine.results import CriterionResult, Result
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
@@ -29,6 +32,7 @@ from grader.platforms.job import answer_of, named, recognise, submission_of
 from grader.platforms.junit import junit
 from grader.platforms.places import Place, Places, find_places
 from grader.platforms.prairielearn import prairielearn
+from tests.examples import FOLDER
 from tests.made_up import HOSTILE, check, lost, result
 
 EVIL = (
@@ -91,7 +95,7 @@ def decoded(text: str) -> str:
     return text
 
 
-def test_github_gets_one_annotation_for_each_check_that_lost_points_and_the_score() -> None:
+def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
     commands = as_the_runner_reads(github.commands(mixed(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "warning", "notice"]
     assert commands[0][1] == {"title": "Reads the right sensor (0 / 6)"}
@@ -99,10 +103,32 @@ def test_github_gets_one_annotation_for_each_check_that_lost_points_and_the_scor
         "Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²",
         "Got       accel = [ 1.000  0.412 -0.031]",
         "Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i",
-        "Read      Lab 04-01, Step 2",
+        "Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address",
         "Again     imugrade check --only sensor_access",
     ]
     assert commands[-1][2] == "9.33 / 30"
+
+
+def test_one_mistake_is_annotated_once_at_each_place_with_all_that_it_cost() -> None:
+    rows = (
+        lost(id="sensor_access.a", title="One"),
+        lost(id="sensor_access.b", title="Two"),
+        lost(id="filtering.c", title="Three"),
+    )
+    places = Places(LAB, {}, {"get_imu_readings": Place("imu_reader.py", 7), "LowPassFilter": Place("filters.py", 3)})
+    *told, _ = as_the_runner_reads(github.commands(result(*rows), places))
+    assert [(where["file"], where["title"]) for _, where, _ in told] == [
+        ("imu_reader.py", "One, and 1 more check (−12)"),
+        ("filters.py", "Three (0 / 6)"),
+    ]
+    assert told[0][2].count("Try ") == 1
+    assert told[0][2].endswith("\nAlso      Two (0 / 6)")
+
+
+def test_what_could_not_be_judged_is_one_notice() -> None:
+    rows = [check("not_judged", None, id=f"sensor_access.{name}", message="Not judged: x") for name in "abc"]
+    commands = as_the_runner_reads(github.commands(result(*rows, status="incomplete"), Places(LAB)))
+    assert [kind for kind, _, _ in commands] == ["notice", "notice"]
 
 
 @pytest.mark.parametrize("status", ["empty", "unreadable"])
@@ -129,7 +155,9 @@ def test_an_annotation_points_to_the_line_that_raised() -> None:
     row = check(
         "error",
         0.0,
-        message="Expected  no exception\nGot       ValueError: no at evil.py, line 3 at filters.py, line 12",
+        expected="no exception",
+        got="ValueError: no at evil.py, line 3",
+        where=Where("filters.py", 12),
     )
     assert as_the_runner_reads(github.commands(result(row), places))[0][1]["file"] == "lab/filters.py"
     assert as_the_runner_reads(github.commands(result(row), places))[0][1]["line"] == "12"
@@ -142,12 +170,12 @@ def test_an_annotation_points_to_the_definition_where_nothing_raised() -> None:
 
 def test_a_file_that_is_not_in_the_submission_is_not_pointed_to() -> None:
     places = Places(LAB, {"imu_reader.py": "imu_reader.py"})
-    assert places.of(check("error", 0.0, message="Got       x at /etc/passwd, line 1")) is None
+    assert places.of(check("error", 0.0, where=Where("/etc/passwd", 1))) is None
 
 
 def test_a_notebook_is_pointed_to_without_a_line_of_its_json() -> None:
     places = Places(LAB, {"lab.ipynb": "hw/lab.ipynb"})
-    assert places.of(check("error", 0.0, message="Got  x at lab.ipynb, cell 3, line 2")) == Place("hw/lab.ipynb")
+    assert places.of(check("error", 0.0, where=Where("lab.ipynb"))) == Place("hw/lab.ipynb")
 
 
 def test_definitions_are_found_in_the_folder_that_holds_the_lab(tmp_path: Any) -> None:
@@ -231,91 +259,120 @@ def test_any_text_comes_through_the_summary_as_itself(text: str) -> None:
 
 # --- JUnit ------------------------------------------------------------------------------------------------------------
 
-ELEMENTS: Mapping[str, tuple[set[str], set[str], list[str]]] = {
-    # element: attributes that it must have, that it may have, and its children in their order
-    "testsuites": ({"name"}, set(), ["testsuite"]),
-    "testsuite": ({"name", "tests", "failures", "errors", "skipped", "time"}, set(), ["properties", "testcase"]),
-    "testcase": ({"classname", "name", "time"}, set(), ["properties", "failure", "error", "skipped"]),
-    "properties": (set(), set(), ["property"]),
-    "property": ({"name", "value"}, set(), []),
-    "failure": ({"message"}, {"type"}, []),
-    "error": ({"message"}, {"type"}, []),
-    "skipped": ({"message"}, {"type"}, []),
+JENKINS: Mapping[str, tuple[set[str], set[str], set[str]]] = {
+    # `junit-10.xsd` of Jenkins' xunit-plugin. Element: attributes that it must have, that it may have, and its children
+    "testsuites": (set(), {"name", "time", "tests", "failures", "errors"}, {"testsuite"}),
+    "testsuite": (
+        {"name", "tests", "failures", "errors"},
+        {"group", "time", "skipped", "timestamp", "hostname", "id", "package", "file", "log", "url"},
+        {"testsuite", "properties", "testcase", "system-out", "system-err"},
+    ),
+    "testcase": (
+        {"name"},
+        {"time", "classname", "group"},
+        {
+            "skipped",
+            "error",
+            "failure",
+            "rerunFailure",
+            "rerunError",
+            "flakyFailure",
+            "flakyError",
+            "system-out",
+            "system-err",
+        },
+    ),
+    "properties": (set(), set(), {"property"}),
+    "property": ({"name", "value"}, set(), set()),
+    **dict.fromkeys(("failure", "error", "skipped"), (set(), {"type", "message"}, set())),
 }
+SUREFIRE_TIME = r"(([0-9]{0,3},)*[0-9]{3}|[0-9]{0,3})*(\.[0-9]*)?"
+AT = datetime(2026, 11, 22, 17, 0, 1, 5, timezone.utc)
+COUNTED = {"tests": ".//testcase", "failures": ".//failure", "errors": ".//error", "skipped": ".//skipped"}
 
 
-def as_a_parser_reads(text: str) -> ElementTree.Element:
-    """The tree, each of its elements held to the rules of pytest's `xunit2` family."""
+def as_jenkins_reads(text: str) -> ElementTree.Element:
+    """The tree, each of its elements held to Jenkins' schema, and its totals to what they count."""
     root = ElementTree.fromstring(text.encode())
+    assert root.tag == "testsuites"
     for element in root.iter():
-        must, may, children = ELEMENTS[element.tag]
+        must, may, children = JENKINS[element.tag]
         assert must <= set(element.keys()) <= must | may, element.tag
-        order = [children.index(child.tag) for child in element]
-        assert order == sorted(order), element.tag
-        assert len([child for child in element if child.tag in ("failure", "error", "skipped")]) <= 1
-    for suite in root:
-        for name, path in (
-            ("tests", "testcase"),
-            ("failures", ".//failure"),
-            ("errors", ".//error"),
-            ("skipped", ".//skipped"),
-        ):
-            assert int(suite.get(name, "-1")) == len(suite.findall(path))
-        assert re.fullmatch(r"\d+\.\d{3}", suite.get("time", ""))
+        assert {child.tag for child in element} <= children, element.tag
+        if element.tag in ("testsuites", "testsuite"):
+            assert re.fullmatch(SUREFIRE_TIME, element.get("time", ""))
+            named = {name: path for name, path in COUNTED.items() if element.tag == "testsuite" or name != "skipped"}
+            assert {name: element.get(name) for name in named} == {
+                n: str(len(element.findall(p))) for n, p in named.items()
+            }
+        if element.tag == "testcase":
+            assert len(element) <= 1
+    assert [suite.get("timestamp") for suite in root] == ["2026-11-22T17:00:01+00:00"] * len(root)
     return root
 
 
-def properties(element: ElementTree.Element) -> dict[str, str]:
-    return {each.get("name", ""): each.get("value", "") for each in element.findall("properties/property")}
+def properties(suite: ElementTree.Element) -> dict[str, str]:
+    return {each.get("name", ""): each.get("value", "") for each in suite.findall("properties/property")}
 
 
 def test_junit_has_a_suite_a_criterion_and_a_case_a_check_with_its_points() -> None:
-    root = as_a_parser_reads(junit(mixed()))
+    root = as_jenkins_reads(junit(mixed(), AT))
     assert [suite.get("name") for suite in root] == ["sensor_access", "allan_variance"]
-    assert properties(root[0]) == {"score": "9.33", "max_score": "30"}
-    case = root[0].findall("testcase")[2]
-    assert properties(case) == {
-        "criterion": "sensor_access",
-        "score": "0",
-        "max_score": "6",
-        "outcome": "failed",
-        "title": "Reads the right sensor",
-        "mistake": "sensor-id-as-address",
+    known = properties(root[0])
+    assert (known["score"], known["max_score"]) == ("9.33", "30")
+    assert {name: value for name, value in known.items() if name.startswith("c.")} == {
+        "c.score": "0",
+        "c.max_score": "6",
+        "c.outcome": "failed",
+        "c.title": "Reads the right sensor",
+        "c.mistake": "sensor-id-as-address",
     }
+    case = root[0].findall("testcase")[2]
     assert (case.get("classname"), case.get("name")) == ("imugrade.sensor_access", "c")
 
 
+def test_junit_has_the_totals_of_all_suites_at_its_root() -> None:
+    root = as_jenkins_reads(junit(mixed(), AT))
+    assert {name: root.get(name) for name in ("name", "tests", "failures", "errors")} == {
+        "name": "imugrade",
+        "tests": "6",
+        "failures": "3",
+        "errors": "0",
+    }
+
+
 def test_another_parser_reads_the_same_points_and_outcomes_from_junit() -> None:
-    suites = list(xunit2.JUnitXml.fromstring(junit(mixed()).encode()))
-    assert [(suite.name, suite.tests) for suite in suites] == [
-        (part.id, len(part.checks)) for part in (*mixed().criteria, *mixed().extensions) if part.checks
-    ]
-    told = [{each.name: each.value for each in case.properties()} for suite in suites for case in suite]
-    rows = [row for part in (*mixed().criteria, *mixed().extensions) for row in part.checks]
-    assert [(float(case["score"]), case["outcome"]) for case in told] == [(row.points, row.outcome) for row in rows]
+    read = xunit2.JUnitXml.fromstring(junit(mixed(), AT).encode())
+    parts = [part for part in (*mixed().criteria, *mixed().extensions) if part.checks]
+    assert [(suite.name, suite.tests) for suite in read] == [(part.id, len(part.checks)) for part in parts]
+    for suite, part in zip(read, parts, strict=True):
+        told = {each.name: each.value for each in suite.properties()}
+        for row in part.checks:
+            name = row.id.partition(".")[2]
+            assert (float(told[f"{name}.score"]), told[f"{name}.outcome"]) == (row.points, row.outcome)
 
 
 def test_a_part_earned_is_a_failure_with_the_fraction() -> None:
-    part = as_a_parser_reads(junit(mixed()))[0].findall("testcase")[1].find("failure")
+    part = as_jenkins_reads(junit(mixed(), AT))[0].findall("testcase")[1].find("failure")
     assert part is not None
     assert part.get("message") == "3.33 / 6 points: Reads the right sensor"
     assert (part.text or "").startswith("Expected  six\nGot       five")
 
 
 def test_only_a_fault_of_the_grader_is_an_error() -> None:
-    assert as_a_parser_reads(junit(mixed()))[0].get("errors") == "0"
-    assert as_a_parser_reads(junit(incomplete()))[0].get("errors") == "1"
+    assert as_jenkins_reads(junit(mixed(), AT))[0].get("errors") == "0"
+    assert as_jenkins_reads(junit(incomplete(), AT))[0].get("errors") == "1"
 
 
 def test_what_was_not_reached_is_skipped_but_an_empty_submission_is_not_green() -> None:
     row = check("skipped", 0.0)
-    assert as_a_parser_reads(junit(result(row)))[0].get("skipped") == "1"
-    assert as_a_parser_reads(junit(result(row, status="empty")))[0].get("failures") == "1"
+    assert as_jenkins_reads(junit(result(row), AT))[0].get("skipped") == "1"
+    assert as_jenkins_reads(junit(result(row, status="empty"), AT))[0].get("failures") == "1"
 
 
 def test_no_text_of_a_submission_becomes_xml_or_a_command_in_the_log() -> None:
-    text = junit(evil())
-    root = as_a_parser_reads(text)
+    text = junit(evil(), AT)
+    root = as_jenkins_reads(text)
     assert "::" not in text
     assert "##[" not in text
     failure = root[0].find("testcase/failure")
@@ -326,7 +383,7 @@ def test_no_text_of_a_submission_becomes_xml_or_a_command_in_the_log() -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.text(st.characters(exclude_categories=[]), max_size=80))
 def test_any_text_makes_well_formed_xml(text: str) -> None:
-    as_a_parser_reads(junit(result(lost(message=text, hint=text, title=text))))
+    as_jenkins_reads(junit(result(lost(message=text, hint=text, title=text)), AT))
 
 
 # --- Gradescope -------------------------------------------------------------------------------------------------------
@@ -579,6 +636,46 @@ def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
     assert read_prairielearn(prairielearn(with_extra_credit()))["score"] == 1.0
 
 
+# --- a class ------------------------------------------------------------------------------------------------------------
+
+CLASS = ("s01-sheet-verbatim", "s06-id-as-address", "s14-empty", "s11-kills-its-interpreter", "s12-endless-loop")
+"""One that is good, one with a mistake, one empty, one that ends its process, one that hangs."""
+
+
+def recorded(name: str) -> Result:
+    """What the example of this name gets, with words made up."""
+    facts = json.loads((FOLDER / name / "expected.json").read_text(encoding="utf-8"))
+    shipped = rubric.load(LAB)
+    most = {check.id: check.max_points for criterion in shipped.criteria for check in criterion.checks}
+    criteria = []
+    for id_, points in facts["criteria"].items():
+        rows = [
+            check(outcome, earned, id=check_id, max_points=most[check_id], message="" if outcome == "passed" else EVIL)
+            for check_id, (outcome, earned) in facts["checks"].items()
+            if check_id.startswith(f"{id_}.")
+        ]
+        criteria.append(CriterionResult(id_, id_, 20.0, tuple(rows)))
+        assert criteria[-1].points == points
+    base = result(status=facts["status"], notes=tuple(facts["notes"]))
+    return replace(base, criteria=tuple(criteria), extensions=())
+
+
+@pytest.mark.parametrize("name", CLASS)
+def test_every_answer_keeps_the_rules_of_its_platform_for_each_of_a_class(name: str) -> None:
+    graded = recorded(name)
+    lost_points = graded.score < graded.max_score
+    root = as_jenkins_reads(junit(graded, AT))
+    assert (int(root.get("failures", "0")) > 0) == lost_points
+    *told, total = as_the_runner_reads(github.commands(graded, Places(LAB)))
+    assert total[2].startswith(f"{graded.score:g} / 100")
+    assert bool(told) == (lost_points and graded.status == "graded")
+    assert set(rendered(github.summary(graded, LAB)).tags) <= SUMMARY_TAGS
+    assert read_gradescope(gradescope(graded))["score"] == graded.score
+    assert read_classroom50(graded)["score"] == round(graded.score)
+    shown = read_prairielearn(prairielearn(graded))
+    assert (shown["gradable"], shown["score"]) == (graded.status == "graded", graded.score / 100)
+
+
 # --- which platform ---------------------------------------------------------------------------------------------------
 
 
@@ -588,9 +685,10 @@ def test_extra_credit_counts_and_leaves_the_assignments_points_alone() -> None:
         ({"GITHUB_ACTIONS": "true"}, "", "github"),
         ({"GITHUB_ACTIONS": "true", **ID}, "", "classroom50"),
         ({"GITLAB_CI": "true"}, "", "junit"),
+        ({"JENKINS_URL": "https://example.org"}, "", "junit"),
         ({}, "autograder/submission", "gradescope"),
         ({}, "grade/student", "prairielearn"),
-        ({}, "", "json"),
+        ({}, "", "junit"),
     ],
 )
 def test_the_platform_is_recognised(tmp_path: Any, environ: dict[str, str], folder: str, name: str) -> None:
@@ -605,7 +703,7 @@ def test_a_platform_that_there_is_not_is_refused_with_a_guess() -> None:
 
 def test_a_platform_that_takes_no_answer_of_a_job_is_no_format_of_one() -> None:
     with pytest.raises(
-        RequestError, match="--format moodle: there is no such format; there are auto, classroom50, github, junit"
+        RequestError, match="--format moodle: there is no such format; there are auto, classroom50, github, gradescope"
     ):
         named("moodle")
 

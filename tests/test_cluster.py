@@ -9,8 +9,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from distributed import Client
 
 from grader import cli
 from grader.course import classroom, cluster, cluster_worker
-from grader.course.pool import KILLED, Unmarked
+from grader.course.pool import KILLED, Bounds, Outcome, Stopped, Unmarked
 from grader.course.record import Store
 from grader.engine import rubric, traces
 from grader.engine.evidence import Evidence
@@ -29,7 +29,7 @@ from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
-from tests.made_up import FakeMarker, fake_marker, no_marker, submission
+from tests.made_up import FakeMarker, Nobody, fake_marker, no_marker, submission
 
 ROOT = Path(__file__).parent.parent
 WITHIN_S = 60.0
@@ -72,6 +72,18 @@ class Site:
             until(lambda: len(client.nthreads()) == count)
         return [worker.pid for worker in self._workers]
 
+    @contextmanager
+    def with_nanny(self) -> Iterator[None]:
+        """Have one worker more, of the kind that starts by itself."""
+        nanny = self._start("worker", self.address, "--nthreads", "1")
+        try:
+            with self.client() as client:
+                until(lambda: len(client.nthreads()) == 1)
+            yield
+        finally:
+            nanny.terminate()
+            nanny.wait()
+
     def client(self) -> Client:
         return Client(self.address, set_as_default=False)
 
@@ -94,8 +106,12 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         yield site
 
 
-def grade(site: Site, folder: Path, *ids: str) -> dict[str, Result | Unmarked]:
-    marked = list(cluster.mark_all(iter(map(submission, ids)), partial(fake_marker, folder), site.address))
+def grade(site: Site, folder: Path, *ids: str) -> dict[str, Outcome]:
+    return bounded(site, folder, Bounds(), *ids)
+
+
+def bounded(site: Site, folder: Path, bounds: Bounds, *ids: str) -> dict[str, Outcome]:
+    marked = list(cluster.mark_all(iter(map(submission, ids)), partial(fake_marker, folder), site.address, bounds))
     assert len({each.id for each, _ in marked}) == len(marked), "a submission came back twice"
     return {each.id: outcome for each, outcome in marked}
 
@@ -103,7 +119,7 @@ def grade(site: Site, folder: Path, *ids: str) -> dict[str, Result | Unmarked]:
 # --- a class ------------------------------------------------------------------------------------------------------------
 
 
-class Killer(threading.Thread):
+class Killer(threading.Thread, Nobody):
     """Once the first result has come, kills a worker that is at work."""
 
     def __init__(self, client: Client) -> None:
@@ -111,8 +127,6 @@ class Killer(threading.Thread):
         self._client = client
         self._pids = client.run(os.getpid)
         self.told: list[str] = []
-
-    def begins(self, total: int) -> None: ...
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
         self.told.append(id_)
@@ -127,10 +141,27 @@ class Killer(threading.Thread):
         return [address for address, keys in self._client.processing().items() if keys]
 
 
-def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(site: Site, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def here(tmp_path_factory: pytest.TempPathFactory) -> classroom.Order:
+    """A class that was graded on this machine."""
+    root = tmp_path_factory.mktemp("here")
+    students = hand_in(root / "class", full=False)
+    order = classroom.Order((students,), root / "out", rubric.load(LAB), traces.shipped(), jobs=1, trusted=True)
+    classroom.grade_class(order, classroom.find(order), Nobody())
+    return order
+
+
+def assert_same(there: Path, here: Path) -> None:
+    assert results(there) == results(here)
+    assert evidence(there) == evidence(here)
+    assert (there / "gradebook.csv").read_bytes() == (here / "gradebook.csv").read_bytes()
+
+
+def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(
+    site: Site, here: classroom.Order, tmp_path: Path
+) -> None:
     site.staff(2)
-    students = hand_in(tmp_path / "class", full=False)
-    order = classroom.Order((students,), tmp_path / "there", rubric.load(LAB), traces.shipped(), jobs=1, trusted=True)
+    order = replace(here, out=tmp_path / "there")
     found = classroom.find(order)
     with site.client() as client:
         killer = Killer(client)
@@ -140,10 +171,39 @@ def test_a_worker_is_killed_at_work_and_the_results_are_those_of_this_machine(si
     assert sorted(killer.told) == sorted(outcome.results)
     assert outcome.incomplete == []
     assert all(result.evidence == Evidence() for result in outcome.results.values())  # recorded, not remembered
-    classroom.grade_class(replace(order, out=tmp_path / "here"), found, Nobody())
-    assert results(tmp_path / "there") == results(tmp_path / "here")
-    assert evidence(tmp_path / "there") == evidence(tmp_path / "here")
+    assert_same(tmp_path / "there", here.out)
     assert recorded(tmp_path / "there") == len(outcome.results) == 6
+
+
+def test_a_scheduler_is_started_again_midway_and_the_same_command_ends_with_the_results_of_this_machine(
+    here: classroom.Order, tmp_path: Path
+) -> None:
+    order = replace(here, out=tmp_path / "there")
+    found = classroom.find(order)
+    for name in ("first", "again"):
+        (tmp_path / name).mkdir()
+    with closing(Site(tmp_path / "first")) as first:
+        first.staff(1)
+        with pytest.raises(GraderError, match="was lost; the same command goes on where this one ended"):
+            classroom.grade_class(replace(order, cluster=first.address), found, AfterOne(first.scheduler.kill))
+    before = recorded(tmp_path / "there")
+    assert 1 <= before < 6
+    with closing(Site(tmp_path / "again")) as again:
+        again.staff(1)
+        outcome = classroom.grade_class(replace(order, cluster=again.address), found, Nobody())
+    assert (outcome.resumed, outcome.incomplete) == (before, [])
+    assert_same(tmp_path / "there", here.out)
+
+
+class AfterOne(Nobody):
+    """Does something once, when the first result has come."""
+
+    def __init__(self, act: Callable[[], object]) -> None:
+        self._acts = [act]
+
+    def done(self, id_: str, result: Result, *, resumed: bool) -> None:
+        if self._acts:
+            self._acts.pop()()
 
 
 def evidence(out: Path) -> tuple[object, ...]:
@@ -155,28 +215,22 @@ def evidence(out: Path) -> tuple[object, ...]:
     return charts, fingerprints
 
 
-class Nobody:
-    def begins(self, total: int) -> None: ...
-
-    def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
-
-
 # --- how submissions are handed out ---------------------------------------------------------------------------------
 
 
 def test_every_submission_is_marked_once_and_every_marker_closed(site: Site, tmp_path: Path) -> None:
-    pids = site.staff(2)
+    site.staff(2)
     names = [f"s{i}" for i in range(9)]
     outcomes = grade(site, tmp_path, *names)
     assert sorted(outcomes) == sorted(FakeMarker(tmp_path).marked()) == names
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
     marked_by = {int(line.split()[1]) for line in (tmp_path / "marked").read_text().splitlines()}
-    assert marked_by <= set(pids)
+    assert len(marked_by) <= 2  # they stay warm
     assert {path.name for path in tmp_path.glob("closed-*")} == {f"closed-{pid}" for pid in marked_by}
 
 
 def test_no_cluster_is_needed_when_there_is_nothing_to_mark(tmp_path: Path) -> None:
-    assert list(cluster.mark_all(iter(()), partial(no_marker, tmp_path), "tcp://127.0.0.1:1")) == []
+    assert list(cluster.mark_all(iter(()), partial(no_marker, tmp_path), "tcp://127.0.0.1:1", Bounds())) == []
 
 
 def test_no_more_submissions_are_in_memory_than_there_are_workers(site: Site, tmp_path: Path) -> None:
@@ -188,7 +242,7 @@ def test_no_more_submissions_are_in_memory_than_there_are_workers(site: Site, tm
             taken.append(f"s{number}")
             yield submission(taken[-1])
 
-    run = cluster.mark_all(reading(), partial(fake_marker, tmp_path), site.address)
+    run = cluster.mark_all(reading(), partial(fake_marker, tmp_path), site.address, Bounds())
     for done, _ in enumerate(run):
         assert len(taken) <= done + 2
 
@@ -204,11 +258,11 @@ def test_a_fault_of_the_grader_is_handed_back_with_its_words_and_the_marker_repl
 
 
 def test_a_run_that_is_given_up_closes_its_markers(site: Site, tmp_path: Path) -> None:
-    (pid,) = site.staff(1)
-    run = cluster.mark_all(map(submission, "abc"), partial(fake_marker, tmp_path), site.address)
+    site.staff(1)
+    run = cluster.mark_all(map(submission, "abc"), partial(fake_marker, tmp_path), site.address, Bounds())
     next(run)
     run.close()
-    until((tmp_path / f"closed-{pid}").exists)
+    until(lambda: list(tmp_path.glob("closed-*")))
     with site.client() as client:
         assert not [name for seats in client.run(seats_taken).values() for name in seats]
 
@@ -217,12 +271,31 @@ def seats_taken(dask_worker: object) -> list[str]:
     return [name for name in dask_worker.plugins if name.startswith("imugrade")]  # type: ignore[attr-defined]
 
 
-def test_a_submission_that_kills_two_workers_is_handed_back_and_no_other_is_lost(site: Site, tmp_path: Path) -> None:
-    site.staff(3)
+def test_a_submission_that_kills_two_markers_is_handed_back_and_no_worker_is_lost(site: Site, tmp_path: Path) -> None:
+    pids = site.staff(2)
     outcomes = grade(site, tmp_path, "a", "kill", "b", "c")
     assert outcomes.pop("kill") == Unmarked(KILLED)
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
     assert FakeMarker(tmp_path).marked().count("kill") == 2
+    assert site.staff(2) == pids
+
+
+def test_a_marker_that_does_not_answer_is_ended_there_too_and_no_worker_is_lost(site: Site, tmp_path: Path) -> None:
+    pids = site.staff(2)
+    outcomes = bounded(site, tmp_path, Bounds(wall_s=2.0), "a", "burn", "b", "c")
+    assert outcomes.pop("burn") == Stopped("no end within 2 s")
+    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
+    assert FakeMarker(tmp_path).marked().count("burn") == 2
+    assert site.staff(2) == pids
+
+
+def test_a_worker_that_has_a_nanny_ends_a_marker_too(site: Site, tmp_path: Path) -> None:
+    """As `dask worker` starts them by itself: as daemons, which multiprocessing allows no children."""
+    site.staff(0)
+    with site.with_nanny():
+        outcomes = bounded(site, tmp_path, Bounds(wall_s=2.0), "a", "wait", "b")
+    assert outcomes.pop("wait") == Stopped("no end within 2 s")
+    assert all(isinstance(outcome, Result) for outcome in outcomes.values())
 
 
 # --- what is refused, in one line -----------------------------------------------------------------------------------
@@ -231,7 +304,7 @@ def test_a_submission_that_kills_two_workers_is_handed_back_and_no_other_is_lost
 def refusal(address: str, opener: object = partial(fake_marker, Path())) -> str:
     started = time.monotonic()
     with pytest.raises(RequestError) as refused:
-        list(cluster.mark_all(iter([submission("a")]), opener, address))  # type: ignore[arg-type]
+        list(cluster.mark_all(iter([submission("a")]), opener, address, Bounds()))  # type: ignore[arg-type]
     assert time.monotonic() - started < 2 * cluster.ANSWERS_WITHIN_S
     assert "\n" not in str(refused.value)
     return str(refused.value)
@@ -317,7 +390,7 @@ def test_the_command_tells_it_in_one_line(
     monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 0.2)
     arguments = ["grade", str(hand_in(tmp_path / "class", full=False)), "-o", str(tmp_path / "out")]
     assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1"]) == 2
-    assert capsys.readouterr().err.splitlines()[1:] == [
+    assert capsys.readouterr().err.splitlines() == [
         "imugrade: --cluster tcp://127.0.0.1:1: no Dask scheduler answers there (nothing came within 0.2 s)"
     ]
     assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1", "--jobs", "2"]) == 2
@@ -365,7 +438,7 @@ def test_a_connection_that_cannot_be_closed_changes_nothing(
     closing_as_ever = Client._close
     monkeypatch.setattr(Client, "_close", broken)
     assert isinstance(grade(site, tmp_path, "a")["a"], Result)
-    run = cluster.mark_all(iter([submission("b")]), partial(no_marker, tmp_path), site.address)
+    run = cluster.mark_all(iter([submission("b")]), partial(no_marker, tmp_path), site.address, Bounds())
     with pytest.raises(RequestError, match="no marker for"):
         next(run)
 

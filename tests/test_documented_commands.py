@@ -27,9 +27,11 @@ import pytest
 import typer.main
 
 from grader import cli
+from grader.engine import traces
 from grader.kit import give, wheel
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
+from grader.report import truth
 from tests.classes import Student, canvas, canvas_gradebook, filters_alone, moodle, moodle_worksheet
 from tests.corpus.pieces import tidy
 from tests.corpus.sheet import VERBATIM
@@ -49,7 +51,7 @@ FROM_NOTHING = (
 STANDS_FOR = {"SUBMISSIONS": "submissions", "OUT": "out-monday", "DOWNLOAD": "submissions", "ID": "view-not-copy"}
 STANDS_FOR |= {"R": "none", "F": "poison"}
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
-PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITLAB_CI", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
+PLATFORMS_SAY = ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY", "GITHUB_WORKSPACE", "CLASSROOM", "IMUGRADE_SEED")
 
 
 # --- what the documents assume ----------------------------------------------------------------------------------------
@@ -66,6 +68,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         for name in PLATFORMS_SAY:
             here.delenv(name, raising=False)
         here.chdir(place)
+        truth.save(traces.obtain("...", None), place)
         assert run(["grade", "submissions", "canvas.zip", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         shutil.copytree("out-monday", "out-tuesday")
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
@@ -88,6 +91,7 @@ def _hand_in(place: Path) -> None:
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
     write(tidy(), place / "my_lab")
     write(tidy(), place / "lab")
+    write(tidy(), place / "student")
     write(tidy(), place / "my_lab", "zip")
     give.student(LAB, place / "kit")
     write(VERBATIM, place / "kit")
@@ -227,10 +231,13 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
     words = [STANDS_FOR.get(word, word) for word in command.words[1:]]
     if "--cluster" in words:
         words[words.index("--cluster") + 1] = scene.cluster().address
-    if command.words[1] in ("check", "ci"):
+    if command.words[1] in ("check", "ci", "repro"):
         folder = where_a_student_is(command, folder)
     if "--watch" in words:
         watch(words, folder)
+        return
+    if words[0] == "review":
+        review(words, folder)
         return
     with pytest.MonkeyPatch.context() as here:
         here.chdir(folder)
@@ -260,7 +267,8 @@ def run(words: list[str]) -> tuple[int, str, str]:
 
 def where_a_student_is(command: Command, folder: Path) -> Path:
     """Without a path it is the working folder that is looked at: a student's own."""
-    if command.words[2:] and not command.words[2].startswith("-"):
+    path = command.words[3 if command.words[1] == "repro" else 2 :]
+    if path and not path[0].startswith("-"):
         return folder
     return folder / ("kit" if command.document.startswith("the students'") else "my_lab")
 
@@ -278,6 +286,17 @@ def watch(words: list[str], folder: Path) -> None:
         assert process.wait(60) == 0, told
     assert told[0].endswith("checking …\n")
     assert "Ctrl-C ends" in "".join(told)
+
+
+def review(words: list[str], folder: Path) -> None:
+    """Ended by Ctrl-C once it has said where it is."""
+    line = [sys.executable, "-m", "grader", *words]
+    with subprocess.Popen(line, cwd=folder, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        told = next(each for each in process.stdout if each.startswith("http"))
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+/enter\?token=\S{40,}\n", told)
 
 
 def checked(done: Done) -> None:
@@ -303,10 +322,12 @@ def graded(done: Done) -> None:
 
 
 def adjusted(done: Done) -> None:
-    assert done.out.startswith("alice filtering ")
-    assert ("withdrawn" in done.out) == ("--withdraw" in done.words) or len(done.words) == 2
+    target = done.after("--criterion") or ("bonus" if "--take-back" in done.words else "filtering")
+    told = next(line for line in done.out.splitlines() if line.startswith(f"alice {target} "))
+    back = {"--withdraw", "--undo", "--take-back"} & set(done.words)
+    assert ("withdrawn" in done.out) == bool(back) or len(done.words) == 2
     if points := done.after("--points"):
-        assert done.out.startswith(f"alice filtering {points}, final ")
+        assert told.startswith(f"alice {target} {points}, final ")
 
 
 def told_apart(done: Done) -> None:
@@ -346,6 +367,7 @@ KITS = {
     "--gradescope": "run_autograder",
     "--classroom50": "autograder.py",
     "--github": "imugrade.yml",
+    "--gitlab": ".gitlab-ci.yml",
 }
 
 
@@ -353,7 +375,7 @@ def answered(done: Done) -> None:
     """By a platform's job: something that its reader takes."""
     made = done.file("-o", "--out")
     text = made.read_text(encoding="utf-8") if made else done.out
-    kind = done.after("--format") or "json"
+    kind = done.after("--format") or "junit"
     assert kind in registry.names("respond")
     if kind == "junit":
         assert ElementTree.fromstring(text).tag == "testsuites"
@@ -370,6 +392,11 @@ def traced(done: Done) -> None:
     assert done.out
 
 
+def repeated(done: Done) -> None:
+    assert done.out == ".imugrade/repro.py written; run it with: python .imugrade/repro.py\n"
+    assert "the sensors say" in _lines([".imugrade/repro.py"], done.folder)
+
+
 OUTCOMES: Mapping[str, Callable[[Done], None]] = {
     "check": checked,
     "grade": graded,
@@ -379,16 +406,19 @@ OUTCOMES: Mapping[str, Callable[[Done], None]] = {
     "ci": answered,
     "kit": given,
     "explain": explained,
+    "repro": repeated,
     "doctor": examined,
     "traces": traced,
 }
-LEAVE_NOTHING = ("check", "ci", "doctor", "explain", "traces", "--help")
+LEAVE_NOTHING = ("check", "ci", "doctor", "explain", "repro", "traces", "--help")
 
 
 # --- other programs ---------------------------------------------------------------------------------------------------
 
 
 def python(command: Command, folder: Path, scene: Scene) -> None:
+    if command.words[1] == ".imugrade/repro.py":
+        return  # it is run as soon as it is written
     if command.words[1] != "-m":
         _lines([*command.words[1:]], folder / "kit")
         assert (folder / "kit" / "imu_data.png").stat().st_size > 10_000

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Lateness, Person
+from grader.people.standing import Person
 from grader.platforms.classes import Intake, read_class
 from tests import classes
 from tests.corpus.writing import as_bytes
@@ -182,10 +182,10 @@ def test_canvas_names_give_who_late_and_where_feedback_goes(tmp_path: Path) -> N
         "doejane",
         (Person("doejane", "101", "canvas"),),
     )
-    assert jane.hand_in.late == Lateness("", None)
+    assert jane.hand_in.marked_late
     assert jane.hand_in.reply == "doejane_LATE_101_9002_"
     assert set(jane.read().files) == {"imu_reader.py", "filters.py"}
-    assert (li.id, li.hand_in.late, li.hand_in.people[0].key) == ("li2_102", None, "102")
+    assert (li.id, li.hand_in.marked_late, li.hand_in.people[0].key) == ("li2_102", False, "102")
 
 
 def test_a_file_that_was_handed_in_again_is_the_newer_one_under_its_own_name(tmp_path: Path) -> None:
@@ -222,13 +222,68 @@ def test_anonymous_students_text_entries_and_strays_are_all_accounted_for(tmp_pa
         ("roe_103", "empty"),
     ]
     assert found.entries[0].hand_in.people == (Person("anon_x7Qz1", "", "canvas"),)
-    assert found.entries[0].hand_in.late is not None
+    assert found.entries[0].hand_in.marked_late
     assert found.leftovers == (
         f"{tmp_path}/c.zip/readme.md: not named as Canvas names files, so whose it is cannot be told",
     )
 
 
+ROSTER = {"101": "Doe, Jane", "666": "zzz_101_5", "678": "12345", "55": "Roe, Bob"}
+READ_IN_TWO_WAYS = (
+    "its name can mean several people; give --roster with the platform's numbers, and it is who stands there"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "who"),
+    [
+        ("12345_678_901_filters.py", {}, "678"),  # a display name of digits is no id
+        ("12345_LATE_678_901_filters.py", {}, "678"),
+        ("_678_901_filters.py", {}, "678"),  # a name of which Canvas keeps no sign
+        ("zzz_101_5_666_901_filters.py", {}, None),
+        ("zzz_101_5_666_901_filters.py", ROSTER, "666"),
+        ("zzz_101_666_901_filters.py", {"101": "Doe, Jane"}, None),
+        ("mller_101_901_04_01_filters.py", {"101": "Müller, Li"}, None),
+        ("mllerli_101_901_04_01_filters.py", {"101": "Müller, Li"}, "101"),
+        ("doejane_101_901_04_01_filters.py", {}, None),
+        ("doejane_101_901_04_01_filters.py", ROSTER, "101"),
+        ("roe_55_text.html", {}, "55"),
+        ("a_7_55_text.html", {}, "7"),  # a file of that name
+    ],
+)
+def test_a_name_with_numbers_in_it_is_who_the_roster_knows_or_nobody(
+    name: str, known: dict[str, str], who: str | None, tmp_path: Path
+) -> None:
+    path = zip_of(tmp_path / "c.zip", {name: "# 1\n", "li_102_9003_filters.py": "# 2\n"})
+    found = read_class([path], LAB.files, known=known)
+    assert [e.hand_in.people[0].key for e in found.entries if e.id != "li_102"] == ([] if who is None else [who])
+    assert found.leftovers == (() if who else (f"{path}/{name}: {READ_IN_TWO_WAYS}",))
+
+
+def test_of_a_file_that_begins_with_numbers_another_of_the_same_student_leaves_no_doubt(tmp_path: Path) -> None:
+    found = canvas(tmp_path, "doejane_101_9001_04_01_notes.py", "doejane_101_9002_filters.py")
+    assert [set(entry.read().files) for entry in found.entries] == [{"04_01_notes.py", "filters.py"}]
+
+
 # ---- several attempts ----
+
+
+def test_every_file_of_an_earlier_attempt_is_named(tmp_path: Path) -> None:
+    first = zip_of(tmp_path / "monday.zip", {"a_1_10_filters.py": "old", "a_1_11_imu_reader.py": "old"})
+    second = zip_of(tmp_path / "friday.zip", {"a_1_12_filters.py": "new"})
+    assert read_class([first, second], LAB.files).leftovers == (
+        f"{first}/a_1_10_filters.py, a_1_11_imu_reader.py: an earlier attempt; the latest one is graded",
+    )
+
+
+def test_a_download_that_lies_beside_what_was_unpacked_from_it_is_told_as_that(tmp_path: Path) -> None:
+    files: dict[str, bytes | str] = {"a_1_10_filters.py": "a", "b_2_11_filters.py": "b"}
+    zip_of(tmp_path / "lab_submissions.zip", files)
+    for name in files:
+        (tmp_path / name).write_text("x")
+    found = read_class([tmp_path], LAB.files)
+    assert [entry.id for entry in found.entries] == ["a_1", "b_2"]
+    assert found.leftovers == (f"{tmp_path}/lab_submissions.zip: the download itself, whose files lie beside it",)
 
 
 def test_of_several_downloads_the_latest_attempt_counts_and_the_others_are_listed(tmp_path: Path) -> None:
@@ -293,6 +348,19 @@ def test_feedback_goes_back_under_the_very_name_that_came(member: str, reply: st
     assert replies.get("Jane_Doe_12") == reply
 
 
+@pytest.mark.parametrize("known", [{}, {"12": "Jane Doe"}, {"12": "Jane Doe", "9": "B"}])
+def test_a_moodle_name_that_holds_another_persons_number_is_who_the_roster_knows_or_nobody(
+    known: dict[str, str], tmp_path: Path
+) -> None:
+    lie = "Jane Doe_12_assignsubmission_file_9_assignsubmission_file_filters.py"
+    lie = lie.replace("file_9", "file_x_9")
+    path = zip_of(tmp_path / "m.zip", {lie: "f", "B_9_assignsubmission_file_filters.py": "g"})
+    found = read_class([path], LAB.files, known=known)
+    placed = known.keys() == {"12"}
+    assert [entry.id for entry in found.entries] == (["B_9", "Jane_Doe_12"] if placed else ["B_9"])
+    assert found.leftovers == (() if placed else (f"{path}/{lie}: {READ_IN_TWO_WAYS}",))
+
+
 # ---- Gradescope ----
 
 
@@ -355,7 +423,7 @@ def test_the_times_and_names_of_classroom_50_go_to_the_right_clone(tmp_path: Pat
     assert found["rob-lab4-a"].people == (Person("Al Short", "a", "git", email="al@example.edu", section="1"),)
     assert found["rob-lab4-anna-a"].people[0].name == "Anna Long"
     assert found["rob-lab4-anna-a"].submitted == "2026-11-21T21:00:00+00:00"
-    assert (found["rob-lab4-a"].late, found["rob-lab4-anna-a"].late) == (None, Lateness("", None))
+    assert (found["rob-lab4-a"].marked_late, found["rob-lab4-anna-a"].marked_late) == (False, True)
     assert found["rob-lab4-new"].people[0].name == "rob-lab4-new"
 
 

@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import pytest
 
 from grader import cli
-from grader.engine.feedback import catalogue
+from grader.engine.examination import known_checks
+from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
+from grader.engine.written import checks_of
 from grader.handbook import entries
 from grader.labs.imu.lab import LAB
 
@@ -61,3 +66,14 @@ def test_every_id_has_an_entry() -> None:
 
 def test_every_group_of_mistakes_has_a_title() -> None:
     assert {mistake.group for mistake in catalogue(LAB).values()} == set(entries.GROUPS)
+
+
+def test_what_is_read_of_the_checks_is_what_they_are_when_they_run() -> None:
+    assert checks_of(LAB) == known_checks(LAB)
+
+
+def test_an_explanation_imports_nothing_slow() -> None:
+    told = "import sys; from grader import cli; cli.main(['explain', 'filtering']); print(*sys.modules)"
+    modules = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout.split()
+    assert "grader.handbook.entries" in modules
+    assert not {"numpy", "pytest", "mujoco", "scipy", "matplotlib", "jinja2"}.intersection(modules)

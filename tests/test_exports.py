@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from grader import cli
 from grader.course import classroom
 from grader.course.pool import Bounds, OpenMarker
+from grader.course.record import Key, Store
 from grader.engine import traces
 from grader.engine.marking import Marker
 from grader.engine.results import Result
@@ -134,9 +135,10 @@ def test_the_assignment_may_be_called_by_title_number_or_heading(column: str) ->
         (canvas_file(), None, "t.csv: name the assignment with --column; there are: Lab 03 (4700), Lab 04-01 (4711)"),
         (canvas_file(), "Lab", "t.csv: --column Lab means none or several; there are: Lab 03 (4700), Lab 04-01 (4711)"),
         (
-            canvas_file(),
+            canvas_file("D,101,s1,jd,A,,,"),
             "4700",
-            "t.csv: the assignment is out of 50, and the rubric out of 100; make them equal on the platform or in rubric.yaml",
+            "t.csv: the assignment is out of 50, and the rubric out of 100; add --scale to have the points scaled, "
+            "or make them equal on the platform or in rubric.yaml",
         ),
         (b"a,b\n", None, "t.csv: is no gradebook of Canvas; export it there with Grades > Export"),
         (b"", None, "t.csv: is empty; give the file that the platform exports"),
@@ -178,14 +180,34 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     assert filled.grades == 0
     assert list(filled.left_out(by_name)) == [
         "graded, and not in the file: a",
-        "in the file, and not graded (left as it is): Doe, Jane, Doe, Jane",
+        "in the file, and not graded (left as it is): Doe, Jane; Doe, Jane",
     ]
 
 
 def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
     text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
     filled = canvas.fill(text.encode(), "t.csv", None, class_of(standing("a", Person("Jane Doe"))))
-    assert filled.data.decode() == text + "87.5"
+    assert filled.data.decode() == text + "87,5"
+
+
+def test_a_grade_that_stands_there_already_is_replaced_with_a_word_on_it() -> None:
+    template = canvas_file("Doe,101,,,A,,40,", "Roe,102,,,A,,87.50,")
+    everyone = class_of(standing("jd", JANE), standing("roe", Person("Roe", "102", "canvas")))
+    filled = canvas.fill(template, "t.csv", "4711", everyone)
+    assert list(filled.left_out(everyone)) == ["had another grade in the file, which was replaced: Doe (40 → 87.5)"]
+
+
+def test_canvas_s_own_test_student_is_nobody_whom_anyone_misses() -> None:
+    filled = canvas.fill(canvas_file('"Student, Test",9,,f00,A,,,', "Roe,102,,,A,,,"), "t.csv", "4711", {})
+    assert list(filled.left_out({})) == ["in the file, and not graded (left as it is): Roe"]
+
+
+def test_points_are_scaled_to_what_the_assignment_is_out_of_where_that_is_asked_for() -> None:
+    filled = canvas.fill(canvas_file("D,101,s1,jd,A,,,"), "t.csv", "4700", class_of(standing("x", JANE)), scaled=True)
+    assert filled.data.decode().splitlines()[2] == "D,101,s1,jd,A,43.75"
+    rows = ['"Participant 12",J,,,,,20.00,Yes,-,']
+    marked = moodle.fill(worksheet(*rows), "w.csv", None, class_of(standing("a", MOODLE)), scaled=True)
+    assert marked.data.decode().splitlines()[1].split(",")[5] == "17.5"
 
 
 # ---- Moodle ----
@@ -231,9 +253,32 @@ def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_colu
     assert [line.split(",")[5] for line in filled.data.decode().splitlines()[1:2]] == ["87.5"]
     german = 'ID;"Vollständiger Name";Bewertung;Bestwertung\nTeilnehmer/in12;"Jürgen Müßig";;100,00\n'
     filled = moodle.fill(german.encode(), "w.csv", "Bewertung", class_of(standing("a", MOODLE)))
-    assert filled.data.decode() == german.replace('";;', '";87.5;')
+    assert filled.data.decode() == german.replace('";;', '";87,5;')
     with pytest.raises(RequestError, match=r"^w.csv: has no column Grade; download the grading worksheet, or name the"):
         moodle.fill(german.encode(), "w.csv", None, team)
+
+
+GERMAN = (
+    "ID;Vollständiger Name;E-Mail-Adresse;Status;Bewertung;Bestwertung;Bewertung kann geändert werden;"
+    "Zuletzt geändert (Abgabe);Zuletzt geändert (Bewertung);{}\n"
+    "Teilnehmer/in12;Jürgen Müßig;j@example.edu;Abgegeben;{};100,00;Ja;Montag;-;{}\n"
+    "Teilnehmer/in13;K;k@example.edu;Abgegeben;12,00;100,00;Nein;Montag;Dienstag;\n"
+)
+
+
+@pytest.mark.parametrize("title", ["Feedback als Kommentar", "Kommentare der Lehrenden"])
+def test_a_worksheet_in_another_language_has_its_commas_its_comments_and_its_locked_grades(title: str) -> None:
+    template = GERMAN.format(title, "", "")
+    everyone = class_of(standing("a", MOODLE), standing("b", Person("K", "13", "moodle")))
+    filled = moodle.fill(template.encode(), "w.csv", "Bewertung", everyone)
+    assert filled.data.decode() == GERMAN.format(title, "87,5", '"Marks: Sensor access 87.5 / 100"')
+    assert list(filled.left_out(everyone)) == ["not to be changed in the file (left as it is): Teilnehmer/in13"]
+
+
+def test_where_a_worksheet_has_no_comments_the_last_column_is_left_alone() -> None:
+    template = "".join(";".join(line.split(";")[:-1]) + "\n" for line in GERMAN.format("x", "", "").splitlines())
+    filled = moodle.fill(template.encode(), "w.csv", "Bewertung", class_of(standing("a", MOODLE)))
+    assert filled.data.decode() == template.replace(";;100,00", ";87,5;100,00")
 
 
 # ---- Gradescope, and CSV in general ----
@@ -334,11 +379,30 @@ def test_any_table_is_taken_apart_and_put_together_again_without_a_change(
 
 @contextmanager
 def graded(out: Path) -> Iterator[Path]:
-    from grader.course.record import Key, Store
-
     with Store(out) as store:
         store.keep(Key("alice", "s", "r", "t", "0"), result())
     yield out
+
+
+def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nothing = result(check("skipped", 0.0), name="bob", status="unreadable")
+    with graded(tmp_path / "out") as out, Store(out) as store:
+        store.keep(Key("bob", "s", "r", "t", "0"), nothing)
+        assert cli.main(["export", str(out), "-f", "csv", "-o", str(tmp_path / "a.csv")]) == 0
+        assert capsys.readouterr().err == (
+            "imugrade: nothing in them could be marked: left blank until you have looked (adjust them, or give "
+            "--unreadable 0): bob\n"
+        )
+        assert (tmp_path / "a.csv").read_text().splitlines()[2] == "bob,bob,,,,unreadable"
+        zero = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "b.csv"), "--unreadable", "0"]
+        assert (cli.main(zero), capsys.readouterr().err) == (0, "")
+        assert (tmp_path / "b.csv").read_text().splitlines()[2] == "bob,bob,0,0,0,unreadable"
+        by_hand = Adjustment("sensor_access", 3.0, "by mail", "me", "now", beneath(nothing.criteria[0]))
+        store.adjust([("bob", by_hand)])
+        assert cli.main(["export", str(out), "-f", "csv", "-o", str(tmp_path / "c.csv")]) == 0
+        assert (tmp_path / "c.csv").read_text().splitlines()[2] == "bob,bob,0,0,3,3,unreadable"
 
 
 @pytest.mark.parametrize(
@@ -379,5 +443,5 @@ def test_reports_of_a_plain_class_have_no_place_to_go_and_that_is_told(
     with graded(tmp_path / "out") as out:
         assert cli.main(["export", str(out), "-f", "csv", "--feedback", str(tmp_path / "r.zip")]) == 0
     told = capsys.readouterr()
-    assert told.out == f"{out}/gradebook.csv  1 grade\n{tmp_path}/r.zip  0 reports\n"
+    assert told.out == f"{out}/marks.csv  1 grade\n{tmp_path}/r.zip  0 reports\n"
     assert told.err == "imugrade: no report for the platform to place: alice\n"

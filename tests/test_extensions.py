@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import allantools
 import mujoco
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 import reference
 from grader.engine import rubric, traces
+from grader.engine.conversation import Conversation
 from grader.engine.marking import Marker
 from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.intake import Submission, read_submission
@@ -104,7 +106,7 @@ def test_an_extension_that_never_returns_is_stopped(
 
 
 def test_every_mistake_of_an_extension_has_a_faulty_one() -> None:
-    from grader.engine.feedback import catalogue
+    from grader.engine.mistakes import catalogue
 
     named = {id_ for id_, mistake in catalogue(LAB).items() if mistake.group == "extensions"}
     assert named <= {faulty.mistake for faulty in corpus.FAULTY_EXTENSIONS}
@@ -127,9 +129,16 @@ def test_the_reference_passes_all_of_its_own_extensions(marker: Marker) -> None:
 
 def test_without_extensions_no_question_is_asked_about_them(mark: Mark, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    monkeypatch.setattr("grader.labs.imu.student.Student.question", lambda self, key, name, *rest: asked.append(name))
+    ask = Conversation.ask
+
+    def noting(self: Conversation, op: str, *rest: Any) -> Any:
+        asked.append(op)
+        return ask(self, op, *rest)
+
+    monkeypatch.setattr(Conversation, "ask", noting)
     result = mark({})
-    assert asked == []
+    assert {"read", "filter"} <= set(asked)
+    assert not {"tilt", "allan", "imus", "live"} & set(asked)
     assert [(e.attempted, e.checks, e.points) for e in result.extensions] == [(False, (), 0.0)] * 4
     assert to_dict(result)["extensions"][1] == {
         "id": "allan_variance", "attempted": False, "points": 0.0, "max_points": 0.0, "checks": []

@@ -118,7 +118,10 @@ def test_the_labs_folder_is_found_up_to_four_levels_down(tmp_path: Path, pack: P
 def test_five_levels_down_nothing_is_found(tmp_path: Path, pack: Pack) -> None:
     submission = read_submission(pack(tmp_path, below("a/b/c/d/e")), LAB.files)
     assert (submission.status, submission.files) == ("empty", {})
-    assert submission.notes == ("No .py or .ipynb file was found up to 4 folders down.",)
+    assert submission.notes == (
+        "No .py or .ipynb file was found up to 4 folders down.",
+        "There is code further down, in a/b/c/d/e; hand in that folder itself.",
+    )
 
 
 def test_a_folder_and_its_archives_have_one_hash_and_other_bytes_another(tmp_path: Path) -> None:
@@ -282,12 +285,16 @@ def test_one_of_two_archives_is_not_picked(tmp_path: Path) -> None:
 def test_an_archive_of_another_kind_is_unreadable(tmp_path: Path) -> None:
     submission = read_submission(as_folder(tmp_path, {"lab.rar": b"Rar!"}), LAB.files)
     assert submission.status == "unreadable"
-    assert submission.notes == ("lab.rar is an archive of a kind that is not opened; hand in a .zip.",)
+    assert submission.notes == (
+        "lab.rar is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it.",
+    )
     alone = read_submission(saved(tmp_path, "bob.7z", b"7z"), LAB.files)
     assert (alone.status, alone.notes) == (
         "unreadable",
-        ("bob.7z is not a folder, a .zip or a .tar.gz; hand in one of these.",),
+        ("bob.7z is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it.",),
     )
+    renamed = read_submission(saved(tmp_path, "eve.zip", b"Rar!\x1a\x07\x01\0" * 9), LAB.files)
+    assert renamed.notes[0].startswith("eve.zip is an archive of a kind that is not opened; hand in a .zip")
 
 
 def test_the_first_bytes_tell_an_archives_kind(tmp_path: Path) -> None:

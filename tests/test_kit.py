@@ -17,6 +17,7 @@ import venv
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -25,6 +26,7 @@ from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.kit import give, wheel
 from grader.labs.imu.lab import LAB
+from grader.platforms import github
 from reference.worlds import LAB_MODEL
 from tests.corpus.sheet import VERBATIM
 
@@ -88,11 +90,42 @@ def everything(place: Path) -> dict[str, bytes]:
 # --- what is in them, and what is not ---------------------------------------------------------------------------------
 
 
-def test_students_get_starter_files_the_model_at_the_sheets_path_a_readme_and_the_wheel(students: Path) -> None:
+def test_students_get_starter_files_the_model_at_the_sheets_path_motions_a_readme_and_the_wheel(students: Path) -> None:
     found = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
     model = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
-    assert found == {"imu_reader.py", "noisy_imu.py", "filters.py", "README.md", model, wheel.name()}
+    editors = {".devcontainer/devcontainer.json", ".vscode/settings.json", ".vscode/tasks.json"}
+    motions = {f"traces/{name}.{kind}" for name in ("standing", "push", "tumbling") for kind in ("csv", "png")}
+    assert found == {
+        "imu_reader.py",
+        "noisy_imu.py",
+        "filters.py",
+        "README.md",
+        model,
+        wheel.name(),
+        *editors,
+        *motions,
+    }
     assert (students / model).read_bytes() == LAB_MODEL.read_bytes()
+
+
+def test_the_push_that_students_get_is_what_the_sheets_step_3_reads(students: Path, tmp_path: Path) -> None:
+    (tmp_path / "imu_reader.py").write_text(VERBATIM["imu_reader.py"], encoding="utf-8")
+    (tmp_path / "textbook").symlink_to(students / "textbook")
+    save = "import imu_reader, numpy; numpy.save('own.npy', numpy.column_stack(list(imu_reader.imu_data.values())))"
+    environ = {**os.environ, "MPLBACKEND": "Agg"}
+    subprocess.run([sys.executable, "-c", save], cwd=tmp_path, env=environ, check=True, capture_output=True)
+    own, csv_file = np.load(tmp_path / "own.npy"), students / "traces/push.csv"
+    heading, table = csv_file.read_text().partition("\n")[0], np.loadtxt(csv_file, delimiter=",", skiprows=1)
+    sensors = [f"{name}_{axis}" for name in ("acceleration", "angular_velocity") for axis in "xyz"]
+    assert heading.split(",") == ["time", *sensors]
+    np.testing.assert_allclose(own[: len(table)], table, atol=1e-5)  # another MuJoCo differs in the last digits
+
+
+def test_what_editors_read_is_json_that_names_things_that_are_there(students: Path) -> None:
+    read = {path.name: json.loads(path.read_text()) for path in students.glob(".*/*.json")}
+    assert read["devcontainer.json"]["postCreateCommand"] == f"python -m pip install {wheel.name()}"
+    assert read["tasks.json"]["tasks"][0]["args"] == ["-m", "grader", "check"]
+    assert read["settings.json"]["python.testing.pytestArgs"] == ["--imugrade"]
 
 
 def test_no_kit_holds_a_piece_of_the_reference(students: Path, autograder: Path) -> None:
@@ -177,12 +210,85 @@ def signatures(source: str) -> dict[str, str]:
 @pytest.mark.parametrize("name", sorted(VERBATIM))
 def test_the_starter_files_have_the_sheets_signatures_and_say_what_is_to_do(students: Path, name: str) -> None:
     source = (students / name).read_text(encoding="utf-8")
-    assert signatures(source) == signatures(VERBATIM[name])
-    assert source.count("TODO Step") >= len(signatures(source))
+    assert signatures(source).items() >= signatures(VERBATIM[name]).items()
+    assert source.count("TODO Step") >= len(signatures(VERBATIM[name]))
+
+
+@pytest.mark.parametrize(
+    ("written", "file", "said"),
+    [
+        (
+            (),
+            "imu_reader.py",
+            ["sensors", "written: Step 2, get_imu_readings", "written: Step 3, simulate_and_collect"],
+        ),
+        (
+            (),
+            "noisy_imu.py",
+            ["written: Step 5, NoisyIMU", "written: Step 2, get_imu_readings", "Clean: None", "Noisy: None"],
+        ),
+        ((), "filters.py", ["written: Step 5, NoisyIMU", "written: Step 6, LowPassFilter"]),
+        (("imu_reader.py", "noisy_imu.py"), "filters.py", ["written: Step 6, LowPassFilter"]),
+    ],
+)
+def test_each_starter_file_runs_at_every_step_and_says_what_is_not_written(
+    written: tuple[str, ...], file: str, said: list[str], students: Path, tmp_path: Path
+) -> None:
+    for path in students.glob("*.py"):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    (tmp_path / "textbook").symlink_to(students / "textbook")
+    for name in written:
+        _write_parts(tmp_path / name, VERBATIM[name])
+    environ = {**os.environ, "MPLBACKEND": "Agg"}
+    done = subprocess.run(
+        [sys.executable, file], cwd=tmp_path, env=environ, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert len(lines) == len(said)
+    assert all(words in line for words, line in zip(said, lines, strict=True))
+
+
+def _write_parts(path: Path, sheet: str) -> None:
+    """The sheet's own definitions in the place of those that are still to be written."""
+    text = path.read_text(encoding="utf-8")
+    for node in ast.parse(sheet).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            old = next(o for o in ast.parse(text).body if isinstance(o, type(node)) and o.name == node.name)
+            text = text.replace(ast.get_source_segment(text, old) or "", ast.get_source_segment(sheet, node) or "")
+    path.write_text(text, encoding="utf-8")
+
+
+def test_the_readme_is_a_checklist_of_the_sheets_steps_with_a_criterion_each(students: Path) -> None:
+    text = (students / "README.md").read_text(encoding="utf-8")
+    steps = re.findall(r"^- \[ \] \*\*Step (\d)\.\*\* .*--only (\w+)`$", text, re.MULTILINE)
+    assert [int(step) for step, _ in steps] == [2, 3, 4, 5, 6]
+    assert [criterion for _, criterion in steps] == [criterion.id for criterion in rubric.load(LAB).criteria]
+
+
+def test_a_stand_in_uses_nothing_that_the_sheet_does_not_print() -> None:
+    """The wheel has to hold the stand-ins, since checks need a sound partner. Each is a part that the sheet gives in full."""
+    sheet = ast.parse((LAB.folder / "sheet.txt").read_text(encoding="utf-8"))
+    given = {node.name for node in ast.walk(sheet) if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    plumbing = {
+        "append",
+        "array",
+        "concatenate",
+        "id",
+        "reshape",
+        "sensor",
+    }  # how rows are gathered and ids are looked up
+    for path in (LAB.folder / "standins").glob("*.txt"):
+        assert path.stem in given
+        assert _attributes(ast.parse(path.read_text(encoding="utf-8"))) <= _attributes(sheet) | plumbing, path.name
+
+
+def _attributes(tree: ast.AST) -> set[str]:
+    return {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
 
 
 def test_the_readme_names_commands_and_ids_that_exist(students: Path) -> None:
-    from grader.engine.feedback import catalogue
+    from grader.engine.mistakes import catalogue
 
     text = (students / "README.md").read_text(encoding="utf-8")
     assert f"python -m pip install {wheel.name()}" in text
@@ -218,26 +324,54 @@ def test_a_kit_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
 # --- platforms --------------------------------------------------------------------------------------------------------
 
 
-def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(tmp_path: Path) -> None:
-    give.github(LAB, tmp_path)
-    workflow = yaml.safe_load((tmp_path / ".github/workflows/imugrade.yml").read_text())
+def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(workflows: Path) -> None:
+    workflow = yaml.safe_load((workflows / ".github/workflows/imugrade.yml").read_text())
     steps = [step["run"] for step in workflow["jobs"]["check"]["steps"] if "run" in step]
     assert workflow["permissions"] == {"contents": "read"}
     assert steps[-1] == "imugrade ci --format github"
-    assert (tmp_path / steps[0].split()[-1]).is_file()
+    pipeline = yaml.safe_load((workflows / ".gitlab-ci.yml").read_text())["lab-04-01"]
+    assert (workflows / pipeline["script"][0].split()[-1]).is_file()
+    assert (workflows / steps[0].split()[-1]).is_file()
 
 
-@pytest.mark.parametrize("schema", ["github-workflows", "gitlab-ci"])
-def test_what_a_ci_reads_is_what_its_schema_allows(schema: str, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def workflows(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A repository with the kit's workflow, the handbook's for hidden scenarios, and the kit's pipeline."""
+    out = tmp_path_factory.mktemp("repository")
+    give.github(LAB, out)
+    give.gitlab(LAB, out)
+    (block,) = re.findall(r"^    name: Lab 04-01, hidden.*\n(?:    .*\n)*", github.PLATFORM.help.respond, re.MULTILINE)
+    (out / ".github/workflows/hidden.yml").write_text(textwrap.dedent(block), encoding="utf-8")
+    return out
+
+
+def test_an_audit_of_the_workflows_finds_nothing(workflows: Path) -> None:
+    """zizmor, as strict as it can be: unpinned actions, credentials left behind, permissions, templates that are injected."""
+    zizmor = Path(sys.executable).with_name("zizmor")
+    command = [zizmor, "--offline", "--no-progress", "--persona", "auditor", "--strict-collection", workflows]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    loose = workflows / ".github/workflows/imugrade.yml"
+    whole = loose.read_text()
+    try:
+        loose.write_text(re.sub(r"checkout@\w+ # ", "checkout@", whole))
+        assert subprocess.run(command, capture_output=True, check=False).returncode > 10
+    finally:
+        loose.write_text(whole)
+
+
+@pytest.mark.parametrize(
+    ("schema", "name"),
+    [
+        ("github-workflows", ".github/workflows/imugrade.yml"),
+        ("github-workflows", ".github/workflows/hidden.yml"),
+        ("gitlab-ci", ".gitlab-ci.yml"),
+    ],
+)
+def test_what_a_ci_reads_is_what_its_schema_allows(schema: str, name: str, workflows: Path, tmp_path: Path) -> None:
     """The schemas of schemastore.org, as the validator ships them."""
-    if schema == "github-workflows":
-        give.github(LAB, tmp_path)
-        file = tmp_path / ".github/workflows/imugrade.yml"
-    else:
-        page = (ROOT / "grader/handbook/platforms.md").read_text(encoding="utf-8")
-        (block,) = re.findall(r"^    lab:\n(?:(?: {5,}.*)?\n)*", page, re.MULTILINE)
-        file = tmp_path / ".gitlab-ci.yml"
-        file.write_text(textwrap.dedent(block), encoding="utf-8")
+    file = tmp_path / Path(name).name
+    file.write_bytes((workflows / name).read_bytes())
     command = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", f"vendor.{schema}", str(file)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout

@@ -6,18 +6,13 @@ import pytest
 
 from grader.labs.imu.diagnosis import labels
 
-KEYS = {
-    "acceleration", "angular_velocity", "hints", "axes", "raw", "filtered", "metre", "radian", "degree", "second", "per", "squared",
-    "seconds", "milliseconds", "samples", "labels",
-}  # fmt: skip
 SAMPLES = [(code, text, kind) for code, block in labels.languages().items() for text, kind in block["labels"].items()]
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("code", labels.languages())
-def test_a_language_has_every_kind_of_word_and_samples(code: str) -> None:
+def test_a_language_has_three_axes_and_samples_of_every_unit(code: str) -> None:
     block = labels.languages()[code]
-    assert set(block) == KEYS
     assert len(block["axes"]) == 3
     assert {"m/s²", "rad/s", "s"} <= set(block["labels"].values())
 

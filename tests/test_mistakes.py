@@ -142,6 +142,7 @@ MEANS = {
 ADDED = {
     "sensor_access": ["same-sensor-twice", "reading-clipped", "reading-smoothed", "turned-by-body"],
     "data_collection": ["keeps-old-rows", "first-row-empty", "fixed-rate", "rows-altered", "random-push"],
+    "visualization": ["picture-overwritten", "curves-not-seen"],
     "noise_model": ["bias-drifts", "noise-density", "noise-correlated", "noise-clipped", "bias-axes-exchanged"],
     "filtering": ["aliased-input", "moving-average", "does-not-filter", "state-not-kept", "output-rounded"],
     "any": ["index-out-of-bounds", "missing-package", "not-written"],

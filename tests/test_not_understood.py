@@ -37,10 +37,10 @@ def _stumbles_over(monkeypatch: pytest.MonkeyPatch, wanted: bytes | None, proble
     """Let the judging of filters fail: for one submission's file, or for all."""
     really = Student.filter
 
-    def stumbling(student: Student, *args: object) -> object:
+    def stumbling(student: Student, *args: object, **named: object) -> object:
         if wanted is None or student.files.get("filters.py") == wanted:
             raise problem("a number that nobody has thought of")
-        return really(student, *args)  # type: ignore[arg-type]
+        return really(student, *args, **named)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Student, "filter", stumbling)
 

@@ -8,6 +8,8 @@ from importlib import resources
 import pytest
 
 from grader.engine import rubric, traces
+from grader.engine.examination import Check, Examination, Judgement
+from grader.engine.feedback import Told
 from grader.engine.marking import Marker
 from grader.engine.results import CriterionResult
 from grader.intake import Submission
@@ -147,3 +149,36 @@ def test_biases_in_each_others_place_bear_no_name_of_another_mistake(marker: Mar
     (row,) = (check for check in noise.checks if check.outcome != "passed")
     assert (row.id, row.misconceptions) == ("noise_model.given_bias", ())
     assert row.hint.endswith("and at the bias that each one gets (Step 5).")
+
+
+def test_a_filter_that_is_negated_is_charged_for_its_recursion_and_the_report_says_where_the_rest_went(
+    marker: Marker,
+) -> None:
+    files = edit(lab(), "filters.py", ("        return self.state.copy()\n", "        return -self.state\n"))
+    criterion = _criterion(marker, "filtering", files)
+    assert criterion.points == 14.0
+    constant = next(check for check in criterion.checks if check.id == "filtering.passes_constant")
+    assert (constant.outcome, constant.hint, constant.misconceptions) == ("passed", "", ())
+    assert constant.message.startswith(
+        "Not charged again: the same fault has cost points under “The filter computes y[n]"
+    )
+
+
+def _settled(*judged: tuple[str, float, str]) -> dict[str, float]:
+    examination = Examination.__new__(Examination)
+    examination.judgements = {
+        id_: Judgement(
+            Check(id_, id_, None), Told("passed" if keeps == 1 else "failed", keeps, ""), "", 0.0, belongs_to=other
+        )
+        for id_, keeps, other in judged
+    }
+    examination.settle()
+    return {id_: each.told.keeps for id_, each in examination.judgements.items() if each.told is not None}
+
+
+@pytest.mark.quick
+def test_a_check_keeps_its_points_only_where_the_one_that_it_belongs_to_is_lost() -> None:
+    assert _settled(("a", 0.0, ""), ("b", 0.5, "a")) == {"a": 0.0, "b": 1.0}
+    assert _settled(("a", 1.0, ""), ("b", 0.5, "a")) == {"a": 1.0, "b": 0.5}
+    assert _settled(("b", 0.5, "never asked")) == {"b": 0.5}
+    assert _settled(("a", 0.0, "b"), ("b", 0.5, "")) == {"a": 1.0, "b": 0.5}

@@ -40,7 +40,16 @@ def test_a_folder_without_anything_of_the_lab_is_asked_about(tmp_path: Path) -> 
     assert opening.found(LAB, read_submission(folder, LAB.files)).endswith("no filtered_imu.png")
 
 
-def test_a_notebook_alone_is_said_to_have_none_of_the_files(tmp_path: Path) -> None:
+def test_a_notebook_alone_stands_for_the_files(tmp_path: Path) -> None:
+    submission = read_submission(hand_in(tmp_path / "me", "lab.ipynb"), LAB.files)
+    assert opening.found(LAB, submission).startswith(
+        "me: lab.ipynb (for imu_reader.py, noisy_imu.py, filters.py) found; no imu_data.png, no filtered_imu.png"
+    )
+    beside = read_submission(hand_in(tmp_path / "both", "lab.ipynb", "filters.py"), LAB.files)
+    assert opening.found(LAB, beside).startswith("both: filters.py found; no imu_reader.py")
+
+
+def test_another_program_alone_is_said_to_have_none_of_the_files(tmp_path: Path) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "lab.py"), LAB.files)
     assert opening.found(LAB, submission).startswith("me: no imu_reader.py, no noisy_imu.py")
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.reading import Reader
+from grader.engine.reading import Reader
 from grader.ground.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
@@ -81,3 +84,47 @@ def test_what_has_gone_meanwhile_is_said(tmp_path: Path, reader: Reader) -> None
 def test_nothing_is_started_where_nothing_is_read() -> None:
     with Reader() as reader:
         assert reader._process is None
+
+
+HANGS = """
+import sys, time
+from functools import partial
+from grader import cli
+from grader.engine import reading
+from grader.intake import submission
+
+def hangs(*_):
+    {hangs}
+
+submission._gather = hangs
+reading.Reader = partial(reading.Reader, within_s=0.5, memory_bytes=1 << 30)
+sys.exit(cli.main(sys.argv[1:]))
+"""
+
+
+CHECK, CI = ("check", "--json", "result.json"), ("ci", "-f", "json", "-o", "result.json")
+LATE = "What was handed in could not be read within 0.5 s."
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="what is put in the place of the reading is not there in a fresh process"
+)
+@pytest.mark.parametrize(
+    ("command", "hangs", "note"),
+    [
+        (CHECK, "time.sleep(60)", LATE),
+        (CHECK, "bytes(2 << 30)", "What was handed in takes too much memory to be read."),
+        (CI, "while True: pass", LATE),
+    ],
+)
+def test_check_and_ci_end_whatever_reading_does(folder: Path, command: tuple[str, ...], hangs: str, note: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", HANGS.format(hangs=hangs), *command],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    result = json.loads((folder / "result.json").read_text())
+    assert (result["status"], result["notes"], result["score"]) == ("unreadable", [note], 0.0)

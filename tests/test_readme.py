@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
+import pytest
+
+from grader import cli
 from tests.corpus.broken import BROKEN
 from tests.corpus.extensions import FAULTY_EXTENSIONS, SOUND_EXTENSIONS
 from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS
@@ -27,6 +31,18 @@ def test_ci_runs_the_test_command_of_the_readme() -> None:
     set_up, install, run = command.split(" && ")
     assert f'"$python" {set_up.removeprefix("python3 ")} && {install}\n' in script
     assert script.rstrip().endswith(run)
+
+
+def test_what_the_readme_shows_of_a_check_is_what_it_prints(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """The same words: a terminal adds bars, breaks the lines, and so has the points in a column of their own."""
+    (shown,) = re.findall(r"```\n( . Sensor access .*?)```", README, re.DOTALL)
+    example, unchecked = ROOT / "submissions_example" / "s06-id-as-address", shutil.ignore_patterns(".*")
+    monkeypatch.chdir(shutil.copytree(example, tmp_path / "lab", ignore=unchecked))
+    assert cli.main(["check"]) == 0
+    printed = capsys.readouterr().out
+    assert sorted(re.sub("[█░]", "", shown).split()) == sorted(printed[printed.index(" ◐ Sensor access") :].split())
 
 
 def test_the_files_that_the_readme_names_are_there() -> None:

@@ -29,7 +29,9 @@ def imported() -> Iterator[str]:
 def declared() -> set[str]:
     """Distributions that an install brings, or its extras."""
     needs = importlib.metadata.requires("imugrade") or []
-    asked = [need for need in needs if "extra ==" not in need or need.endswith("extra == 'cluster'")]
+    asked = [
+        need for need in needs if "extra ==" not in need or need.endswith(("extra == 'cluster'", "extra == 'desk'"))
+    ]
     return {_normal(re.split(r"[^\w.-]", need)[0]) for need in asked}
 
 

@@ -8,7 +8,9 @@ import jsonschema
 import pytest
 
 import grader
+from grader.engine.findings import Where
 from grader.engine.results import Result, from_dict, to_dict, to_json
+from grader.sandbox.rungs import RUNGS
 from tests.made_up import check, lost, result
 
 SCHEMA = json.loads((Path(grader.__file__).parent / "engine" / "result.schema.json").read_text(encoding="utf-8"))
@@ -30,6 +32,32 @@ RESULTS = [
     result(lost(), status="unreadable"),
     Result("nothing", "graded", ()),
 ]
+
+
+def test_the_schema_knows_every_rung() -> None:
+    named = SCHEMA["$defs"]["provenance"]["properties"]["isolation"]["enum"]
+    assert named == [rung.name for rung in RUNGS]
+
+
+def test_what_a_check_found_is_written_in_fields_and_as_one_text_and_read_back() -> None:
+    found = check(
+        "error", 0.0, expected="no exception", got="ValueError: no\nraise", where=Where("lab.py", 3), keeps=0.0
+    )
+    record = to_dict(result(found))
+    VALID.validate(record)
+    row = record["criteria"][0]["checks"][0]
+    assert row["message"] == "Expected  no exception\nGot       ValueError: no\n          raise"
+    assert row["where"] == {"file": "lab.py", "line": 3}
+    assert from_dict(record).criteria[0].checks == (found,)
+
+
+def test_a_record_from_before_there_were_fields_keeps_its_message() -> None:
+    record = to_dict(result(check("failed", 0.0, expected="a", got="b")))
+    row = record["criteria"][0]["checks"][0]
+    for name in ("expected", "got", "where"):
+        del row[name]
+    VALID.validate(record)
+    assert from_dict(record).criteria[0].checks[0].message == "Expected  a\nGot       b"
 
 
 def test_the_schema_is_a_schema() -> None:

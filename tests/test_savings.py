@@ -24,10 +24,7 @@ from tests.made_up import without_durations
 LONG = ("s12-endless-loop",)  # ten seconds, twice, and no picture
 
 PICTURES_IN_FULL = {
-    "seeing.py": "\n\nLARGEST_DPI = 1000.0\n",
-    "drawing.py": (
-        "\n\ndef nothing_covers(figure):\n    return False\n\n\ndef reads_pictures_back(sources):\n    return True\n"
-    ),
+    "drawing.py": "\n\ndef reads_pictures_back(sources):\n    return True\n\n\ndef _ordinary(axes):\n    return ()\n",
 }
 """Every picture is drawn as the student's code asks, and looked at."""
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.remarks import forgotten, remarks
+from grader.course.remarks import forgotten, outdated, remarks
 from grader.engine.results import to_json
 from grader.engine.rubric import LatePolicy
 from grader.ground.errors import RequestError
@@ -37,7 +37,8 @@ def handed_in(
     seconds: float, policy: LatePolicy | None = POLICY, due: datetime | None = None, **person: str
 ) -> Lateness | None:
     came = (DUE + timedelta(seconds=seconds)).isoformat()
-    return judged(HandIn((Person("Jane", **person),), came), policy, due, ("jane_1",)).late
+    hand_in = HandIn((Person("Jane", **person),), came, due=due.isoformat() if due else "")
+    return judged(hand_in, policy, ("jane_1",)).late
 
 
 # ---- lateness ----
@@ -64,12 +65,13 @@ def test_days_begun_count_from_the_due_date_once_the_grace_is_over(
 
 def test_without_a_policy_only_the_platforms_own_word_stands() -> None:
     assert handed_in(10**6, None) is None
-    marked = HandIn(late=Lateness("", None))
-    assert judged(marked, None, None, ()) == marked
+    marked = HandIn(marked_late=True)
+    assert judged(marked, None, ()).late == Lateness("", None)
+    assert judged(judged(marked, replace(POLICY, due=DUE + timedelta(days=9)), ()), None, ()).late == Lateness("", None)
 
 
 def test_late_without_a_time_takes_nothing_off_and_is_told() -> None:
-    hand_in = judged(HandIn((Person("Jane"),), late=Lateness("", None)), POLICY, None, ())
+    hand_in = judged(HandIn((Person("Jane"),), marked_late=True), POLICY, ())
     one = Standing("jane", result(), hand_in)
     assert (one.deduction, one.final) == (0.0, 20.0)
     assert list(remarks({"jane": one}, (), ())) == [
@@ -125,7 +127,7 @@ def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the
     assert Standing("a", first, adjustments=(then,)).outdated() == []
     second = Standing("a", result(check(id="x.a"), lost(id="x.b")), adjustments=(then,))
     assert second.outdated() == [then]
-    assert list(remarks({"a": second}, (), ())) == [
+    assert list(outdated({"a": second})) == [
         "a: sensor_access was set to 11 by hand when it had 6; the automatic marks are now 6 / 12. Adjust it again or withdraw it"
     ]
 
@@ -252,6 +254,30 @@ def test_what_platforms_export_is_a_roster_as_it_stands(tmp_path: Path) -> None:
     assert read(tmp_path, gradescope) == [roster.Listed(Row("", "", ("s1",), "j@example.edu", "Jane Doe"), "B")]
 
 
+def test_who_did_not_hand_in_has_the_hand_in_of_their_group(tmp_path: Path) -> None:
+    text = "name,canvas_user_id,login_id,sections,group_name\nJane Doe,101,jd,B,Team 1\nJohn Roe,102,jr,C,Team 1\nAda Moe,103,am,B,Team 2\n"
+    found = placed(tmp_path, text)
+    assert found.hand_ins["doejane_101"].people == (
+        Person("Jane Doe", "101", "canvas", "jd", "", "B"),
+        Person("John Roe", "102", "canvas", "jr", "", "C"),
+    )
+    assert (found.absent, found.unknown) == (("Ada Moe",), ("lab4-user1",))
+
+
+def test_a_hand_in_that_is_called_like_a_group_is_its_members(tmp_path: Path) -> None:
+    rows = read(tmp_path, "name,email,group\nJane Doe,j@example.edu,Team 1\nJohn Roe,r@example.edu,team 1\n")
+    found = roster.place(rows, {"team-1": HandIn((Person("team-1", "team-1"),))})
+    assert [person.name for person in found.hand_ins["team-1"].people] == ["Jane Doe", "John Roe"]
+    assert (found.absent, found.unknown) == ((), ())
+
+
+def test_a_group_that_handed_in_twice_gives_neither_to_a_third_member(tmp_path: Path) -> None:
+    rows = read(tmp_path, "name,group\nJane Doe,1\nJohn Roe,1\nAda Moe,1\n")
+    found = roster.place(rows, {"a": HandIn((Person("Jane Doe"),)), "b": HandIn((Person("John Roe"),))})
+    assert [len(each.people) for each in found.hand_ins.values()] == [1, 1]
+    assert found.absent == ("Ada Moe",)
+
+
 def test_a_clone_is_the_user_whose_whole_name_it_ends_in(tmp_path: Path) -> None:
     found = placed(tmp_path, "username,name\n1,Short\nuser1,Long\n")
     assert found.hand_ins["lab4-user1"].people[0].name == "Long"
@@ -307,8 +333,8 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
 
     everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
     assert list(remarks({s.id: s for s in everyone}, (), ())) == [
-        "the same files were handed in by: a, c",
-        "nothing in them that could be marked (look at what was handed in): d, e",
+        "the same files were handed in by: a; c",
+        "nothing in them that could be marked (look at what was handed in): d; e",
     ]
 
 

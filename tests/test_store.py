@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from grader import cli
 from grader.course.record import FILE_NAME, Key, Store
 from grader.ground.errors import RequestError
 from tests.made_up import check, lost, result
@@ -136,12 +137,41 @@ def test_another_programs_database_is_refused_and_left_as_it_is(tmp_path: Path) 
     assert (tmp_path / FILE_NAME).read_bytes() == before
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        "UPDATE results SET record = '{}'",
+        "UPDATE results SET record = 'no JSON'",
+        "UPDATE results SET record = json_set(record, '$.status', 'splendid')",
+        "UPDATE results SET record = json_set(record, '$.criteria[0].max_points', 'many')",
+        "UPDATE results SET record = json_set(record, '$.criteria[0].checks[0].title', 7)",
+        "UPDATE results SET charts = 'x', fingerprint = x'00'",
+        "INSERT INTO hand_ins VALUES ('alice', '[]')",
+        "INSERT INTO adjustments VALUES (1, 'alice', 'c', 1.0, '', '', '', 'no JSON', 0, 0)",
+        "DROP TABLE class",
+    ],
+)
+def test_a_record_of_foreign_contents_is_refused_in_one_line(
+    change: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Store(tmp_path) as store:
+        store.keep(KEY, result(lost()))
+        store._db.execute(change)
+    wish = ["alice", "--criterion", "sensor_access", "--points", "3", "--comment", "x"]
+    for command in (["adjust", str(tmp_path), *wish], ["export", str(tmp_path), "-f", "csv"]):
+        if "charts" in change and command[0] == "export":
+            continue  # neither is looked at
+        assert cli.main(command) == 2, command
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith(f"imugrade: {tmp_path}/results.sqlite: ")
+
+
 def test_a_record_of_another_layout_is_refused_with_both_numbers(tmp_path: Path) -> None:
     Store(tmp_path).close()
     newer = sqlite3.connect(tmp_path / FILE_NAME)
     newer.execute("PRAGMA user_version = 7")
     newer.close()
-    with pytest.raises(RequestError, match=r"another version of imugrade \(layout 7, this one reads 2\)"):
+    with pytest.raises(RequestError, match=r"another version of imugrade \(layout 7, this one reads 3\)"):
         Store(tmp_path)
 
 

@@ -70,7 +70,7 @@ def test_a_fault_costs_what_the_marker_said_and_has_a_true_name_or_none(sample: 
 @pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
 def test_every_lost_check_has_a_hint_and_never_the_same_words_twice(sample: Sample, marked: Marked) -> None:
     for check in lost(marked(sample)):
-        assert check.hint, check.message
+        assert check.hint or check.outcome == "skipped", check.message
         vectors = re.findall(r"\[[-+\d.e ]{6,}\]", check.message)
         assert len(vectors) == len(set(vectors)), check.message
 

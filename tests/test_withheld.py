@@ -87,6 +87,12 @@ def test_two_secrets_lead_to_the_same_words(results: list[Result]) -> None:
     assert results[0].notes == results[1].notes
 
 
+def test_no_place_is_named_that_code_could_have_chosen(results: list[Result]) -> None:
+    checks = [check for result in results for part in result.parts for check in part.checks]
+    assert "error" in {check.outcome for check in checks}
+    assert {check.where for check in checks} == {None}
+
+
 def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Result]) -> None:
     """Of our own numbers only powers of ten have as many digits."""
     for result in results:

@@ -7,14 +7,20 @@ from typing import Annotated
 
 import typer
 
+from grader.commands.common import login
 from grader.ground.errors import RequestError
 
 
 def adjust(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
-    id_: Annotated[str | None, typer.Argument(metavar="ID", help="Whose marks.", show_default=False)] = None,
+    id_: Annotated[
+        str | None,
+        typer.Argument(metavar="ID", help="Whose marks: id, name or e-mail.", show_default=False),
+    ] = None,
     *,
-    criterion: Annotated[str, typer.Option("--criterion", metavar="C", help="Which criterion.")] = "",
+    criterion: Annotated[
+        str, typer.Option("--criterion", metavar="C", help="Which criterion, check (filtering.titles), total or bonus.")
+    ] = "",
     points: Annotated[
         float | None, typer.Option("--points", metavar="P", help="What it gets in place of the automatic points.")
     ] = None,
@@ -22,6 +28,17 @@ def adjust(
     withdraw: Annotated[
         bool, typer.Option("--withdraw", help="Give the criterion its automatic points again.")
     ] = False,
+    undo: Annotated[
+        bool, typer.Option("--undo", help="Take the last word on it back: what stood before stands again.")
+    ] = False,
+    having: Annotated[
+        str | None,
+        typer.Option("--having", metavar="NAME", help="In place of ID: all who made this mistake, or lost this check."),
+    ] = None,
+    take_back: Annotated[
+        int | None,
+        typer.Option("--take-back", metavar="N", help="Take decision N on several back, as the list numbers it."),
+    ] = None,
     table: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE", help="Many: columns id, criterion, points, comment.")
     ] = None,
@@ -29,41 +46,44 @@ def adjust(
         str | None, typer.Option("--author", metavar="NAME", help="Who says so; by default who is logged in.")
     ] = None,
 ) -> int:
-    """Give a criterion other points by hand, or list all that was ever given.
+    """Give a criterion, a check or the total other points by hand, add a bonus or a comment, or list all that was ever said.
 
     The automatic marks stay as they are. An adjustment survives regrades; `grade` tells when the marks beneath it have changed.
+    Without points it is a comment alone.
 
     \b
     Examples:
       imugrade adjust out alice --criterion filtering --points 18 --comment "shown in the lab hour"
       imugrade adjust out alice --criterion filtering --withdraw --comment "was bob"
+      imugrade adjust out alice --criterion bonus --points 2 --comment "found a slip in the sheet"
+      imugrade adjust out --having data_collection.applies_push --criterion bonus --points 1 --comment "the sheet misled"
       imugrade adjust out --csv adjustments.csv
       imugrade adjust out
     """
-    from grader.course import adjusting  # noqa: PLC0415
+    from grader.course import adjusting, groups  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
+    if sum(each is not None for each in (id_, table, having, take_back)) > 1:
+        raise RequestError("adjust: give an ID, --csv, --having or --take-back, one of them alone")
+    what, wishes = "", []
     if table is not None:
-        if id_ is not None:
-            raise RequestError("adjust: give an ID or --csv, not both")
         wishes = adjusting.read_wishes(table)
-    elif id_ is None:
-        wishes = []
-    elif withdraw == (points is not None):
-        raise RequestError("adjust: give --points, or --withdraw")
-    else:
-        wishes = [adjusting.Wish(id_, criterion, "" if points is None else repr(points), comment)]
-    lines = adjusting.adjust(LAB, out, wishes, author or _login()) if wishes else adjusting.listing(out)
+    elif take_back is not None:
+        wishes = groups.taken_back(out, take_back)
+    elif id_ is not None and undo:
+        wishes = [adjusting.undone_in(out, id_, criterion)]
+    elif id_ is not None or having is not None:
+        alone = points is None and bool(comment) and not withdraw
+        if not alone and withdraw == (points is not None):
+            raise RequestError("adjust: give --points, or --withdraw")
+        what, ids = ("", [id_]) if having is None else groups.having(out, having)
+        said = "" if points is None else repr(points)
+        wishes = [adjusting.Wish(each, criterion, said, comment, alone=alone) for each in ids if each]
+    lines = (
+        adjusting.adjust(LAB, out, adjusting.placed(out, wishes), author or login(), what)
+        if wishes
+        else adjusting.listing(out)
+    )
     for line in lines:
         print(line)
     return 0
-
-
-def _login() -> str:
-    """Who is logged in; a machine need not know."""
-    import getpass  # noqa: PLC0415
-
-    try:
-        return getpass.getuser()
-    except (OSError, KeyError, ImportError):
-        return "unknown"

@@ -50,13 +50,13 @@ def check(
       imugrade check my_lab.zip --html report.html
     """
     from grader.engine.lab_box import open_box_for  # noqa: PLC0415
-    from grader.intake import read_submission  # noqa: PLC0415
+    from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    wanted = _Wanted(path, only, html, json, prints)
+    wanted = _Wanted(path, only, html, json, prints, rubric)
     if watch:
         return _watch(wanted, rubric, rung)
-    submission = read_submission(path, LAB.files)
+    submission = read_apart(path, LAB.files)
     with open_box_for(LAB, submission.files, rung) as box:
         from grader.commands import opening  # noqa: PLC0415 - this and the next while the box warms up
         from grader.engine import rubric as rubrics  # noqa: PLC0415
@@ -103,12 +103,23 @@ class _Wanted:
     html: Path | None
     json: Path | None
     prints: bool
+    rubric: Path | None
 
     @property
     def command(self) -> str:
         """What to type to check it again."""
-        given = () if self.path == Path() else (str(self.path),)
-        return shlex.join(("imugrade", "check", *given))
+        return shlex.join(("imugrade", "check", *self._given))
+
+    @property
+    def repeat(self) -> str:
+        """What to type to get a check as a program, with ``{}`` for its id; an archive has no files that Python finds."""
+        rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
+        typed = shlex.join(("", *self._given, *rubric)).removeprefix("''")
+        return f"imugrade repro {{}}{typed.replace('{', '{{').replace('}', '}}')}" if self.path.is_dir() else ""
+
+    @property
+    def _given(self) -> tuple[str, ...]:
+        return () if self.path == Path() else (str(self.path),)
 
 
 def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
@@ -138,7 +149,7 @@ def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
     try:
         for result in checking.check_on_save(
             wanted.path, chosen, bundle, only=wanted.only, rung=rung, written=written, begins=begins, waits=view.refit,
-            listen=printed.hear,
+            waiting=view.tell, listen=printed.hear,
         ):  # fmt: skip
             known = history.recalled(wanted.path, result) if before is None else before
             told = printed.told(LAB) if wanted.prints else []
@@ -173,7 +184,9 @@ def _lines(
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 
-    lines = terminal.screen(result, screen, LAB, only=wanted.only, before=before, command=wanted.command)
+    lines = terminal.screen(
+        result, screen, LAB, only=wanted.only, before=before, command=wanted.command, repeat=wanted.repeat
+    )
     return [*lines, *told]
 
 
@@ -182,10 +195,12 @@ def _write(result: Result, wanted: _Wanted) -> None:
 
     if wanted.html is not None:
         from grader.engine.evidence import unpacked  # noqa: PLC0415
+        from grader.engine.mistakes import catalogue  # noqa: PLC0415
+        from grader.labs.imu.lab import LAB  # noqa: PLC0415
         from grader.people.standing import Standing  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
-        write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts)))
+        write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts), catalogue(LAB)))
     if wanted.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415
 

@@ -10,10 +10,11 @@ from pathlib import Path
 from grader.engine.conversation import Listener
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
+from grader.engine.reading import Alone, Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
-from grader.intake import Submission, read_submission
+from grader.intake import Submission
 from grader.intake.names import is_litter
 from grader.sandbox.box import Box
 
@@ -49,6 +50,7 @@ def check_on_save(
     written: Collection[Path] = (),
     begins: Callable[[], None] = _nothing,
     waits: Callable[[], None] = _nothing,
+    waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Iterator[Result]:
     """Mark it now, and again after every change, until interrupted. The marker stays warm in between.
@@ -57,14 +59,17 @@ def check_on_save(
     ----------
     written : what is written of each result: it may lie in the folder, and is no change of the student's
     begins, waits : called before each marking, and again and again between two
+    waiting : told what a marking waits for, where that takes long
     listen : hears what the student's code prints
     """
-    with Marker(
-        rubric, traces, box=open_box_for(rubric.lab, read_submission(path, rubric.lab.files).files, rung)
-    ) as marker:
+    handed_in = Alone(path, rubric.lab.files)
+    with (
+        Reader() as reader,
+        Marker(rubric, traces, box=open_box_for(rubric.lab, reader.read(handed_in).files, rung)) as marker,
+    ):
         for _ in saves(path, written, waits):
             begins()
-            yield marker.mark(read_submission(path, rubric.lab.files), only=only, listen=listen)
+            yield marker.mark(reader.read(handed_in), only=only, waiting=waiting, listen=listen)
 
 
 def saves(path: Path, written: Collection[Path] = (), waits: Callable[[], None] = _nothing) -> Iterator[None]:

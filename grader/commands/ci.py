@@ -42,6 +42,10 @@ def ci(
     trust: Annotated[
         bool, typer.Option("--trust-submissions", help="Hidden scenarios where nothing isolates students' code.")
     ] = False,
+    private: Annotated[
+        bool,
+        typer.Option("--private", help="Hidden scenarios in a job whose files and log students cannot read."),
+    ] = False,
     rung: RungOption = None,
 ) -> int:
     """Grade one submission in a CI job, in the words of its platform.
@@ -50,7 +54,8 @@ def ci(
     Examples:
       imugrade ci
       imugrade ci --format github --min-score 60
-      imugrade ci lab --format junit -o junit.xml
+      imugrade ci lab -o junit.xml
+      imugrade ci student --traces hidden.npz --private -o junit.xml
     """
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine import traces  # noqa: PLC0415
@@ -61,7 +66,7 @@ def ci(
     bundle = traces.obtain(None, None, chosen.model) if traces_ is None else traces.load(traces_)
     order = job.Job(
         job.named(format_), chosen, bundle, path, out,
-        job.visible(visibility), trust, min_score, rung,
+        job.visible(visibility), trust, min_score, rung, private=private,
     )  # fmt: skip
     result = job.run(order)
     if result.status == "incomplete":

@@ -57,3 +57,13 @@ def console() -> Console:
     from rich.console import Console  # noqa: PLC0415
 
     return Console(highlight=False, markup=False, emoji=False)
+
+
+def login() -> str:
+    """Who is logged in; a machine need not know."""
+    import getpass  # noqa: PLC0415
+
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return "unknown"

@@ -10,13 +10,18 @@ def criteria(incomplete: str) -> list[str]:
     return _beginning(incomplete, list(LAB.titles))
 
 
+def checks(incomplete: str) -> list[str]:
+    """Every check."""
+    from grader.engine import rubric  # noqa: PLC0415
+
+    return _beginning(incomplete, [weight.id for weight in rubric.load(LAB).checks])
+
+
 def explained(incomplete: str) -> list[str]:
     """Every mistake, criterion, extension and check."""
-    from grader.engine import rubric  # noqa: PLC0415
-    from grader.engine.feedback import catalogue  # noqa: PLC0415
+    from grader.engine.mistakes import catalogue  # noqa: PLC0415
 
-    checks = [weight.id for weight in rubric.load(LAB).checks]
-    return _beginning(incomplete, [*catalogue(LAB), *LAB.titles, *checks])
+    return _beginning(incomplete, [*catalogue(LAB), *LAB.titles, *checks("")])
 
 
 def _beginning(incomplete: str, words: list[str]) -> list[str]:

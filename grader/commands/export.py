@@ -35,11 +35,18 @@ def export(
         Path | None,
         typer.Option("--feedback", metavar="ZIP", help="Each student's report, for the platform to place."),
     ] = None,
+    scale: Annotated[
+        bool, typer.Option("--scale", help="Scale the points to what the platform's assignment is out of.")
+    ] = False,
+    unreadable: Annotated[
+        str,
+        typer.Option("--unreadable", metavar="HOW", help="What could not be read or held nothing gets: blank or 0."),
+    ] = "blank",
 ) -> int:
     """Write the final points of a graded class as a platform's upload.
 
     A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Who is not in
-    both is told, and keeps what the file had.
+    both is told, and keeps what the file had; so is who had another grade there. csv is a table for everything else.
 
     \b
     Examples:
@@ -50,7 +57,8 @@ def export(
     from grader.course import exporting  # noqa: PLC0415
 
     platform = registry.platform(one_of("--format", format_, registry.names("fill", "write")))
-    written = exporting.export(exporting.Export(out, platform, target, template, column, feedback))
+    how = one_of("--unreadable", unreadable, exporting.UNREADABLE)
+    written = exporting.export(exporting.Export(out, platform, target, template, column, feedback, scale, how))
     for line in written.told:
         print(line)
     for line in written.remarks:

@@ -46,8 +46,10 @@ def grade(
     rubric: RubricOption = None,
     seed: SeedOption = None,
     only: Annotated[
-        list[str] | None, typer.Option("--only", metavar="ID", help="Grade this submission alone; repeatable.")
+        list[str] | None,
+        typer.Option("--only", metavar="ID", help="Grade this one alone: id, name or e-mail; repeatable."),
     ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="Tell who handed in, and grade nothing.")] = False,
     min_score: Annotated[
         float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if a submission has fewer points.")
     ] = None,
@@ -81,18 +83,25 @@ def grade(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
         one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), roster, one_of("--attempts", attempts, ATTEMPTS),
     )  # fmt: skip
+    found = classroom.find(order)
+    for line in found.told:
+        say(line)
+    if list_:
+        for line in (*classroom.listing(found), *(f"Not placed: {left}" for left in found.leftovers)):
+            print(line)
+        return 0
+    screen = console()
+    with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
+        outcome = classroom.grade_class(order, found, audience)
+    terminal.show_class(outcome, str(out / "index.html"), screen)
     if spot := traces.blind_spot(bundle):
         say(spot)
     if seed is None:
         say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
-    found = classroom.find(order)
-    for line in found.told:
-        say(line)
-    screen = console()
-    with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
-        outcome = classroom.grade_class(order, found, audience)
     for line in outcome.remarks:
         say(line)
-    terminal.show_class(outcome, str(out / "index.html"), screen)
+    if outcome.known:
+        many = f"{outcome.known} remark{'s' * (outcome.known != 1)}"
+        say(f"{many} as in the run before (`imugrade review` lists what needs a look)")
     below = min_score is not None and bool(outcome.below(min_score))
     return 3 if outcome.incomplete else int(below)

@@ -16,6 +16,7 @@ from typing import Any
 from grader.engine.results import CriterionResult, ExtensionResult, Result
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
+from grader.ground.text import printable
 
 FOLDER = ".imugrade"
 SCHEMA = "imugrade/last-check/v1"
@@ -36,16 +37,30 @@ def remember(path: Path, result: Result, before: Mapping[str, float]) -> dict[st
     parts: tuple[CriterionResult | ExtensionResult, ...] = (*result.criteria, *result.extensions)
     now = {check.id: check.points for part in parts for check in part.checks if check.points is not None}
     points = {**before, **now}
-    if result.status in ("graded", "incomplete") and path.is_dir() and not (path / FOLDER).is_symlink():
+    if result.status in ("graded", "incomplete"):
         with suppress(OSError, RequestError):
-            _keep(path / FOLDER, {**_for(result), "points": points})
+            _keep(path, {**_for(result), "points": points})
     return points
 
 
-def _keep(place: Path, record: Mapping[str, Any]) -> None:
+def made(path: Path) -> Path:
+    """The cache of a folder, which git ignores and no submission holds.
+
+    Raises
+    ------
+    RequestError
+        If it cannot be there.
+    """
+    place = path / FOLDER
+    if place.is_symlink() or (place.exists() and not place.is_dir()) or not path.is_dir():
+        raise RequestError(f"{printable(str(place), 500)} is no folder of ours; name another with -o")
     place.mkdir(exist_ok=True)
     write_whole(place / ".gitignore", "*\n")
-    write_whole(place / "last_check.json", json.dumps(record, indent=1) + "\n")
+    return place
+
+
+def _keep(path: Path, record: Mapping[str, Any]) -> None:
+    write_whole(made(path) / "last_check.json", json.dumps(record, indent=1) + "\n")
 
 
 def _for(result: Result) -> dict[str, Any]:

@@ -25,6 +25,9 @@ def kit(
     github: Annotated[
         Path | None, typer.Option("--github", metavar="DIR", help="Write a workflow into a repository.")
     ] = None,
+    gitlab: Annotated[
+        Path | None, typer.Option("--gitlab", metavar="DIR", help="Write a pipeline into a repository.")
+    ] = None,
     rubric: RubricOption = None,
     seed: SeedOption = None,
 ) -> int:
@@ -43,10 +46,10 @@ def kit(
     from grader.kit import give  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    if out is None and gradescope is None and classroom50 is None and github is None:
-        raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50 or --github")
+    if all(place is None for place in (out, gradescope, classroom50, github, gitlab)):
+        raise RequestError("kit: nothing to write; give OUT_DIR, --gradescope, --classroom50, --github or --gitlab")
     model = rubrics.load(LAB, rubric).model
     hidden = traces.obtain(seed, None, model) if gradescope and seed is not None else None
-    for each in give.kits(give.Wanted(LAB, out, gradescope, classroom50, github, rubric, hidden)):
+    for each in give.kits(give.Wanted(LAB, out, gradescope, classroom50, github, gitlab, rubric, hidden)):
         print(f"{each.place}  for {each.title}; {each.scenarios}")
     return 0

@@ -11,7 +11,9 @@ from grader.engine.traces import rehearse
 from grader.ground.errors import GraderError, RequestError
 from grader.sandbox import one_copy
 from grader.sandbox.ladder import probe
+from grader.sandbox.rungs import Rung
 
+_UNWALLED = "no isolation: fine for your own code, `grade` asks for --trust-submissions"
 _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
 
 
@@ -30,15 +32,15 @@ def examine() -> list[tuple[str, list[Finding]]]:
 
 
 def _isolation() -> list[Finding]:
-    rungs = probe()
-    best = next((rung.name for rung in rungs if rung.usable), "none")
-    use = {"none": "no isolation: fine for your own code, `grade` asks for --trust-submissions"}
-    rows = [Finding(rung.name, rung.usable, rung.reason or "works here") for rung in rungs if rung.name != "none"]
-    rows.append(Finding("in use", best != "none", use.get(best, best)))
-    return rows if best == "none" else [*rows, _one_copy(best)]
+    tried = probe()
+    best = next(each.rung for each in tried if each.usable)
+    rows = [Finding(each.rung.name, each.usable, each.reason or "works here") for each in tried if each.rung.walled]
+    if not best.walled:
+        return [*rows, Finding("in use", False, _UNWALLED)]
+    return [*rows, Finding("in use", True, best.name), _one_copy(best)]
 
 
-def _one_copy(rung: str) -> Finding:
+def _one_copy(rung: Rung) -> Finding:
     """Whether a submission could read the solution of a second install, of a checkout, or of this one."""
     try:
         search = one_copy.search(rung)

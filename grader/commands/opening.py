@@ -15,10 +15,12 @@ OTHERS = "another robot of the same kind, its sensors in another order, other nu
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Which of the sheet's files are there, and which are not."""
+    """Which of the sheet's files are there, and which are not; a notebook may stand for all that are programs."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
-    absent = [name for name in asked_for if name not in submission.files]
+    notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
+    absent = [name for name in (lab.pictures if notebooks else asked_for) if name not in submission.files]
+    there = [*(f"{name} (for {', '.join(lab.files)})" for name in notebooks[:1]), *there]
     said = [f"{', '.join(there)} found"] if there else []
     said += [f"no {', no '.join(absent)}"] if absent else []
     if not any(part.attempted_in(submission.files) for part in (*lab.parts, *lab.bonuses)):

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, SeedOption
+from grader.commands.common import RubricOption, RungOption, SeedOption, say
+from grader.ground.text import printable
 
 if TYPE_CHECKING:
     from grader.engine.traces import Traces
+    from grader.labs.imu.answers import Collection
 
 app = typer.Typer(
     help="Ground-truth traces: what submissions are compared with.\n\n"
@@ -33,15 +37,53 @@ def list_(seed: SeedOption = None, rubric: RubricOption = None) -> int:
 @app.command()
 def plot(
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Where the pictures go.")],
+    mine: Annotated[
+        Path | None,
+        typer.Option("--mine", metavar="PATH", help="A submission: what its code records is drawn over the truth."),
+    ] = None,
     seed: SeedOption = None,
     rubric: RubricOption = None,
+    rung: RungOption = None,
 ) -> int:
-    """Draw every scenario that is a motion over time, one PNG each."""
+    """Draw every scenario that is a motion over time, one PNG each.
+
+    \b
+    Example:
+      imugrade traces plot -o plots --mine my_lab
+    """
     from grader.report import truth  # noqa: PLC0415
 
-    for path in truth.plot(_obtained(seed, rubric), out):
+    traces = _obtained(seed, rubric)
+    own = None if mine is None else _recorded(mine, traces, rubric, rung)
+    for path in truth.plot(traces, out, own):
         print(path)
     return 0
+
+
+def _recorded(path: Path, traces: Traces, rubric: Path | None, rung: str | None) -> Mapping[str, Collection]:
+    """What the submission's own `simulate_and_collect` records, run in a box; what cannot be had is said."""
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.engine.conversation import Missing  # noqa: PLC0415
+    from grader.engine.findings import Raised  # noqa: PLC0415
+    from grader.engine.lab_box import open_box_for  # noqa: PLC0415
+    from grader.ground.errors import NoAnswer, RequestError  # noqa: PLC0415
+    from grader.intake import read_submission  # noqa: PLC0415
+    from grader.labs.imu import recordings  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    submission, limits = read_submission(path, LAB.files), asdict(rubrics.load(LAB, rubric).limits)
+    own = {}
+    with open_box_for(LAB, submission.files, rung) as box:
+        student = LAB.student(box, LAB, submission.files, truth=traces, above=submission.above, **limits)
+        for scenario, ask in {"push": recordings.after_push, "push_dirty": recordings.after_dirt}.items():
+            try:
+                own[scenario] = ask(student, traces)  # type: ignore[arg-type] # this lab's own
+            except (Missing, NoAnswer, Raised) as why:
+                say(f"{scenario}: {why}")
+        student.close()
+    if not own:
+        raise RequestError(f"{printable(str(path), 500)} recorded nothing; imugrade check says why")
+    return own
 
 
 @app.command()

@@ -3,59 +3,85 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
-from grader.course.publishing import publish, publish_class
+from grader.course.publishing import publish, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
+from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people.standing import Adjustment, Standing, beneath
+from grader.people.identity import Meant
+from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, under, worth
 from grader.report import words
 
 COLUMNS = ("id", "criterion", "points", "comment")
 MAX_COMMENT = 2000
+ALONE = "comment"
+"""In place of points in a table: the comment is all that is said."""
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What someone wants: `points` is text as it was written; "" withdraws. `place` is what messages begin with."""
+    """What someone wants.
+
+    Attributes
+    ----------
+    criterion
+        A criterion, a check, `total` or `bonus`.
+    points
+        Text as it was written; "" withdraws.
+    place
+        What messages begin with.
+    alone
+        Whether it is a comment alone; without one it withdraws that.
+    """
 
     id: str
     criterion: str
     points: str
     comment: str
     place: str = "adjust"
+    alone: bool = False
 
 
 def read_wishes(path: Path) -> list[Wish]:
-    """The adjustments of a CSV with the columns id, criterion, points and comment; blank points withdraw."""
+    """The adjustments of a CSV with the columns id, criterion, points and comment.
+
+    Blank points withdraw; with the word `comment` in their place the comment is all that is said.
+    """
     source = printable(str(path), 500)
     try:
-        table = csv.DictReader(io.StringIO(path.read_text(encoding="utf-8-sig"), newline=""))
-        if not set(COLUMNS) <= set(table.fieldnames or ()):
+        table = tables.reader(path.read_bytes())
+        titles = [title.strip().casefold() for title in next(table, [])]
+        if not set(COLUMNS) <= set(titles):
             raise RequestError(f"{source}:1: the first line must name the columns {', '.join(COLUMNS)}")
-        return [_wish(row, f"{source}:{table.line_num}") for row in table]
+        rows = ((dict(zip(titles, cells, strict=False)), table.line_num) for cells in table if any(cells))
+        return [_wish({column: row.get(column) for column in COLUMNS}, f"{source}:{line}") for row, line in rows]
     except OSError as error:
         raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
+        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
 def _wish(row: Mapping[str, str | None], place: str) -> Wish:
     id_, criterion, points, comment = ((row[column] or "").strip() for column in COLUMNS)
-    return Wish(id_, criterion, points, comment, place)
+    return Wish(id_, criterion, points, comment, place, alone=points == ALONE)
 
 
-def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str) -> list[str]:
+def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str = "") -> list[str]:
     """Record all of them, or none, and write the pages anew; a line on each.
 
     The same wish again changes nothing, so that a table can be given twice; it confirms one whose marks beneath have changed.
+
+    Parameters
+    ----------
+    what
+        What it is decided on, where it is one decision for several submissions.
 
     Raises
     ------
@@ -63,46 +89,169 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str) -> list[str
         With a line for each wish that cannot be met.
     """
     with Store.existing(out) as store:
-        standings = store.standings()
-        said = {(id_, each.criterion) for id_, each in store.history()}
-        problems = [problem for wish in wishes if (problem := _problem(wish, standings, said))]
-        if problems:
-            raise RequestError("\n".join(problems))
-        now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-        made = [(wish.id, _adjustment(wish, standings[wish.id], author, now)) for wish in wishes]
-        fresh = [(id_, each) for id_, each in made if not _stands(each, standings[id_])]
-        store.adjust(fresh)
-        after = publish_class(out, store, lab)
-        for id_ in dict.fromkeys(id_ for id_, _ in fresh):
-            publish(out, after[id_], store)
-    return [_told(id_, each, after[id_], fresh=(id_, each) in fresh) for id_, each in made]
+        before = store.standings()
+        made = decide(store, before, wishes, author, what=what)
+        said = store.adjustments()
+        after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
+        write_class(out, after, store, lab)
+        for id_ in dict.fromkeys(each.id for each in made if each.fresh):
+            publish(out, after[id_], store, lab)
+    return [_told(each, after[each.id]) for each in made]
+
+
+@dataclass(frozen=True)
+class Made:
+    """What became of a wish; `fresh` is False where it was in force before."""
+
+    id: str
+    adjustment: Adjustment
+    fresh: bool
+
+
+def decide(
+    store: Store,
+    standings: Mapping[str, Standing],
+    wishes: Sequence[Wish],
+    author: str,
+    *,
+    seen: int | None = None,
+    what: str = "",
+) -> list[Made]:
+    """Record all of them, or none; `seen` and `what` as `Store.adjust` has them.
+
+    Raises
+    ------
+    RequestError
+        With a line for each wish that cannot be met.
+    """
+    said = {(id_, each.criterion, each.alone) for id_, each in store.history()}
+    problems = [problem for wish in wishes if (problem := _problem(wish, standings, said))]
+    if problems:
+        raise RequestError("\n".join(problems))
+    now = datetime.now(timezone.utc).isoformat(timespec="seconds")
+    made = [(wish.id, _adjustment(wish, standings[wish.id], author, now)) for wish in wishes]
+    told = [Made(id_, each, not _stands(each, standings[id_])) for id_, each in made]
+    store.adjust([(each.id, each.adjustment) for each in told if each.fresh], seen, what)
+    return told
+
+
+def undone(store: Store, id_: str, criterion: str, *, alone: bool | None = None) -> Wish:
+    """The wish that takes the last word on this back: what was said before it stands again.
+
+    Parameters
+    ----------
+    alone
+        Whether it was a comment alone; None: whichever came last.
+
+    Raises
+    ------
+    RequestError
+        If nothing was said.
+    """
+    rows = [each for who, each in store.history() if (who, each.criterion) == (id_, criterion)]
+    kind = alone if alone is not None else bool(rows and rows[-1].alone)
+    rows = [each for each in rows if each.alone == kind]
+    if not rows or rows[-1].withdraws:
+        raise RequestError(f"adjust: {printable(id_)} has no adjustment of {printable(criterion)} to undo")
+    return _before(id_, rows)
+
+
+def undone_in(out: Path, id_: str, criterion: str) -> Wish:
+    """The same of a class on disk, by id, name, number or address."""
+    with Store.existing(out) as store:
+        return undone(store, _meant(store).by(id_), criterion)
+
+
+def undone_decision(store: Store, number: int) -> list[Wish]:
+    """The wishes that take a decision on several back; what was said on one of them since stays.
+
+    Raises
+    ------
+    RequestError
+        If nothing of it is in force.
+    """
+    rows: dict[tuple[str, str, bool], list[Adjustment]] = {}
+    for id_, each in store.history():
+        rows.setdefault((id_, each.criterion, each.alone), []).append(each)
+    last = {key: each for key, each in rows.items() if each[-1].decision == number and not each[-1].withdraws}
+    if not last:
+        raise RequestError(f"adjust: nothing of decision {number} is in force")
+    return [_before(id_, each) for (id_, _, _), each in last.items()]
+
+
+def _before(id_: str, rows: Sequence[Adjustment]) -> Wish:
+    """What stood before the last of these rows on one thing."""
+    last, before = rows[-1], rows[-2] if len(rows) > 1 else None
+    if before is None or before.withdraws:
+        return Wish(id_, last.criterion, "", "" if last.alone else "undone", alone=last.alone)
+    points = "" if before.points is None else repr(before.points)
+    return Wish(id_, last.criterion, points, before.comment, alone=last.alone)
+
+
+def placed(out: Path, wishes: Sequence[Wish]) -> list[Wish]:
+    """The same with ids of submissions, where a name, an e-mail address or another number says whose it is."""
+    with Store.existing(out) as store:
+        who = _meant(store)
+    return [replace(wish, id=who.by(wish.id)) for wish in wishes]
+
+
+def _meant(store: Store) -> Meant:
+    return Meant({id_: hand_in.people for id_, hand_in in store.hand_ins().items() if hand_in.people})
 
 
 def listing(out: Path) -> Iterator[str]:
     """Every adjustment ever made, oldest first: who, when, why."""
     with Store.existing(out) as store:
+        decisions = store.decisions()
         for id_, each in store.history():
-            points = "withdrawn" if each.points is None else words.number(each.points)
             who = f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}"
-            yield f"{printable(id_, 80)} {each.criterion} {points}  {who}"
+            several = (
+                f"  (decision {each.decision}: {printable(decisions[each.decision])})"
+                if each.decision in decisions
+                else ""
+            )
+            yield f"{printable(id_, 80)} {each.criterion} {said(each)}  {who}{several}"
 
 
-def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str, str]]) -> str:
-    """Why a wish cannot be met, or ""; `said` holds whose criteria were ever adjusted, withdrawn since or not."""
+def said(adjustment: Adjustment) -> str:
+    """Its points in a word."""
+    if adjustment.withdraws:
+        return "withdrawn"
+    return ALONE if adjustment.points is None else words.number(adjustment.points)
+
+
+def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str, str, bool]]) -> str:
+    """Why a wish cannot be met, or ""; `said` holds what was ever adjusted, withdrawn since or not."""
     if wish.id not in standings:
         return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, standings)}"
-    known = {criterion.id: criterion for criterion in standings[wish.id].result.criteria}
-    if wish.criterion not in known:
-        return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, known)}"
-    most = known[wish.criterion].max_points
+    standing = standings[wish.id]
+    most = worth(standing.result, wish.criterion)
+    if most is None:
+        return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, targets(standing))}"
     points = _number(wish.points)
-    if wish.points and (points is None or not 0 <= points <= most or round(points, 2) != points):
+    if wish.points and not wish.alone and (points is None or not 0 <= points <= most or round(points, 2) != points):
         return f"{wish.place}: points must be a number from 0 to {words.number(most)}, not {printable(wish.points, 60)}"
-    if not wish.points and (wish.id, wish.criterion) not in said:
+    withdraws = not (wish.comment.strip() if wish.alone else wish.points)
+    if withdraws and (wish.id, wish.criterion, wish.alone) not in said:
         return f"{wish.place}: {printable(wish.id)} has no adjustment of {wish.criterion} to withdraw"
-    if not wish.comment.strip() or len(wish.comment) > MAX_COMMENT:
+    if points is not None and not wish.alone and (over := covering(standing, wish.criterion)):
+        return f"{wish.place}: {printable(wish.id)} has its {over} by hand, in place of {wish.criterion}; withdraw that first"
+    if not (wish.comment.strip() or wish.alone) or len(wish.comment) > MAX_COMMENT:
         return f"{wish.place}: say why in a comment of at most {MAX_COMMENT} characters"
     return ""
+
+
+def targets(standing: Standing) -> list[str]:
+    """Everything that points by hand can be given for: criteria, their checks, the total and a bonus."""
+    criteria = standing.result.criteria
+    return [*(c.id for c in criteria), *(check.id for c in criteria for check in c.checks), TOTAL, BONUS]
+
+
+def covering(standing: Standing, target: str) -> str:
+    """What has points by hand that stand in place of those of `target`; "" if nothing has."""
+    holders = [c.id for c in standing.result.criteria if any(check.id == target for check in c.checks)]
+    above = [*holders, TOTAL] if target not in (TOTAL, BONUS) else []
+    return next((each for each in above if standing.adjustment(each)), "")
 
 
 def _number(text: str) -> float | None:
@@ -113,20 +262,23 @@ def _number(text: str) -> float | None:
 
 
 def _adjustment(wish: Wish, standing: Standing, author: str, now: str) -> Adjustment:
-    criterion = next(c for c in standing.result.criteria if c.id == wish.criterion)
     comment = wish.comment.strip().encode("utf-8", "replace").decode()
-    return Adjustment(wish.criterion, _number(wish.points), comment, author, now, beneath(criterion))
+    if wish.alone:
+        return Adjustment(wish.criterion, None, comment, author, now, alone=True)
+    stands_for = under(standing.result, wish.criterion) or {}
+    return Adjustment(wish.criterion, _number(wish.points), comment, author, now, stands_for)
 
 
 def _stands(wish: Adjustment, standing: Standing) -> bool:
     """Whether it is in force already, on the same marks; or withdrawn already."""
-    now = standing.adjustment(wish.criterion)
+    same = (each for each in standing.adjustments if (each.criterion, each.alone) == (wish.criterion, wish.alone))
+    now = next(same, None)
     if now is None:
-        return wish.points is None
+        return wish.withdraws
     return (now.points, now.comment, now.beneath) == (wish.points, wish.comment, wish.beneath)
 
 
-def _told(id_: str, wish: Adjustment, standing: Standing, *, fresh: bool) -> str:
+def _told(made: Made, standing: Standing) -> str:
     final = "open" if standing.final is None else words.number(standing.final)
-    points = "withdrawn" if wish.points is None else words.number(wish.points)
-    return f"{printable(id_, 80)} {wish.criterion} {points}{'' if fresh else ' (as before)'}, final {final}"
+    before = "" if made.fresh else " (as before)"
+    return f"{printable(made.id, 80)} {made.adjustment.criterion} {said(made.adjustment)}{before}, final {final}"

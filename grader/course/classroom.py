@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -13,27 +12,32 @@ from typing import Protocol
 
 from grader import __version__
 from grader.course import cluster
+from grader.course.kept import pack
 from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import publish, publish_class
-from grader.course.reading import Reader
 from grader.course.record import Key, Store
-from grader.course.remarks import forgotten, remarks
+from grader.course.remarks import forgotten, outdated, remarks
 from grader.engine.evidence import Evidence
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
+from grader.engine.marks import marked
+from grader.engine.reading import Reader
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import Criterion, Rubric
+from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError, RequestError
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.people import lateness, roster
+from grader.people.identity import Meant
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
 
 _WALL_PER_CPU = 5
-"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code."""
+"""Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
+parts of a conversation have together."""
 
 
 @dataclass(frozen=True)
@@ -76,15 +80,23 @@ class Audience(Protocol):
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
+    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
+        """The same ones, told as they are taken."""
+
 
 @dataclass
 class Outcome:
-    """What a run did: its results by id, how many of them were on record, what could not be placed, what to look at."""
+    """What a run did: its results by id, how many of them were on record, what could not be placed, what to look at.
+
+    `remarks` are those that the run before has not told, and points by hand that are out of date; `known` is how many of those that
+    it told still hold.
+    """
 
     results: dict[str, Result] = field(default_factory=dict)
     resumed: int = 0
     leftovers: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    known: int = 0
 
     @property
     def incomplete(self) -> list[str]:
@@ -104,15 +116,16 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts)
+    listed = [] if order.roster is None else roster.load(order.roster)
+    known = {each.who.key: each.who.name for each in listed if each.who.key}
+    found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts, known)
     submissions = _beside_out(found.entries, order)
-    entries = _chosen(submissions, order.only)
-    if not entries:
+    if not submissions:
         raise RequestError(
             f"{_told(order.paths)}: no submission found there; give a folder of submissions or an archive"
         )
-    latest = {entry.id: _with_people(entry) for entry in submissions}
-    placed = roster.place([] if order.roster is None else roster.load(order.roster), latest)
+    placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
+    entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = () if order.roster is None else placed.unknown
     return Class(dated, found.leftovers, found.told, placed.absent, unknown)
@@ -125,8 +138,19 @@ def _with_people(entry: Entry) -> HandIn:
 
 def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
     submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
-    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted)
-    return lateness.judged(hand_in, rubric.late, placed.due.get(entry.id), (entry.id, entry.name))
+    own = placed.due.get(entry.id)
+    due = own.isoformat() if own else ""
+    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted, due=due)
+    return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
+
+
+def listing(found: Class) -> Iterator[str]:
+    """A line on each submission before it is graded: its id, whose it is, when it came, whether it is late."""
+    for entry in found.entries:
+        hand_in = entry.hand_in
+        people = "; ".join(" ".join(filter(None, (p.name, p.sid or p.key, p.email))) for p in hand_in.people)
+        late = "late" if hand_in.late else ""
+        yield "  ".join(printable(text, 200) for text in (entry.id, people, hand_in.submitted, late) if text)
 
 
 def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
@@ -145,13 +169,20 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
         before = store.hand_ins()
+        told = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
+        remarked = store.told().get("remark", [])
+        store.keep_told({**told, "remark": remarked})
         run = _Run(order, store, audience, outcome)
         audience.begins(len(found.entries))
         try:
             run.grade(found.entries)
         finally:
             standings = publish_class(order.out, store, order.rubric.lab)
-    outcome.remarks = tuple(remarks(standings, found.absent, found.unknown))
+        run.publish_known()
+        now = tuple(remarks(standings, found.absent, found.unknown))
+        store.keep_told({**told, "remark": now})
+    new = [line for line in now if line not in remarked]
+    outcome.remarks, outcome.known = (*outdated(standings), *new), len(now) - len(new)
     if order.roster is None:
         outcome.remarks += tuple(forgotten(before, standings))
     return outcome
@@ -167,6 +198,7 @@ class _Run:
         self._outcome = outcome
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
+        self._known: list[Standing] = []
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -186,14 +218,20 @@ class _Run:
             still_open = [each for each in attempts if each[1].final is None]
             key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
-            self._publish(standing)
+            self._count(standing)
+            self._known = [*(each for each in self._known if each.id != standing.id), standing]
+
+    def publish_known(self) -> None:
+        """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
+        for standing in self._audience.pages(self._known):
+            publish(self._order.out, standing, self._store, self._order.rubric.lab)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
-        if order.cluster is not None:
-            return cluster.mark_all(submissions, opener(order), order.cluster)
-        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
         bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
+        if order.cluster is not None:
+            return cluster.mark_all(submissions, opener(order), order.cluster, bounds)
+        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
         return mark_all(submissions, opener(order), jobs, bounds)
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
@@ -201,10 +239,13 @@ class _Run:
         for entry in entries:
             submission = reader.read(entry)
             key = self._key(submission)
+            self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            known = None if self._order.force else self._store.recall(key)
+            known = (
+                None if self._order.force else self._store.recall(key) or self._store.remark(key, self._order.rubric)
+            )
             if known is None:
                 yield submission
             else:
@@ -218,7 +259,12 @@ class _Run:
     def _tell(self, key: Key, result: Result, *, resumed: bool) -> None:
         attempt = self._attempts[key]
         attempt.result = result
-        self._publish(self._standing(key, attempt))
+        standing = self._standing(key, attempt)
+        self._count(standing)
+        if resumed:
+            self._known.append(standing)
+        else:
+            publish(self._order.out, standing, self._store, self._order.rubric.lab)
         self._audience.done(key.id, result, resumed=resumed)
 
     def _standing(self, key: Key, attempt: _Attempt) -> Standing:
@@ -226,9 +272,8 @@ class _Run:
             raise GraderError(f"{key.id}: one of its attempts has no result")
         return Standing(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
 
-    def _publish(self, standing: Standing) -> None:
+    def _count(self, standing: Standing) -> None:
         self._store.keep_hand_in(standing.id, standing.hand_in)
-        publish(self._order.out, standing, self._store)
         self._outcome.results[standing.id] = standing.result
 
 
@@ -249,7 +294,7 @@ def opener(order: Order) -> OpenMarker:
 def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bool) -> Iterator[Marker]:
     """A marker for other people's code: refused where nothing isolates it."""
     with Marker(rubric, traces, rung=rung) as marker:
-        if marker.isolation == "none" and not trusted:
+        if not marker.isolation.walled and not trusted:
             raise RequestError(
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "
                 "grade on Linux, or add --trust-submissions if you trust every one of them"
@@ -275,14 +320,15 @@ def stopped(submission: Submission, order: Order, reason: str) -> Result:
         f"Marking this submission was ended twice ({printable(reason, 300)}), and no check was done by then. "
         "Look at what it does, or ask whoever marks to"
     )
-    row = CheckResult("", "", "timeout", 0.0, 0.0, message="Expected  an answer in time\nGot  none, twice")
+    row = CheckResult("", "", "timeout", 0.0, 0.0, expected="an answer in time", got="none, twice", keeps=0.0)
     return _without_marker(submission, order, "graded", row, note)
 
 
 def _without_marker(submission: Submission, order: Order, status: Status, row: CheckResult, note: str) -> Result:
     """A result with the same row for every check of the criteria."""
-    titles = {id_: check.title for id_, check in known_checks(order.rubric.lab).items()}
-    return Result(
+    known = known_checks(order.rubric.lab, order.rubric.own_checks)
+    titles = {id_: check.title for id_, check in known.items()}
+    found = Result(
         submission.name,
         status,
         criteria=tuple(_alike(criterion, titles, row) for criterion in order.rubric.criteria),
@@ -296,10 +342,11 @@ def _without_marker(submission: Submission, order: Order, status: Status, row: C
             "submission_sha256": submission.sha256,
         },
     )
+    return marked(found, order.rubric)
 
 
 def _alike(criterion: Criterion, titles: Mapping[str, str], row: CheckResult) -> CriterionResult:
-    rows = (replace(row, id=c.id, title=titles.get(c.id, c.id), max_points=c.max_points) for c in criterion.checks)
+    rows = (replace(row, id=check.id, title=titles.get(check.id, check.id)) for check in criterion.checks)
     return CriterionResult(criterion.id, criterion.title, criterion.points, tuple(rows))
 
 
@@ -314,14 +361,16 @@ def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
     return tuple(entry for entry in entries if entry not in within)
 
 
-def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...]) -> list[Entry]:
+def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: Meant) -> list[Entry]:
     ids = [entry.id for entry in entries]
-    for wanted in only:
-        if wanted not in ids:
-            near = difflib.get_close_matches(wanted, ids, 1)
-            guess = f"; did you mean {near[0]}?" if near else ""
-            raise RequestError(f"--only {printable(wanted)}: there is no submission with that id{guess}")
-    return [entry for entry in entries if not only or entry.id in only]
+    wanted = {who.by(word): word for word in only}
+    for id_, word in wanted.items():
+        if id_ not in ids:
+            raise RequestError(
+                f"--only {printable(word)}: there is no submission of that id, name, number or address"
+                f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list tells all"
+            )
+    return [entry for entry in entries if not only or entry.id in wanted]
 
 
 def _told(paths: tuple[Path, ...]) -> str:

@@ -18,7 +18,7 @@ from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from grader.course.pool import KILLED, Backlog, OpenMarker, Task, Unmarked, words
+from grader.course.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, words
 from grader.engine.evidence import Evidence
 from grader.engine.results import Result, from_dict
 from grader.ground.errors import GraderError, RequestError
@@ -41,8 +41,8 @@ _SETTINGS = {
 
 
 def mark_all(
-    submissions: Iterator[Submission], open_marker: OpenMarker, address: str
-) -> Generator[tuple[Submission, Result | Unmarked], None, None]:
+    submissions: Iterator[Submission], open_marker: OpenMarker, address: str, bounds: Bounds
+) -> Generator[tuple[Submission, Outcome], None, None]:
     """Mark every submission on a cluster and yield each as it is done, in no particular order.
 
     Parameters
@@ -53,6 +53,8 @@ def mark_all(
         Makes a marker; called in each worker process, so it must be picklable.
     address
         Of the Dask scheduler, as "tcp://host:8786" or "tls://host:8786". Certificates are those of Dask's configuration.
+    bounds
+        Where a marker is ended that does not answer.
 
     Raises
     ------
@@ -64,7 +66,7 @@ def mark_all(
     first = next(submissions, None)
     if first is None:  # all on record: no cluster is needed
         return
-    with _connected(address) as client, _seats(client, open_marker, address) as run:
+    with _connected(address) as client, _seats(client, open_marker, bounds, address) as run:
         yield from _Errands(client, run, address, chain([first], submissions)).run()
 
 
@@ -127,7 +129,7 @@ async def _find_scheduler(address: str) -> None:
 
 
 @contextmanager
-def _seats(client: Client, open_marker: OpenMarker, address: str) -> Iterator[str]:
+def _seats(client: Client, open_marker: OpenMarker, bounds: Bounds, address: str) -> Iterator[str]:
     """A seat for this run in every worker, and the name of the run; markers are closed at its end."""
     from grader.course.cluster_worker import Seat, versions  # noqa: PLC0415
 
@@ -139,7 +141,7 @@ def _seats(client: Client, open_marker: OpenMarker, address: str) -> Iterator[st
         )
     run = f"imugrade-{uuid.uuid4().hex}"
     try:
-        _set_up(client, Seat(run, versions(), pickle.dumps(open_marker)), address)
+        _set_up(client, Seat(run, versions(), pickle.dumps((open_marker, bounds))), address)
         yield run
     finally:
         with suppress(Exception):  # the cluster may be gone, and the seats with it
@@ -171,7 +173,7 @@ class _Errands:
         self._done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
         self._sent = 0
 
-    def run(self) -> Iterator[tuple[Submission, Result | Unmarked]]:
+    def run(self) -> Iterator[tuple[Submission, Outcome]]:
         while self._hand_out():
             future = self._next_done()
             task = self._out.pop(future)
@@ -213,7 +215,7 @@ class _Errands:
         with _or_lost(self._address):
             return len(self._client.nthreads())
 
-    def _outcome(self, future: Future[Any], task: Task) -> Result | Unmarked | None:
+    def _outcome(self, future: Future[Any], task: Task) -> Outcome | None:
         """What came of a task; None if it is to be tried again."""
         from distributed import KilledWorker  # noqa: PLC0415
 
@@ -228,6 +230,7 @@ class _Errands:
         except Exception as problem:
             return self._backlog.failed(task, words(problem))
         if "trouble" in answer:
+            task.stopped = answer["stopped"] or task.stopped
             return self._backlog.failed(task, answer["trouble"])
         return _result(answer)
 

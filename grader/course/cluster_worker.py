@@ -1,4 +1,7 @@
-"""What runs in a worker process of a Dask cluster: one warm marker, opened for the run that it works for."""
+"""What runs in a worker process of a Dask cluster: a pool of one warm marker, opened for the run that it works for.
+
+The marker is a process of its own, as on one machine: it can be ended, and the worker goes on.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,15 @@ import pickle
 import platform
 import threading
 from collections.abc import Mapping
-from contextlib import AbstractContextManager, suppress
+from contextlib import ExitStack, suppress
 from importlib.metadata import version
 from typing import Any, ClassVar
 
 from distributed import Worker, WorkerPlugin, get_worker
 
 from grader import __version__
-from grader.course.pool import Marking, words
-from grader.engine.results import Result, to_dict
+from grader.course.pool import Pool, Stopped, Unmarked
+from grader.engine.results import Result, to_record
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 
@@ -30,7 +33,7 @@ def versions() -> dict[str, str]:
 
 def plain(result: Result) -> dict[str, Any]:
     """A result as it travels: text, bytes and numbers."""
-    record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
+    record = json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
     return {"record": record, "charts": result.evidence.charts, "fingerprint": list(result.evidence.fingerprint)}
 
 
@@ -44,8 +47,7 @@ def mark(run: str, submission: Mapping[str, Any]) -> dict[str, Any]:
 class Seat(WorkerPlugin):
     """A run's place in a worker process; Dask sets one up in every worker that there is or will be.
 
-    A process has one marker: pytest and the filter of warnings belong to all of its threads. It goes over to another run
-    where a run was killed and could not close it.
+    A process has one marker at a time. It goes over to another run where a run was killed and could not close it.
 
     Parameters
     ----------
@@ -54,7 +56,7 @@ class Seat(WorkerPlugin):
     made_by
         The versions of the machine that hands out.
     open_marker
-        Pickled, so that it is unpacked only where the versions agree.
+        With the bounds of a marker. Pickled, so that it is unpacked only where the versions agree.
     """
 
     _at_work: ClassVar[threading.Lock] = threading.Lock()
@@ -66,8 +68,8 @@ class Seat(WorkerPlugin):
         self._open_marker = open_marker
         self._address = ""
         self._over = False
-        self._opened: AbstractContextManager[Marking] | None = None
-        self._marker: Marking | None = None
+        self._opened = ExitStack()
+        self._pool: Pool | None = None
 
     def setup(self, worker: Worker) -> None:
         self._address = worker.address
@@ -78,7 +80,7 @@ class Seat(WorkerPlugin):
         self._leave_if_idle()
 
     def mark(self, submission: Submission) -> dict[str, Any]:
-        """The result as plain data, or what failed under "trouble"; the next submission then gets a fresh marker.
+        """The result as plain data, or what failed under "trouble", and under "stopped" why a marker had to be ended.
 
         Raises
         ------
@@ -92,12 +94,15 @@ class Seat(WorkerPlugin):
             if self._over:
                 self._leave_if_idle()
 
-    def _marked(self, marker: Marking, submission: Submission) -> dict[str, Any]:
+    def _marked(self, pool: Pool, submission: Submission) -> dict[str, Any]:
         try:
-            return plain(marker.mark(submission))
-        except Exception as problem:
+            ((_, outcome),) = pool.run(iter([submission]))
+        except (RequestError, GraderError) as problem:
             self._leave()
-            return {"trouble": words(problem)}
+            raise type(problem)(f"worker {self._address}: {problem}") from problem
+        if isinstance(outcome, Stopped | Unmarked):
+            return {"trouble": outcome.reason, "stopped": outcome.reason if isinstance(outcome, Stopped) else ""}
+        return plain(outcome)
 
     def _agree(self) -> None:
         for name, here in versions().items():
@@ -107,25 +112,20 @@ class Seat(WorkerPlugin):
                     f"worker {self._address} has {name} {here}, this machine has {there}; install the same on both"
                 )
 
-    def _seated(self) -> Marking:
-        if self._marker is None:
+    def _seated(self) -> Pool:
+        if self._pool is None:
             self._agree()
             if Seat._taken_by is not None:
                 Seat._taken_by._leave()
-            try:
-                self._opened = pickle.loads(self._open_marker)()
-                self._marker = self._opened.__enter__()
-            except (RequestError, GraderError) as problem:
-                raise type(problem)(f"worker {self._address}: {problem}") from problem
+            open_marker, bounds = pickle.loads(self._open_marker)
+            self._pool = self._opened.enter_context(Pool(open_marker, 1, bounds, attempts=1))
             Seat._taken_by = self
-        return self._marker
+        return self._pool
 
     def _leave(self) -> None:
-        opened, self._opened, self._marker = self._opened, None, None
-        Seat._taken_by = None
-        if opened is not None:
-            with suppress(Exception):  # it is given up because it failed
-                opened.__exit__(None, None, None)
+        self._pool = Seat._taken_by = None
+        with suppress(Exception):  # it is given up because it failed
+            self._opened.close()
 
     def _leave_if_idle(self) -> None:
         """Who is at work leaves afterwards."""

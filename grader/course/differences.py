@@ -21,11 +21,12 @@ _CAUSES = {
 
 
 def told(old: Mapping[str, Standing], new: Mapping[str, Standing]) -> Iterator[str]:
-    """Lines for a terminal: a block for each submission that differs, then how many moved and the means."""
+    """Lines for a terminal: a block for each submission whose points moved, how many others differ, how many moved, the means."""
     both = [id_ for id_ in old if id_ in new]
     blocks = {id_: _block(old[id_], new[id_]) for id_ in both}
+    moved = [id_ for id_ in both if old[id_].final != new[id_].final]
     for id_, lines in blocks.items():
-        if lines:
+        if id_ in moved:
             yield f"{printable(id_, words.NAME_LIMIT)}  {_final(old[id_])} → {_final(new[id_])}"
             yield from (f"  {line}" for line in lines)
     for id_ in old:
@@ -34,9 +35,11 @@ def told(old: Mapping[str, Standing], new: Mapping[str, Standing]) -> Iterator[s
     for id_ in new:
         if id_ not in old:
             yield f"{printable(id_, words.NAME_LIMIT)}  only in the second: {_final(new[id_])}"
-    moved = sum(old[id_].final != new[id_].final for id_ in both)
+    others = sum(bool(lines) and id_ not in moved for id_, lines in blocks.items())
+    if others:
+        yield f"{others} more differ in their checks and end with the same points"
     means = [_mean([side[id_] for id_ in both]) for side in (old, new)]
-    yield f"{moved} of {len(both)} moved; mean {means[0]} → {means[1]}"
+    yield f"{len(moved)} of {len(both)} moved; mean {means[0]} → {means[1]}"
 
 
 def _final(standing: Standing) -> str:

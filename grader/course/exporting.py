@@ -12,17 +12,22 @@ from grader.course.record import Store
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.standing import Standing, given_out
 from grader.platforms.platform import Fill, Platform
 
 Marks = tuple[bytes, int, list[str]]  # the file, how many grades are in it, and who was left out
+UNREADABLE = ("blank", "0")
 MAX_TEMPLATE = 64_000_000
 _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
 
 
 @dataclass(frozen=True)
 class Export:
-    """What is to be written. `template` is the file that the platform exported, `feedback` a zip for the reports."""
+    """What is to be written.
+
+    `template` is the file that the platform exported, `feedback` a zip for the reports; `scaled` whether points follow what the
+    platform's assignment is out of; `unreadable` one of `UNREADABLE`, for what could not be read or held nothing.
+    """
 
     out: Path
     platform: Platform
@@ -30,6 +35,8 @@ class Export:
     template: Path | None = None
     column: str | None = None
     feedback: Path | None = None
+    scaled: bool = False
+    unreadable: str = "blank"
 
 
 @dataclass(frozen=True)
@@ -51,9 +58,12 @@ def export(order: Export) -> Written:
     marks = _way(order)
     with Store.existing(order.out) as store:
         standings = store.standings()
+    if order.unreadable == "blank":
+        standings = given_out(standings)
     target = order.target or order.out / order.platform.gradebook
     data, grades, remarks = marks(standings)
     write_whole(target, data)
+    remarks = [*remarks, *_unread(standings)]
     told = [f"{target}  {grades} grade{'s' * (grades != 1)}"]
     if order.feedback is not None:
         reports, absent = _feedback(order.out, standings)
@@ -63,11 +73,18 @@ def export(order: Export) -> Written:
     return Written(tuple(told), tuple(remarks))
 
 
+def _unread(standings: Mapping[str, Standing]) -> list[str]:
+    """What there was nothing to mark in, and what stands for it."""
+    blank = [printable(id_, 80) for id_, each in standings.items() if each.unseen]
+    told = "nothing in them could be marked: left blank until you have looked (adjust them, or give --unreadable 0)"
+    return [f"{told}: {', '.join(blank)}"] if blank else []
+
+
 def _way(order: Export) -> Callable[[Mapping[str, Standing]], Marks]:
     """How the platform gets the marks: its own file filled in, or one that is written."""
     fill, write, template = order.platform.fill, order.platform.write, order.template
     if fill is not None and template is not None:
-        return lambda standings: _filled(fill, template, order.column, standings)
+        return lambda standings: _filled(fill, template, order, standings)
     if write is not None and template is None:
         return lambda standings: (write(standings), sum(each.final is not None for each in standings.values()), [])
     if fill is None and write is None:
@@ -76,9 +93,9 @@ def _way(order: Export) -> Callable[[Mapping[str, Standing]], Marks]:
     raise RequestError(f"--format {order.platform.name} {needs}")
 
 
-def _filled(fill: Fill, template: Path, column: str | None, standings: Mapping[str, Standing]) -> Marks:
+def _filled(fill: Fill, template: Path, order: Export, standings: Mapping[str, Standing]) -> Marks:
     source = printable(str(template), 500)
-    filled = fill(_bytes(template, source), source, column, standings)
+    filled = fill(_bytes(template, source), source, order.column, standings, scaled=order.scaled)
     return filled.data, filled.grades, list(filled.left_out(standings))
 
 

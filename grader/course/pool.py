@@ -17,11 +17,13 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 from functools import partial
+from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from grader.engine.processes import begin_process, starting_ours
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 
@@ -80,8 +82,8 @@ class Task:
 class Backlog:
     """What is still to be marked: first what failed once, then the submissions, taken one at a time."""
 
-    def __init__(self, submissions: Iterator[Submission]) -> None:
-        self._submissions = submissions
+    def __init__(self, submissions: Iterator[Submission], attempts: int = ATTEMPTS) -> None:
+        self._submissions, self._attempts = submissions, attempts
         self._again: deque[Task] = deque()
 
     def next(self) -> Task | None:
@@ -91,13 +93,13 @@ class Backlog:
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
-    def failed(self, task: Task, reason: str) -> Unmarked | None:
+    def failed(self, task: Task, reason: str) -> Unmarked | Stopped | None:
         """Take a task back, which has failed; the end of it if that was once too often."""
         task.reasons.append(reason)
-        if len(task.reasons) < ATTEMPTS:
+        if len(task.reasons) < self._attempts:
             self._again.append(task)
             return None
-        return Unmarked(reason)
+        return Stopped(task.stopped) if task.stopped else Unmarked(reason)
 
 
 def mark_all(
@@ -121,28 +123,41 @@ def mark_all(
     GraderError, RequestError
         If a marker cannot be opened at all.
     """
-    pool = _Pool(submissions, open_marker, jobs, bounds)
-    try:
-        yield from pool.run()
-        pool.close()
-    except BaseException:
-        pool.abandon()
-        raise
+    with Pool(open_marker, jobs, bounds) as pool:
+        yield from pool.run(submissions)
 
 
-class _Pool:
-    """Desks at work, and those that wait for work."""
+class Pool:
+    """Desks at work, and those that wait for work, from one run to the next; a context manager.
 
-    def __init__(self, submissions: Iterator[Submission], open_marker: OpenMarker, jobs: int, bounds: Bounds) -> None:
-        self._bounds = bounds
+    Parameters
+    ----------
+    open_marker, jobs, bounds
+        See `mark_all`.
+    attempts
+        How many markers may fail on a submission before it is handed back.
+    """
+
+    def __init__(self, open_marker: OpenMarker, jobs: int, bounds: Bounds, attempts: int = ATTEMPTS) -> None:
+        self._bounds, self._attempts = bounds, attempts
         self._strangers = set(multiprocessing.active_children())
         self._desks: list[_Desk] = []
-        self._backlog = Backlog(submissions)
+        self._backlog = Backlog(iter(()))
         self._open_marker = open_marker
         self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that was not needed so far
         self._busy: dict[Future[Result], tuple[_Desk, Task]] = {}
 
-    def run(self) -> Iterator[tuple[Submission, Outcome]]:
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._close() if kind is None else self._abandon()
+
+    def run(self, submissions: Iterator[Submission]) -> Iterator[tuple[Submission, Outcome]]:
+        """See `mark_all`."""
+        self._backlog = Backlog(submissions, self._attempts)
         while self._hand_out():
             done, waiting = wait(self._busy, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
             for future in waiting:
@@ -153,12 +168,12 @@ class _Pool:
                 if outcome is not None:
                     yield task.submission, outcome
 
-    def close(self) -> None:
+    def _close(self) -> None:
         for desk in self._idle:
             if desk is not None:
                 desk.close()
 
-    def abandon(self) -> None:
+    def _abandon(self) -> None:
         """End every process at once: what they are doing may take minutes."""
         for worker in set(multiprocessing.active_children()) - self._strangers:
             worker.kill()
@@ -187,8 +202,7 @@ class _Pool:
         self._idle.append(None)
         killed = desk.stopped or KILLED
         task.stopped = desk.stopped or task.stopped
-        unmarked = self._backlog.failed(task, killed if isinstance(problem, BrokenProcessPool) else words(problem))
-        return Stopped(task.stopped) if unmarked and task.stopped else unmarked
+        return self._backlog.failed(task, killed if isinstance(problem, BrokenProcessPool) else words(problem))
 
 
 def words(problem: BaseException) -> str:
@@ -206,7 +220,7 @@ class _Desk:
         context = multiprocessing.get_context("spawn")
         in_main = threading.current_thread() is threading.main_thread()
         begin = partial(begin_process, os.getcwd(), in_main)
-        with interrupts_ignored(), started_beside_no_student():
+        with starting_ours():
             self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=begin)
             self._opened = self._executor.submit(_open, open_marker)
 
@@ -259,62 +273,10 @@ def _memory_of(pid: int) -> int:
     return 0
 
 
-@contextmanager
-def interrupts_ignored() -> Iterator[None]:
-    """A process started in here is deaf to Ctrl-C: the terminal sends it to all, and one process is to answer it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def started_beside_no_student() -> Iterator[None]:
-    """A new Python first looks for its modules in the folder that it is started in: not for a `signal.py` of a student's."""
-    before = os.getcwd()
-    os.chdir(os.path.dirname(os.__file__))
-    try:
-        yield
-    finally:
-        os.chdir(before)
-
-
 # What follows runs in the worker process.
 
 _open_marker: AbstractContextManager[Marking] | None = None
 _marker: Marking | None = None
-
-
-def begin_process(folder: str, in_main: bool) -> None:
-    """What a process of ours does first: go back to the folder that it is to work in, and see to its own end."""
-    os.chdir(folder)
-    leave_with_parent(in_main)
-
-
-def leave_with_parent(in_main: bool) -> None:
-    """From its first moment: a worker whose run was killed would wait for work for ever, with both ends of its own queue.
-
-    A thread cannot see to it while a long operation in C is going on, so the kernel is asked where it can be. What it waits for
-    is the end of the thread that started this process, so only the main one will do.
-    """
-    parent = multiprocessing.parent_process()
-
-    def wait() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    if sys.platform == "linux" and in_main:
-        from grader.sandbox.namespaces import die_with_parent  # noqa: PLC0415 - of Linux only
-
-        die_with_parent()
-        if parent is not None and os.getppid() != parent.pid:
-            os._exit(1)  # it ended before it could take this process along
-    threading.Thread(target=wait, daemon=True).start()
 
 
 def _open(open_marker: OpenMarker) -> int:

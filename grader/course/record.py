@@ -10,24 +10,29 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+import zlib
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 from types import TracebackType
+from typing import Any, TypeVar
 
 from grader.engine.evidence import Chart, unpacked
-from grader.engine.results import Result, from_dict, to_dict
+from grader.engine.marks import fits, marked
+from grader.engine.results import Result, from_dict, to_record
+from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.people.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
 
+T = TypeVar("T")
+
 FILE_NAME = "results.sqlite"
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 _APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
 _TABLES = """
-BEGIN IMMEDIATE;
 CREATE TABLE IF NOT EXISTS results (
     seq INTEGER PRIMARY KEY,
     id TEXT NOT NULL,
@@ -54,17 +59,50 @@ CREATE TABLE IF NOT EXISTS adjustments (
     beneath TEXT NOT NULL
 );
 CREATE TABLE IF NOT EXISTS pages (id TEXT PRIMARY KEY, digest TEXT NOT NULL);
-PRAGMA application_id = {application};
-PRAGMA user_version = {version};
-COMMIT;
 """
+_SINCE_3 = """
+CREATE {temp} TABLE files (submission_sha256 TEXT PRIMARY KEY, packed BLOB NOT NULL);
+CREATE {temp} TABLE told (kind TEXT NOT NULL, line TEXT NOT NULL);
+CREATE {temp} TABLE decisions (number INTEGER PRIMARY KEY, what TEXT NOT NULL, author TEXT NOT NULL, at TEXT NOT NULL);
+CREATE {temp} TABLE ticks (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    reason TEXT NOT NULL,
+    about TEXT NOT NULL,
+    done INTEGER NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL
+);
+CREATE {temp} TABLE appeals (
+    number INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    about TEXT NOT NULL,
+    text TEXT NOT NULL,
+    at TEXT NOT NULL,
+    answer TEXT NOT NULL DEFAULT '',
+    author TEXT NOT NULL DEFAULT '',
+    answered TEXT NOT NULL DEFAULT '',
+    UNIQUE (id, about, text)
+);
+"""
+_WIDER = """
+ALTER TABLE adjustments ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE adjustments ADD COLUMN decision INTEGER NOT NULL DEFAULT 0;
+"""
+_SEEN_AS_3 = "CREATE TEMP VIEW adjustments AS SELECT *, 0 AS alone, 0 AS decision FROM main.adjustments;"
+"""A record of layout 2 that cannot be written is read as one of layout 3 that holds nothing new."""
 _KEEP = """
 INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record, charts, fingerprint)
 VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader)
 DO UPDATE SET status = excluded.status, record = excluded.record, charts = excluded.charts, fingerprint = excluded.fingerprint
 """
-_ADJUSTMENT = "id, criterion, points, comment, author, at, beneath"
+_REMARK = """
+INSERT INTO results (id, submission_sha256, rubric_sha256, traces_sha256, grader, status, record, charts, fingerprint)
+SELECT id, submission_sha256, ?, traces_sha256, grader, status, ?, charts, fingerprint FROM results WHERE seq = ?
+ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader) DO UPDATE SET record = excluded.record
+"""
+_ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decision"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
 
 
@@ -77,6 +115,36 @@ class Key:
     rubric_sha256: str
     traces_sha256: str
     grader: str
+
+
+class OvertakenError(RequestError):
+    """Somebody else decided something in the meantime."""
+
+
+@dataclass(frozen=True)
+class Tick:
+    """Somebody looked at a submission for a reason, or (`done` False) took that back; `about` is the fact that was looked at."""
+
+    id: str
+    reason: str
+    about: str
+    done: bool
+    author: str
+    at: str
+
+
+@dataclass(frozen=True)
+class Appeal:
+    """What a student says against a mark. `about` is a check or a criterion, "" where it names none; hostile text."""
+
+    id: str
+    about: str
+    text: str
+    at: str
+    answer: str = ""
+    author: str = ""
+    answered: str = ""
+    number: int = 0
 
 
 class Store:
@@ -114,10 +182,9 @@ class Store:
 
     def keep(self, key: Key, result: Result) -> None:
         """Commit one result and make it the submission's present one."""
-        record = json.dumps(to_dict(result), ensure_ascii=True, allow_nan=False)
         with self._told(), self._transaction():
             evidence = (result.evidence.charts, array("Q", result.evidence.fingerprint).tobytes())
-            self._db.execute(_KEEP, (*astuple(key), result.status, record, *evidence))
+            self._db.execute(_KEEP, (*astuple(key), result.status, _text(result), *evidence))
             self._point_at(key)
 
     def recall(self, key: Key) -> Result | None:
@@ -127,26 +194,58 @@ class Store:
             row = self._db.execute(query, astuple(key)).fetchone()
             if row is not None:
                 self._point_at(key)
-        return None if row is None else from_dict(json.loads(row[0]))
+            return None if row is None else _result(row[0])
+
+    def remark(self, key: Key, rubric: Rubric) -> Result | None:
+        """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a box."""
+        query = (
+            "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
+            "AND status != 'incomplete' ORDER BY seq DESC"
+        )
+        with self._told(), self._transaction():
+            for seq, record in self._db.execute(query, (key.id, key.submission_sha256, key.traces_sha256, key.grader)):
+                found = _result(record)
+                if fits(found, rubric):
+                    result = marked(found, rubric)
+                    self._db.execute(_REMARK, (rubric.sha256, _text(result), seq))
+                    self._point_at(replace(key, rubric_sha256=rubric.sha256))
+                    return result
+        return None
+
+    def remark_class(
+        self, mark: Callable[[dict[str, Standing]], dict[str, Standing]], rubric: Rubric
+    ) -> dict[str, Standing]:
+        """Record what `mark` makes of the whole class by another rubric, all of it or nothing, and return that.
+
+        Nobody else writes in the meantime: each present result is parsed once, and what is kept was made of it.
+        """
+        query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"
+        with self._told(), self._transaction():
+            after = mark(self.standings())
+            for id_, submission, traces, grader, seq in self._db.execute(query).fetchall():
+                self._db.execute(_REMARK, (rubric.sha256, _text(after[id_].result), seq))
+                self._point_at(Key(id_, submission, rubric.sha256, traces, grader))
+                self._keep_hand_in(id_, after[id_].hand_in)
+        return after
 
     def present(self) -> dict[str, Result]:
         """The present result of every submission of the class, by id, in the order of the ids."""
         query = "SELECT class.id, record FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
-            return {id_: from_dict(json.loads(record)) for id_, record in self._db.execute(query)}
+            return {id_: _result(record) for id_, record in self._db.execute(query)}
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
         """The charts of a submission's present result."""
         query = "SELECT charts FROM class JOIN results USING (seq) WHERE class.id = ?"
         with self._told():
             row = self._db.execute(query, (id_,)).fetchone()
-        return () if row is None else unpacked(row[0])
+            return () if row is None else _read(unpacked, row[0])
 
     def fingerprints(self) -> dict[str, tuple[int, ...]]:
         """The fingerprint of every submission's code, by id."""
         query = "SELECT class.id, fingerprint FROM class JOIN results USING (seq) ORDER BY class.id"
         with self._told():
-            return {id_: tuple(array("Q", record)) for id_, record in self._db.execute(query)}
+            return {id_: _read(_hashes, record) for id_, record in self._db.execute(query)}
 
     def standings(self) -> dict[str, Standing]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
@@ -158,27 +257,77 @@ class Store:
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
         """Record who handed in and when, in place of what was known before."""
-        record = json.dumps(hand_in_to_dict(hand_in), ensure_ascii=True, allow_nan=False)
         with self._told(), self._transaction():
-            self._db.execute("INSERT OR REPLACE INTO hand_ins VALUES (?, ?)", (id_, record))
+            self._keep_hand_in(id_, hand_in)
 
-    def adjust(self, adjustments: Iterable[tuple[str, Adjustment]]) -> None:
-        """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away."""
-        rows = [
-            (id_, a.criterion, a.points, a.comment, a.author, a.at, json.dumps(dict(a.beneath)))
-            for id_, a in adjustments
-        ]
+    def _keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
+        record = json.dumps(hand_in_to_dict(hand_in), ensure_ascii=True, allow_nan=False)
+        self._db.execute("INSERT OR REPLACE INTO hand_ins VALUES (?, ?)", (id_, record))
+
+    def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
+        """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away.
+
+        Parameters
+        ----------
+        seen
+            The number of the last adjustment of these submissions that whoever decides has seen; None: does not matter.
+        what
+            What the decision is on, where it is one on several; its number is returned, otherwise 0.
+
+        Raises
+        ------
+        OvertakenError
+            If there is a later one: somebody else was faster.
+        """
+        made = list(adjustments)
         with self._told(), self._transaction():
-            self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+            if seen is not None:
+                self._refuse_overtaken({id_ for id_, _ in made}, seen)
+            number = self._decision(what, made[0][1]) if what and made else 0
+            rows = [
+                (id_, a.criterion, a.points, a.comment, a.author, a.at, json.dumps(dict(a.beneath)), a.alone, number)
+                for id_, a in made
+            ]
+            self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", rows)
+        return number
+
+    def _decision(self, what: str, first: Adjustment) -> int:
+        made = self._db.execute(
+            "INSERT INTO decisions (what, author, at) VALUES (?, ?, ?)", (what, first.author, first.at)
+        )
+        return int(made.lastrowid or 0)
+
+    def _refuse_overtaken(self, ids: Set[str], seen: int) -> None:
+        query = "SELECT id, author, at FROM adjustments WHERE seq > ? ORDER BY seq DESC"
+        for id_, author, at in self._db.execute(query, (seen,)):
+            if id_ in ids:
+                raise OvertakenError(
+                    f"{printable(id_, 80)}: {printable(author, 80)} decided something at {at}, after you had looked"
+                )
 
     def history(self) -> list[tuple[str, Adjustment]]:
-        """Every adjustment ever made, by id of the submission, oldest first; without points those that withdraw one."""
+        """Every adjustment ever made, by id of the submission, oldest first; those that withdraw one as well."""
         with self._told():
-            rows = self._db.execute(f"SELECT {_ADJUSTMENT} FROM adjustments ORDER BY seq").fetchall()
-        return [
-            (id_, Adjustment(criterion, points, comment, author, at, json.loads(record)))
-            for id_, criterion, points, comment, author, at, record in rows
-        ]
+            rows = self._db.execute(f"SELECT {_ADJUSTMENT}, seq FROM adjustments ORDER BY seq").fetchall()
+            return [
+                (
+                    id_,
+                    Adjustment(
+                        criterion, points, comment, author, at, _read(json.loads, record), bool(alone), decision, seq
+                    ),
+                )
+                for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
+            ]
+
+    def last_adjustment(self) -> int:
+        """The number of the last one that anybody made."""
+        with self._told():
+            return int(self._db.execute("SELECT coalesce(max(seq), 0) FROM adjustments").fetchone()[0])
+
+    def decisions(self) -> dict[int, str]:
+        """What each decision on several submissions was on, by its number."""
+        with self._told():
+            return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def page_digest(self, id_: str) -> str:
         """What `keep_page_digest` was last given: of what the pages of a submission were made from."""
@@ -194,14 +343,86 @@ class Store:
         """Who handed in and when, as last recorded, by id."""
         with self._told():
             rows = self._db.execute("SELECT id, record FROM hand_ins").fetchall()
-        return {id_: hand_in_from_dict(json.loads(record)) for id_, record in rows}
+            return {id_: _read(_hand_in, record) for id_, record in rows}
 
     def adjustments(self) -> dict[str, tuple[Adjustment, ...]]:
-        """Those in force, by id of the submission: the last of each criterion, unless it withdraws."""
-        last: dict[str, dict[str, Adjustment]] = {}
+        """Those in force, by id of the submission: the last on each criterion or check, unless it withdraws."""
+        last: dict[str, dict[tuple[str, bool], Adjustment]] = {}
         for id_, adjustment in self.history():
-            last.setdefault(id_, {})[adjustment.criterion] = adjustment
-        return {id_: tuple(a for a in each.values() if a.points is not None) for id_, each in last.items()}
+            last.setdefault(id_, {})[adjustment.criterion, adjustment.alone] = adjustment
+        return {id_: tuple(a for a in each.values() if not a.withdraws) for id_, each in last.items()}
+
+    def keep_files(self, submission_sha256: str, pack: Callable[[], bytes]) -> None:
+        """Record what was handed in, once; it is packed only then."""
+        with self._told():
+            if (
+                self._db.execute("SELECT 1 FROM files WHERE submission_sha256 = ?", (submission_sha256,)).fetchone()
+                is None
+            ):
+                with self._transaction():
+                    self._db.execute("INSERT OR IGNORE INTO files VALUES (?, ?)", (submission_sha256, pack()))
+
+    def files(self, submission_sha256: str) -> bytes:
+        """What `keep_files` packed; empty if there is nothing."""
+        with self._told():
+            row = self._db.execute(
+                "SELECT packed FROM files WHERE submission_sha256 = ?", (submission_sha256,)
+            ).fetchone()
+        return b"" if row is None else bytes(row[0])
+
+    def keep_told(self, told: Mapping[str, Sequence[str]]) -> None:
+        """Record what a run said of the class beside its submissions, by kind, in place of what the run before said."""
+        with self._told(), self._transaction():
+            self._db.execute("DELETE FROM told")
+            self._db.executemany(
+                "INSERT INTO told VALUES (?, ?)", [(kind, line) for kind in told for line in told[kind]]
+            )
+
+    def told(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        with self._told():
+            for kind, line in self._db.execute("SELECT kind, line FROM told ORDER BY rowid"):
+                found.setdefault(kind, []).append(line)
+        return found
+
+    def tick(self, ticks: Iterable[Tick]) -> None:
+        """Record who looked at what, or took that back."""
+        with self._told(), self._transaction():
+            query = "INSERT INTO ticks (id, reason, about, done, author, at) VALUES (?, ?, ?, ?, ?, ?)"
+            self._db.executemany(query, [astuple(tick) for tick in ticks])
+
+    def ticks(self) -> dict[tuple[str, str, str], Tick]:
+        """Who looked last, by id, reason and what it was about; without those that were taken back."""
+        with self._told():
+            rows = self._db.execute("SELECT id, reason, about, done, author, at FROM ticks ORDER BY seq").fetchall()
+        last = {
+            (id_, reason, about): Tick(id_, reason, about, bool(done), *who) for id_, reason, about, done, *who in rows
+        }
+        return {key: tick for key, tick in last.items() if tick.done}
+
+    def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
+        """Record appeals; one that is there already stays as it is. How many are new."""
+        query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
+        with self._told(), self._transaction():
+            return sum(self._db.execute(query, (a.id, a.about, a.text, a.at)).rowcount for a in appeals)
+
+    def appeals(self) -> list[Appeal]:
+        """All of them, in the order in which they came."""
+        with self._told():
+            rows = self._db.execute(
+                "SELECT id, about, text, at, answer, author, answered, number FROM appeals ORDER BY number"
+            )
+            return [Appeal(*row) for row in rows.fetchall()]
+
+    def answer(self, number: int, answer: str, author: str, at: str) -> None:
+        with self._told(), self._transaction():
+            query = "UPDATE appeals SET answer = ?, author = ?, answered = ? WHERE number = ?"
+            self._db.execute(query, (answer, author, at, number))
+
+    def changes(self) -> int:
+        """A number that is another one once somebody else has written to the record."""
+        with self._told():
+            return int(self._db.execute("PRAGMA data_version").fetchone()[0])
 
     def point_at(self, key: Key) -> None:
         """Make a recorded result the submission's present one."""
@@ -229,9 +450,13 @@ class Store:
         """
         application, version, tables = self._identity()
         if (application, version, tables) == (0, 0, 0):
-            self._db.executescript(_TABLES.format(application=_APPLICATION_ID, version=SCHEMA_VERSION))
+            self._lay_out(_TABLES + _WIDER)
         elif application != _APPLICATION_ID:
             raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")
+        elif version == 2 and self._writable:
+            self._lay_out(_WIDER)
+        elif version == 2:
+            self._db.executescript(_SINCE_3.format(temp="TEMP") + _SEEN_AS_3)
         elif version != SCHEMA_VERSION:
             raise RequestError(
                 f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
@@ -241,6 +466,14 @@ class Store:
             self._db.execute("PRAGMA journal_mode = WAL")
         self._db.execute("PRAGMA synchronous = NORMAL")
         self._db.execute("PRAGMA foreign_keys = ON")
+
+    def _lay_out(self, script: str) -> None:
+        """Make the tables, unless another process was faster."""
+        mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
+        with self._transaction():
+            if self._identity()[1] != SCHEMA_VERSION:
+                for statement in (script + _SINCE_3.format(temp="") + mark).split(";"):
+                    self._db.execute(statement)
 
     def _identity(self) -> tuple[int, int, int]:
         ask = ("PRAGMA application_id", "PRAGMA user_version", "SELECT count(*) FROM sqlite_master")
@@ -272,3 +505,35 @@ class Store:
                 f"{self.path}: {problem}; free or repair it, or choose another folder with -o "
                 "(what was recorded before is kept)"
             ) from problem
+        except _ForeignError as problem:
+            raise RequestError(
+                f"{self.path}: holds what this imugrade does not write ({problem}); choose another folder with -o"
+            ) from problem
+
+
+def _text(result: Result) -> str:
+    return json.dumps(to_record(result), ensure_ascii=True, allow_nan=False)
+
+
+class _ForeignError(Exception):
+    """A row holds something else than we write; the message is what."""
+
+
+def _read(parse: Callable[[Any], T], record: object) -> T:
+    """A row of ours, whatever it holds: anyone can write into a file of this kind."""
+    try:
+        return parse(record)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:
+        raise _ForeignError(printable(f"{type(problem).__name__}: {problem}", 100)) from problem
+
+
+def _result(record: object) -> Result:
+    return _read(lambda text: from_dict(json.loads(text)), record)
+
+
+def _hand_in(text: str) -> HandIn:
+    return hand_in_from_dict(json.loads(text))
+
+
+def _hashes(record: bytes) -> tuple[int, ...]:
+    return tuple(array("Q", record))

@@ -6,31 +6,37 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from grader.engine.feedback import NOT_UNDERSTOOD
-from grader.engine.results import CriterionResult, ExtensionResult, Result
+from grader.engine.results import Result
 from grader.ground.text import printable
-from grader.people.standing import Adjustment, HandIn, Standing
+from grader.people.standing import Adjustment, HandIn, Standing, summed, under, worth
 from grader.report import words
 
 A_LINE = 20  # names
+OUTDATED = 5  # lines
 
 
 def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Lines about adjustments that are out of date, equal and empty hand-ins, lateness without a time, and the roster."""
-    for standing in standings.values():
-        for adjustment in standing.outdated():
-            yield _outdated(standing, adjustment)
-    for ids in _equal(standings.values()):
+    """Lines about equal and empty hand-ins, lateness without a time, and the roster."""
+    for ids in equal(standings.values()):
         yield from _lines("the same files were handed in by", ids)
     nothing = [s.id for s in standings.values() if s.result.status in ("empty", "unreadable")]
     yield from _lines("nothing in them that could be marked (look at what was handed in)", nothing)
-    odd = [s.id for s in standings.values() if _not_understood(s.result)]
+    odd = [s.id for s in standings.values() if not_understood(s.result)]
     yield from _lines("an answer that could not be understood (look at what the code returns)", odd)
-    stopped = [s.id for s in standings.values() if _timed_out(s.result)]
+    stopped = [s.id for s in standings.values() if timed_out(s.result)]
     yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
     untimed = [s.id for s in standings.values() if s.late and s.late.due and s.late.seconds is None]
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, and nothing handed in", absent)
     yield from _lines("not in the roster, or not to be told apart there", unknown)
+
+
+def outdated(standings: Mapping[str, Standing]) -> Iterator[str]:
+    """Lines about points by hand whose automatic marks have moved since: they stand in the way of those until somebody decides."""
+    lines = [_outdated(standing, adjustment) for standing in standings.values() for adjustment in standing.outdated()]
+    yield from lines[:OUTDATED]
+    if len(lines) > OUTDATED:
+        yield f"and {len(lines) - OUTDATED} more adjustments of marks that have moved since; the class page lists whose"
 
 
 def forgotten(before: Mapping[str, HandIn], now: Mapping[str, Standing]) -> Iterator[str]:
@@ -41,27 +47,26 @@ def forgotten(before: Mapping[str, HandIn], now: Mapping[str, Standing]) -> Iter
     )
 
 
-def _timed_out(result: Result) -> bool:
+def timed_out(result: Result) -> bool:
     outcomes = {check.outcome for criterion in result.criteria for check in criterion.checks}
     return outcomes == {"timeout"}
 
 
 def _outdated(standing: Standing, adjustment: Adjustment) -> str:
-    now = next((c for c in standing.result.criteria if c.id == adjustment.criterion), None)
+    now = under(standing.result, adjustment.criterion)
     then = [points for points in adjustment.beneath.values() if points is not None]
-    new = "gone" if now is None else words.criterion_points(now)
+    new = "gone" if now is None else words.fraction(summed(now), worth(standing.result, adjustment.criterion) or 0.0)
     return (
         f"{printable(standing.id)}: {adjustment.criterion} was set to {words.number(adjustment.points or 0.0)} by hand when it had "
         f"{words.number(round(sum(then), 2))}; the automatic marks are now {new}. Adjust it again or withdraw it"
     )
 
 
-def _not_understood(result: Result) -> bool:
-    parts: tuple[CriterionResult | ExtensionResult, ...] = (*result.criteria, *result.extensions)
-    return any(check.message == NOT_UNDERSTOOD.message for part in parts for check in part.checks)
+def not_understood(result: Result) -> bool:
+    return any(check.got == NOT_UNDERSTOOD.got for part in result.parts for check in part.checks)
 
 
-def _equal(standings: Iterable[Standing]) -> Iterator[list[str]]:
+def equal(standings: Iterable[Standing]) -> Iterator[list[str]]:
     same: defaultdict[str, list[str]] = defaultdict(list)
     for standing in standings:
         if standing.result.status in ("graded", "incomplete"):
@@ -70,5 +75,6 @@ def _equal(standings: Iterable[Standing]) -> Iterator[list[str]]:
 
 
 def _lines(what: str, names: Sequence[str]) -> Iterator[str]:
+    """Every name; they are parted by semicolons, as many are ``Last, First``."""
     for start in range(0, len(names), A_LINE):
-        yield f"{what}: {', '.join(printable(name, 80) for name in names[start : start + A_LINE])}"
+        yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + A_LINE])}"

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import PurePosixPath
 from threading import Timer
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from grader.engine.lab import Lab
+from grader.engine.breakpoints import breakpoints
+from grader.engine.findings import Where
 from grader.engine.loaded import Endings, Loaded, loaded_from, mistake_of, overran
+from grader.engine.question import Question
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
 from grader.sandbox.box import Box, Worker
@@ -24,6 +27,7 @@ SEED = 0
 
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
+_MOST_BREAKPOINTS = 3
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
 _SENT_BYTES = 24_000_000
 _LOADING = ("load", "run_script")
@@ -32,7 +36,8 @@ _CALLS = {
     "simulate": "simulate_and_collect", "noise": "NoisyIMU", "default_bias": "NoisyIMU", "filter": "LowPassFilter",
     "plot": "plot_imu_data",
 }  # fmt: skip
-_SLOW_S = 2.0  # after which somebody who waits is told for what
+_WALL_PER_CPU = 4  # seconds on the clock that a part has for each of its CPU time: waiting costs time, too
+_SLOW_S = 2.0  # after which a line says what is waited for
 _OF_ITS_TIME = 0.8  # is what loading has before the process is ended: it may interrupt its statements itself
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
 
@@ -41,12 +46,30 @@ Listener = Callable[[str, str], None]
 """Hears what a student's code prints: the part that is being examined, and the text."""
 
 
+class Sheet(Protocol):
+    """What a conversation needs to know of the lab that it is about."""
+
+    @property
+    def parts(self) -> Collection[Any]: ...
+
+    @property
+    def homes(self) -> Mapping[str, str]: ...
+
+    @property
+    def files(self) -> Collection[str]: ...
+
+    @property
+    def checked(self) -> Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]: ...
+
+    def standin(self, name: str, furniture: Mapping[str, Any]) -> str: ...
+
+
 class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not an error of ours
     """A required name is not there: the file is missing, does not import, or does not define it."""
 
-    def __init__(self, name: str, mistake: str, message: str) -> None:
+    def __init__(self, name: str, mistake: str, message: str, where: Where | None = None) -> None:
         super().__init__(message)
-        self.name, self.mistake = name, mistake
+        self.name, self.mistake, self.where = name, mistake, where
 
 
 class _Session:
@@ -71,18 +94,18 @@ class Conversation:
     Parameters
     ----------
     box : the zygote that workers come from
-    lab : whose names are asked for
+    lab : whose names are asked for, a `Lab`
     files : relative path -> content
     above : how many folders above the others some of them lie
     furniture : what the harness is given with the files: the lab's own
     call_cpu_s, submission_cpu_s : limits, from the rubric
-    waiting : told what is waited for, where an answer takes long
+    waiting : called with what is waited for, where an answer takes long
     """
 
     def __init__(
         self,
         box: Box,
-        lab: Lab,
+        lab: Sheet,
         files: Mapping[str, bytes],
         *,
         above: Mapping[str, int],
@@ -98,14 +121,17 @@ class Conversation:
         self._waiting = waiting
         self._part = ""
         self._used_cpu_s: defaultdict[str, float] = defaultdict(float)
+        self._used_wall_s: defaultdict[str, float] = defaultdict(float)
         self._overrun: Counter[str] = Counter()
         self._session: _Session | None = None
         self.deadly: dict[str, NoAnswer] = {}
         self._suspects: set[str] = set()
         self._endings = Endings()
         self._noted: set[str] = set()
+        self._strays: dict[str, dict[str, str]] = {}
         self.broken: set[str] = set()
         self._answers: dict[Any, Any] = {}
+        self._called: dict[str, str] = {}
         self._outline: Mapping[str, Sequence[str]] | None = None
         self.paths: frozenset[str] = frozenset(files)
         self.used: list[str] = []
@@ -198,12 +224,12 @@ class Conversation:
     def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Frame:
         session = self._fresh_session()
         worker = session.worker
-        if self._used_cpu_s[self._part] >= self._share_cpu_s:
-            raise TimedOut("this part used up its CPU time", cpu_s=0.0, wall_s=0.0)
+        if self._used_cpu_s[self._part] >= self._share_cpu_s or self._left_s() <= 0:
+            raise TimedOut("this part used up its time", cpu_s=0.0, wall_s=0.0)
         limit_s = self._limit_s()
         if op in _LOADING:
             fields = {**fields, "within_s": _OF_ITS_TIME * limit_s}
-        before = worker.cpu_s
+        before, began = worker.cpu_s, worker.wall_s
         try:
             return self._asked(session, op, fields, arrays or {}, limit_s)
         except TimedOut:
@@ -214,18 +240,23 @@ class Conversation:
             raise
         finally:
             self._used_cpu_s[self._part] += max(0.0, worker.cpu_s - before)
+            self._used_wall_s[self._part] += max(0.0, worker.wall_s - began)
             session.has_seen_data |= op not in ("load", "outline")
 
     def _limit_s(self) -> float:
         """Half as much after each call that did not end: all together they take no more than twice the first."""
         return float(self._call_cpu_s / 2 ** self._overrun[self._part])
 
+    def _left_s(self) -> float:
+        """What the part that is examined still has on the clock."""
+        return _WALL_PER_CPU * self._share_cpu_s - self._used_wall_s[self._part]
+
     def _asked(
         self, session: _Session, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray], limit_s: float
     ) -> Frame:
         try:
             with self._telling_if_slow(op, fields, limit_s):
-                frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s)
+                frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s, most_s=self._left_s())
         except (Crashed, TimedOut) as nothing:
             if op in _LOADING and not session.has_seen_data:  # or what it wrote down may tell of data
                 self._endings.learn_place(session.worker.place(), nothing, self.broken)
@@ -268,9 +299,22 @@ class Conversation:
             raise answer.with_traceback(None)  # or it would grow with every time that it is raised
         return answer  # type: ignore[no-any-return]
 
-    def answered(self, key: Any) -> Any:
-        """An answer that has been given; None where there is none. Nothing is asked."""
-        answer = self._answers.get(key)
+    def answer(self, question: Question[T], called: str = "") -> T:
+        """What a question's answer becomes; the same question is asked once. `called` is what `answered` finds it by."""
+        return self.known_as(called, question.key, lambda: question.becomes(self._put(question)))
+
+    def _put(self, question: Question[Any]) -> Frame:
+        return self.ask(question.op, {"path": self.place_of(question.about), **question.fields}, question.arrays)
+
+    def known_as(self, called: str, key: Any, ask: Callable[[], T]) -> T:
+        """As `once`, for what a report looks up by a name."""
+        if called:
+            self._called[called] = key
+        return self.once(key, ask)
+
+    def answered(self, called: str) -> Any:
+        """What was answered under a name; None where nothing was. Nothing is asked."""
+        answer = self._answers.get(self._called.get(called))
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
@@ -347,9 +391,19 @@ class Conversation:
             if name in (loaded := self.load(path)).names:
                 self.used += [path] if path not in self.used else []
                 self._note_what_was_stepped_over(path, loaded)
-                self.note(f"{name} was found in {printable(path, 80)}; the sheet expects it in {home}")
+                self._note_where_it_was_found(path, name, home)
                 return path
         raise self._missing(name, home)
+
+    def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
+        """One line a file, which grows by each name that is found there: a notebook holds them all."""
+        strays = self._strays.setdefault(path, {})
+        before = _found_in(path, strays)
+        strays[name] = home
+        if before in self.notes:
+            self.notes[self.notes.index(before)] = _found_in(path, strays)
+        else:
+            self.note(_found_in(path, strays))
 
     def _note_what_was_stepped_over(self, path: str, loaded: Loaded) -> None:
         """One line a file: what stands first is mostly the reason of the rest."""
@@ -361,6 +415,15 @@ class Conversation:
             more = len(loaded.stepped_over) - 1
             others = f"; {more} statement{'s' * (more > 1)} after it too" if more else ""
             self.note(f"{first.where} {did}: {first.why}{others}; what the file defines counts")
+        if path.endswith(".py") and path in self.files:  # a notebook may have written it
+            self._note_breakpoints(path)
+
+    def _note_breakpoints(self, path: str) -> None:
+        for call, line in itertools.islice(breakpoints(self.files[path]), _MOST_BREAKPOINTS):
+            self.note(
+                f"{printable(path, 120)}, line {line}: {printable(call, 60)}() was passed over, as nobody can type here; a program "
+                "from `imugrade repro` stops at it"
+            )
 
     def _elsewhere(self, name: str, home: str) -> list[str]:
         if self._outline is None:
@@ -378,12 +441,13 @@ class Conversation:
             for each in self.load(path).stepped_over:
                 if name in each.defines:
                     more = THERE if each.fault.type == "ModuleNotFoundError" else ""
-                    return Missing(name, mistake_of(each), f"{each.where} did not define {name}: {each.why}{more}")
+                    why = f"{each.where} did not define {name}: {each.why}{more}"
+                    return Missing(name, mistake_of(each), why, each.at)
         if not there:
             return Missing(name, "file-missing", f"{home} was not handed in, and no other file defines {name}")
         if (fault := self.load(home).unreadable) is not None:
             said = f"{fault.type}: {printable(fault.message, 200)} at {fault.where or home}"
-            return Missing(name, "does-not-import", "\n          ".join([said, *fault.lines]))
+            return Missing(name, "does-not-import", "\n".join([said, *fault.lines]), fault.at or Where(home))
         return Missing(name, "name-missing", f"{home} does not define {name}")
 
     def note(self, text: str) -> None:
@@ -391,6 +455,21 @@ class Conversation:
         shown = printable(text, _LONGEST_NOTE)
         if shown not in self.notes:
             self.notes.append(shown)
+
+
+def _found_in(path: str, strays: Mapping[str, str]) -> str:
+    """The note about names that were found in another file than in their homes."""
+    names, homes = _together(strays), _together(dict.fromkeys(strays.values()))
+    were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
+    return printable(
+        f"{names} {were} found in {printable(path, 80)}; the sheet expects {them} in {homes}", _LONGEST_NOTE
+    )
+
+
+def _together(names: Iterable[str]) -> str:
+    """``a, b and c``"""
+    *others, last = names or [""]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def is_run(path: str) -> bool:

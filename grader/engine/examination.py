@@ -6,13 +6,19 @@ fault of the grader: the check is then not judged, and never counted as zero.
 
 from __future__ import annotations
 
+import atexit
 import functools
 import itertools
+import secrets
+import sys
+import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -20,31 +26,23 @@ import pytest
 
 from grader.engine import withheld
 from grader.engine.conversation import Conversation, Missing
-from grader.engine.feedback import Told, catalogue, story, told
+from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Lost, Raised, Skipped
 from grader.engine.lab import Lab
+from grader.engine.mistakes import catalogue
+from grader.engine.rubric import OwnChecks
 from grader.engine.traces import Traces
+from grader.engine.written import Check, title_of
 from grader.ground.errors import GraderError, NoAnswer, RequestError
-
-
-@dataclass(frozen=True)
-class Check:
-    """What a check is: its id, the sentence that a student reads, and the step of the sheet that it belongs to."""
-
-    id: str
-    title: str
-    lab_step: int | None
-
-    @property
-    def criterion(self) -> str:
-        return self.id.split(".")[0]
+from grader.ground.text import printable
 
 
 @dataclass(frozen=True)
 class Judgement:
     """How one check ended; `told` is None where the grader failed to judge.
 
-    `ours` tells whether it failed for a reason that no answer can have: the box or the request.
+    `ours` tells whether it failed for a reason that no answer can have: the box or the request; `belongs_to` is the check that
+    charges the same fault, if there is one.
     """
 
     check: Check
@@ -52,6 +50,11 @@ class Judgement:
     trouble: str
     duration_s: float
     ours: bool = False
+    belongs_to: str = ""
+
+    @property
+    def lost(self) -> bool:
+        return self.told is not None and self.told.keeps < 1.0
 
 
 Need = Callable[[Any, Any], None]
@@ -70,7 +73,6 @@ def check(
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
         assert function.__doc__, f"{check_id} has no sentence"
-        title = " ".join(function.__doc__.strip().split("\n\n")[0].split()).rstrip(".")
 
         @functools.wraps(function)
         def asked(student: Any, truth: Any) -> None:
@@ -78,7 +80,7 @@ def check(
                 needs(student, truth)
             function(student, truth)
 
-        asked.check = Check(check_id, title, lab_step)  # type: ignore[attr-defined]
+        asked.check = Check(check_id, title_of(function.__doc__), lab_step)  # type: ignore[attr-defined]
         return asked
 
     return mark
@@ -127,14 +129,23 @@ class Examination:
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
-        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours)
+        belongs_to = ended.belongs_to if isinstance(ended, Lost) else ""
+        self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
 
     def _told(self, finding: BaseException, earlier: str | None) -> Told:
-        """What was missing was found out before any data was shown, and is told as it is."""
+        """What was missing was found out before any data was shown: words for that hide nothing."""
         hidden = self.truth.name != "public" and earlier is None
         if hidden and isinstance(finding, Lost | Skipped | Raised | NoAnswer):
             return withheld.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
+
+    def settle(self) -> None:
+        """Charge each fault once: a check that is lost by the fault of another lost one keeps its points, and says so."""
+        judged = dict(self.judgements)
+        for id_, each in judged.items():
+            other = judged.get(each.belongs_to)
+            if each.lost and other is not None and other.lost:
+                self.judgements[id_] = replace(each, told=charged_with(other.check.title))
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
@@ -190,6 +201,8 @@ class Session:
     def __init__(self, lab: Lab) -> None:
         self._lab = lab
         self._items: list[pytest.Item] = []
+        self.troubles: list[str] = []
+        self.private: tempfile.TemporaryDirectory[str] | None = None
         self._examination: Examination | None = None
 
     @property
@@ -207,6 +220,7 @@ class Session:
             if examination.lost_beside_standins(criterion):
                 with examination.alone(criterion):
                     _run(own)
+        examination.settle()
 
     @property
     def _now(self) -> Examination:
@@ -223,8 +237,17 @@ class Session:
         """The ground truth."""
         return self._now.truth
 
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        if report.failed:
+            self.troubles.append(f"{Path(report.nodeid).name}: {_last_line(str(report.longrepr))}")
+
     def pytest_collection_finish(self, session: pytest.Session) -> None:
-        self._items = sorted(session.items, key=lambda item: _turn(self._lab, _check(item).criterion))
+        checks = [item for item in session.items if hasattr(getattr(item, "function", None), "check")]
+        names = [f"{item.path.name}: {item.name}" for item in session.items if item not in checks]
+        self.troubles += [f"{name} is no check: write @check(...) above it" for name in names]
+        twice = Counter(_check(item).id for item in checks)
+        self.troubles += [f"there are {count} checks {id_}" for id_, count in twice.items() if count > 1]
+        self._items = sorted(checks, key=lambda item: _turn(self._lab, _check(item).criterion))
 
     def pytest_runtest_setup(self, item: pytest.Item) -> None:
         self._now.begin(_check(item))
@@ -253,16 +276,52 @@ class Session:
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, told, call.when)  # type: ignore[arg-type] # never "collect"
 
 
+def _last_line(text: str) -> str:
+    """What was raised, of pytest's account of it."""
+    lines = [line.removeprefix("E").strip() for line in text.splitlines() if line.strip()]
+    return printable(lines[-1] if lines else "it cannot be read", 300)
+
+
 @functools.cache
-def session(lab: Lab) -> Session:
+def session(lab: Lab, own: OwnChecks = ()) -> Session:
     """The process's one quiet pytest session over a lab's checks, free of whatever configuration or plugins the machine has.
+
+    Parameters
+    ----------
+    own : the instructor's checks: they are trusted as the rubric is, and run here
 
     Raises
     ------
+    RequestError
+        If the instructor's own checks cannot be collected.
     GraderError
         If pytest cannot collect the checks.
     """
-    collected, folder = Session(lab), lab.folder / "checks"
+    collected = Session(lab)
+    if own:
+        collected.private = tempfile.TemporaryDirectory(prefix="imugrade-")  # pytest looks there again when they run
+        atexit.register(collected.private.cleanup)
+    code = _collect(collected, lab, [str(_write(own, Path(collected.private.name)))] if collected.private else [])
+    if code == pytest.ExitCode.INTERRUPTED and not collected.troubles:
+        raise KeyboardInterrupt  # pytest has swallowed it
+    if own and collected.troubles:
+        raise RequestError("\n".join(f"own checks: {trouble}" for trouble in collected.troubles))
+    if code != 0 or collected.troubles:
+        raise GraderError(f"the pytest session over the checks ended with code {code}: {'; '.join(collected.troubles)}")
+    return collected
+
+
+def _write(own: OwnChecks, private: Path) -> Path:
+    """The instructor's checks as a package whose name no other module has."""
+    folder = private / f"own_checks_{secrets.token_hex(8)}"
+    folder.mkdir()
+    for name, content in {"__init__.py": b"", **dict(own)}.items():
+        Path(folder, name).write_bytes(content)
+    return folder
+
+
+def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
+    folder = lab.folder / "checks"
     switched_off = ("terminal", "cacheprovider", "doctest", "junitxml", "pastebin", "faulthandler", "stepwise", "logging",
                     "warnings", "capture", "debugging", "unittest", "setuponly", "setupplan", "tmpdir", "monkeypatch", "recwarn",
                     "unraisableexception", "threadexception", "nose", "legacypath")  # fmt: skip
@@ -277,15 +336,13 @@ def session(lab: Lab) -> Session:
     ]
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", list(sys.path))  # pytest adds folders, of which one is about to go
         patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # one that shuffles tests is common
-        code = int(pytest.main([*options, str(folder)], plugins=[collected]))
-    if code == pytest.ExitCode.INTERRUPTED:
-        raise KeyboardInterrupt  # pytest has swallowed it
-    if code != 0:
-        raise GraderError(f"the pytest session over the checks ended with code {code}")
-    return collected
+        for ours in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):  # of the pytest that somebody runs, perhaps around this one
+            patch.delenv(ours, raising=False)
+        return int(pytest.main([*options, str(folder), *more], plugins=[collected]))
 
 
-def known_checks(lab: Lab) -> dict[str, Check]:
-    """Every check of a lab that exists as a pytest check, by id."""
-    return session(lab).checks
+def known_checks(lab: Lab, own: OwnChecks = ()) -> dict[str, Check]:
+    """Every check of a lab that exists as a pytest check, by id, with the instructor's own."""
+    return session(lab, own).checks

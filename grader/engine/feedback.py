@@ -3,53 +3,34 @@
 from __future__ import annotations
 
 import builtins
-import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
-
-import yaml
 
 from grader.engine.conversation import THERE, Missing
-from grader.engine.findings import Fault, Lost, Raised, Skipped
-from grader.engine.lab import Lab
-from grader.engine.results import Outcome
+from grader.engine.findings import Fault, Lost, Raised, Skipped, Unusable, Where
+from grader.engine.mistakes import Mistake
+from grader.engine.results import Outcome, message_of
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
 
 
 @dataclass(frozen=True)
 class Told:
-    """What one check tells: `keeps` is the share of its points that is earned."""
+    """What one check tells: `keeps` is the share of its points that is earned; the others are as in `CheckResult`."""
 
     outcome: Outcome
     keeps: float
-    message: str
+    said: str = ""
     hint: str = ""
     mistakes: tuple[str, ...] = ()
+    expected: str = ""
+    got: str = ""
+    where: Where | None = None
 
-
-@dataclass(frozen=True)
-class Mistake:
-    """One entry of the catalogue: what the code does, how to go on, and an explanation for `imugrade explain`."""
-
-    id: str
-    group: str
-    means: str
-    hint: str
-    explanation: str
-    step: int | None
-    wrong: str
-    right: str
-
-
-@functools.cache
-def catalogue(lab: Lab) -> Mapping[str, Mistake]:
-    """Every mistake of a lab that has a name, by id, read from the file that the handbook is made from."""
-    loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    text = (lab.folder / "mistakes.yaml").read_text(encoding="utf-8")
-    groups = yaml.load(text, Loader=loader)
-    return {key: Mistake(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
+    @property
+    def message(self) -> str:
+        """All that it says, as one text."""
+        return message_of(self.said, self.expected, self.got)
 
 
 def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Told:
@@ -61,19 +42,21 @@ def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mis
     earlier : title of the check that has told the same story already, or None
     mistakes : the lab's catalogue
     """
-    if isinstance(finding, Lost):
-        return _lost(finding, mistakes)
     if isinstance(finding, Skipped):
         return Told("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
         return Told("skipped", 0.0, f"Not reached: see “{earlier}”.")
+    if isinstance(finding, Lost):
+        return _lost(finding, mistakes)
     if isinstance(finding, Missing):
         return Told(
             "failed",
             0.0,
-            f"Expected  {finding.name}\nGot       {finding}",
-            mistakes[finding.mistake].hint,
-            (finding.mistake,),
+            expected=finding.name,
+            got=str(finding),
+            where=finding.where,
+            hint=mistakes[finding.mistake].hint,
+            mistakes=(finding.mistake,),
         )
     if isinstance(finding, Raised):
         return _raised(finding, mistakes)
@@ -86,6 +69,8 @@ def story(finding: BaseException, part: str) -> str | None:
 
     A part's calls that do not end are one story, though each has less time than the one before.
     """
+    if isinstance(finding, Unusable):
+        return f"Unusable: {part}"
     if isinstance(finding, Lost | Skipped):
         return None
     if isinstance(finding, Missing):
@@ -95,11 +80,27 @@ def story(finding: BaseException, part: str) -> str | None:
     return f"{type(finding).__name__}: {finding}"
 
 
+STEP_BY_STEP = "Hold this part of your code against the sheet's step, line by line: look at the lines that differ."
+"""Where the measurement says no more than what was expected and what came."""
+
+
+def charged_with(title: str) -> Told:
+    """Words for a check that is lost by the fault of another one."""
+    return Told("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
+
+
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
-    message = f"Expected  {finding.expected}\nGot       {finding.got}"
-    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes)
-    return Told(outcome, finding.keeps, message, hint, finding.mistakes)
+    hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes) or STEP_BY_STEP
+    return Told(
+        outcome,
+        finding.keeps,
+        expected=finding.expected,
+        got=finding.got,
+        where=finding.where,
+        hint=hint,
+        mistakes=finding.mistakes,
+    )
 
 
 def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Told:
@@ -108,10 +109,16 @@ def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Told:
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if fault.type == "ModuleNotFoundError":
         said += THERE
-    lines = [f"Expected  no exception while {finding.doing}", f"Got       {said}{place}"]
-    lines += [f"          {line}" for line in fault.lines]
     mistake = mistake_of(fault)
-    return Told("error", 0.0, "\n".join(lines), mistakes[mistake].hint, (mistake,))
+    return Told(
+        "error",
+        0.0,
+        expected=f"no exception while {finding.doing}",
+        got="\n".join([f"{said}{place}", *fault.lines]),
+        where=fault.at,
+        hint=mistakes[mistake].hint,
+        mistakes=(mistake,),
+    )
 
 
 def _exception_name(fault: Fault) -> str:
@@ -136,21 +143,27 @@ def mistake_of(fault: Fault) -> str:
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     if isinstance(finding, TimedOut):
-        message = f"Expected  an answer within the time limit\nGot       none: {printable(str(finding), 200)}"
-        return Told("timeout", 0.0, message, mistakes["never-returns"].hint, ("never-returns",))
+        return no_answer("timeout", f": {printable(str(finding), 200)}", ("never-returns",), mistakes)
     if isinstance(finding, Crashed):
-        message = f"Expected  an answer\nGot       none: {printable(str(finding), 200)}"
-        return Told("crashed", 0.0, message, mistakes["kills-its-process"].hint, ("kills-its-process",))
+        return no_answer("crashed", f": {printable(str(finding), 200)}", ("kills-its-process",), mistakes)
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the harness was changed" in str(finding) else ()
-    message = "Expected  an answer\nGot       something that is not an answer to the question asked"
-    return Told("crashed", 0.0, message, mistakes=named)
+    got = "something that is not an answer to the question asked"
+    return Told("crashed", 0.0, expected="an answer", got=got, hint=NOT_UNDERSTOOD.hint, mistakes=named)
+
+
+def no_answer(outcome: Outcome, why: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Told:
+    """Words for an answer that did not come."""
+    expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
+    hint = " ".join(mistakes[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
+    return Told(outcome, 0.0, expected=expected, got=f"none{why}", hint=hint, mistakes=named)
 
 
 NOT_UNDERSTOOD = Told(
     "failed",
     0.0,
-    "Expected  an answer as the lab sheet describes it\nGot       one that could not be understood",
-    "Return plain arrays and numbers of the sheet's shapes; your instructor is told to look at it.",
+    expected="an answer as the lab sheet describes it",
+    got="one that could not be understood",
+    hint="Return plain arrays and numbers of the sheet's shapes; a note asks your instructor to look at it.",
 )
 """Words for an answer that the judging stumbles over, although it takes those of sound code."""

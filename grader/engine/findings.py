@@ -9,6 +9,17 @@ from typing import Any
 
 from grader.ground.text import printable
 
+A_PERSON_MAY = "a person who looks at it may give more"
+"""In a note: a person should look at this."""
+
+
+@dataclass(frozen=True)
+class Where:
+    """A place in a student's files, by the name that they gave the file; no line in a notebook, whose cells count their own."""
+
+    file: str
+    line: int | None = None
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -37,6 +48,12 @@ class Fault:
         return f"{file}, line {self.line}" if self.line else file
 
     @property
+    def at(self) -> Where | None:
+        """The same as a place; None where no line of the student's was running."""
+        file, cell, _ = (self.file or "").partition(":cell ")
+        return Where(printable(file, 120), None if cell else self.line) if file else None
+
+    @property
     def lines(self) -> list[str]:
         """The line itself, as it can be shown; below one that is no Python, a caret."""
         return [printable(line, 160) for line in (self.text or "").split("\n")[:2] if line.strip()]
@@ -49,7 +66,7 @@ class Size:
     Attributes
     ----------
     what : a sentence's beginning that stands in our code: never text or a name of the student's
-    value, unit : how large the error is; only its power of ten is told, as code could put more into a number
+    value, unit : how large the error is; a message holds only its power of ten, as code could put more into a number
     """
 
     what: str
@@ -79,6 +96,8 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
     keeps : share of the points that is earned all the same, 0 to 1
     hint : words for `Try` where the measurement says more than the names of the mistakes, or names none
     off : the size of the error, which is said in place of the data where the scenario is hidden
+    belongs_to : id of the check that charges the same fault: where that one is lost, this one keeps its points
+    fault : the exception that it came of, which says where
     """
 
     def __init__(
@@ -90,10 +109,17 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
         keeps: float = 0.0,
         hint: str = "",
         off: Size | None = None,
+        belongs_to: str = "",
+        fault: Fault | None = None,
     ) -> None:
         super().__init__(f"expected {expected}; got {got}")
-        self.expected, self.got, self.off = expected, got, off
+        self.expected, self.got, self.off, self.belongs_to = expected, got, off, belongs_to
         self.mistakes, self.keeps, self.hint = tuple(mistakes), keeps, hint
+        self.where = fault.at if fault else None
+
+
+class Unusable(Lost):
+    """No check of the part can judge what came: one says so, and the others are not reached."""
 
 
 class Skipped(Exception):  # noqa: N818 - an outcome

@@ -12,7 +12,7 @@ import json
 import keyword
 import re
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 
 import numpy as np
 
@@ -44,9 +44,9 @@ def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
 
 @functools.cache
 def of_the_sheet(lab: Lab) -> frozenset[int]:
-    """The fingerprint of the sheet's own code, which anyone may hand in."""
-    text = (lab.folder / "sheet.txt").read_bytes()
-    return frozenset(fingerprint({"sheet.py": text}))
+    """The fingerprint of the sheet's own code and of the kit's, which anyone may hand in."""
+    given = [lab.folder / "sheet.txt", *sorted((lab.folder / "starter").glob("*.py.txt"))]
+    return frozenset(fingerprint({f"{path.name}.py": path.read_bytes() for path in given}))
 
 
 def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
@@ -56,27 +56,47 @@ def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
         if path.endswith((".py", ".ipynb")) and len(content) <= left:
             left -= len(content)
             text = content.decode("utf-8", "replace")
-            yield _cells(text) if path.endswith(".ipynb") else text
+            yield cells(text) if path.endswith(".ipynb") else text
 
 
-def _cells(text: str) -> str:
+def cells(text: str) -> str:
+    """The code of a notebook's cells."""
     try:
-        cells = [cell["source"] for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
-        return "\n".join("".join(source) for source in cells)
+        sources = [cell["source"] for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+        return "\n".join("".join(source) for source in sources)
     except (ValueError, KeyError, TypeError, RecursionError):
         return ""  # not a notebook
 
 
 def _winnowed(source: str) -> set[int]:
     """The smallest hash of every window of WINDOW neighbouring grams of GRAM tokens."""
-    tokens = [_normal(token) for token in _TOKEN.findall(source) if not token.startswith("#")]
-    if len(tokens) < GRAM:
+    hashes = _hashes([_normal(token) for token in _TOKEN.findall(source) if not token.startswith("#")])
+    if not len(hashes):
         return set()
-    codes = np.array([zlib.crc32(token.encode("utf-8", "replace")) for token in tokens], dtype=np.uint64)
-    powers = np.array([pow(6364136223846793005, k, 2**64) for k in range(GRAM)], dtype=np.uint64)
-    hashes = np.lib.stride_tricks.sliding_window_view(codes, GRAM) @ powers >> np.uint64(32)
     width = min(WINDOW, len(hashes))
     return set(np.lib.stride_tricks.sliding_window_view(hashes, width).min(axis=1).tolist())
+
+
+def lines_with(source: str, wanted: Set[int]) -> set[int]:
+    """The lines, from 1 on, of the grams that have one of these hashes."""
+    tokens = [found for found in _TOKEN.finditer(source) if not found[0].startswith("#")]
+    hashes = _hashes([_normal(found[0]) for found in tokens])
+    starts = np.cumsum([0, *(len(line) + 1 for line in source.split("\n"))])
+    first = np.searchsorted(starts, [found.start() for found in tokens], "right")
+    last = np.searchsorted(starts, [found.end() - 1 for found in tokens], "right")
+    places = [k for k, value in enumerate(hashes.tolist()) if value in wanted]
+    return {line for k in places for line in range(int(first[k]), int(last[k + GRAM - 1]) + 1)}
+
+
+def _hashes(tokens: list[str]) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
+    """One of each gram."""
+    if len(tokens) < GRAM:
+        return np.empty(0, dtype=np.uint64)
+    codes = np.array([zlib.crc32(token.encode("utf-8", "replace")) for token in tokens], dtype=np.uint64)
+    powers = np.array([pow(6364136223846793005, k, 2**64) for k in range(GRAM)], dtype=np.uint64)
+    hashes: np.ndarray[tuple[int], np.dtype[np.uint64]]
+    hashes = np.lib.stride_tricks.sliding_window_view(codes, GRAM) @ powers >> np.uint64(32)
+    return hashes
 
 
 def _normal(token: str) -> str:

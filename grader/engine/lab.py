@@ -72,12 +72,16 @@ class Lab:
         The file that the sheet loads, if it loads one, by the path that it names.
     points_to
         Checks whose findings point to another name than the first of their part.
+    calls
+        How each name is called, in a line, where `imugrade repro` can write the call down.
     libraries
         What some submissions import and what takes longer to import than the rest of their work: a class shares it.
     recorder
         The program that records ground truth, as ``python -m`` names it; it may be missing where only public truth is used.
     same_for_all
         Scenarios in which no secret changes a number.
+    motions
+        Public scenarios that students get as tables and pictures.
     student, charts, checked
         Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
     """
@@ -93,9 +97,11 @@ class Lab:
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
+    calls: Mapping[str, str] = field(default_factory=dict)
     libraries: tuple[str, ...] = ()
     recorder: str = ""
     same_for_all: frozenset[str] = frozenset()
+    motions: tuple[str, ...] = ()
 
     def __reduce__(self) -> tuple[Callable[[str], Lab], tuple[str]]:
         """It travels by its name: another process, on another machine perhaps, has it in another folder."""
@@ -137,6 +143,11 @@ class Lab:
         """The name that the lab asks for and that this check is about."""
         part = self.part(check_id.partition(".")[0])
         return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
+
+    def call_of(self, check_id: str) -> str:
+        """The line that calls what this check is about; empty where there is none."""
+        part, name = self.part(check_id.partition(".")[0]), self.name_of(check_id)
+        return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, furniture: Mapping[str, Any]) -> str:
         """The text of the sound stand-in for a name, where the box is furnished so."""

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grader.engine.findings import Fault
+from grader.engine.findings import Fault, Where
 from grader.ground.errors import NoAnswer, TimedOut
 from grader.ground.text import printable
 from grader.sandbox.wire import Frame
@@ -55,6 +55,11 @@ class SteppedOver:
     def where(self) -> str:
         """``imu_reader.py, line 12``, as it can be shown."""
         return f"{printable(self.path.replace(':cell ', ', cell '), 120)}, line {self.line}"
+
+    @property
+    def at(self) -> Where:
+        file, cell, _ = self.path.partition(":cell ")
+        return Where(printable(file, 120), None if cell else self.line)
 
     @property
     def why(self) -> str:

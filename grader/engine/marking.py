@@ -6,7 +6,7 @@ import platform
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from importlib.metadata import version
 from types import TracebackType
 from typing import Any
@@ -14,16 +14,19 @@ from typing import Any
 from grader import __version__
 from grader.engine.conversation import SEED, Conversation, Listener
 from grader.engine.evidence import Evidence, packed
-from grader.engine.examination import Check, Examination, Judgement, known_checks, session
+from grader.engine.examination import Examination, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.fingerprint import fingerprint
 from grader.engine.lab_box import open_box
+from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from grader.engine.traces import Traces, match_robot
+from grader.engine.written import Check
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.sandbox.box import Box
+from grader.sandbox.rungs import Rung
 
 
 class Stopped(KeyboardInterrupt):
@@ -56,14 +59,14 @@ class Marker:
         match_robot(rubric.model, traces)
         self._box = box or open_box(rubric.lab, rung)  # it warms up while the checks are collected
         try:
-            self._checks: Mapping[str, Check] = known_checks(rubric.lab)
+            self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})
         except BaseException:
             self._box.close()
             raise
 
     @property
-    def isolation(self) -> str:
+    def isolation(self) -> Rung:
         return self._box.rung
 
     def __enter__(self) -> Marker:
@@ -90,7 +93,7 @@ class Marker:
         Parameters
         ----------
         only : the one criterion or extension to examine
-        waiting : is told what is waited for, where it takes long
+        waiting : is called with what is waited for, where that takes long
         listen : hears what the student's code prints, on public scenarios alone: hidden data could be printed
 
         Raises
@@ -130,7 +133,7 @@ class Marker:
 
     def _run(self, examination: Examination) -> None:
         try:
-            session(self._lab).run(examination)
+            session(self._lab, self._rubric.own_checks).run(examination)
         finally:
             examination.student.close()
 
@@ -169,19 +172,18 @@ class Marker:
         extensions = tuple(
             self._extension(e, submission, judgements, status) for e in self._rubric.extensions if only in (None, e.id)
         )
-        parts: tuple[CriterionResult | ExtensionResult, ...] = (*criteria, *extensions)
-        unjudged = any(check.outcome == "not_judged" for part in parts for check in part.checks)
-        return Result(
+        found = Result(
             submission=submission.name,
-            status="incomplete" if unjudged else status,
+            status=status,
             criteria=criteria,
             extensions=extensions,
-            extra_credit_cap=self._rubric.extra_credit_cap,
             lab=LabName(self._lab.label, self._lab.title),
             notes=(*submission.notes, *notes),
             provenance=self._provenance(submission),
             duration_s=round(time.perf_counter() - started, 4),
         )
+        unjudged = any(check.outcome == "not_judged" for part in found.parts for check in part.checks)
+        return marked(replace(found, status="incomplete") if unjudged else found, self._rubric)
 
     def _criterion(self, criterion: Criterion, judgements: Mapping[str, Judgement], status: Status) -> CriterionResult:
         rows = tuple(self._row(weight, judgements.get(weight.id), status) for weight in criterion.checks)
@@ -198,28 +200,28 @@ class Marker:
         return ExtensionResult(extension.id, attempted, extension.points, rows)
 
     def _row(self, weight: CheckWeight, judgement: Judgement | None, status: Status) -> CheckResult:
+        """What one check found out; its points are `marks`'s to say."""
         check = self._checks[weight.id]
-        head: dict[str, Any] = {
-            "id": weight.id,
-            "title": check.title,
-            "max_points": weight.max_points,
-            "lab_step": check.lab_step,
-        }
+        found = partial(
+            CheckResult, id=weight.id, title=check.title, lab_step=check.lab_step, points=None, max_points=0.0
+        )
         if judgement is None and status in ("empty", "unreadable"):
-            return CheckResult(outcome="skipped", points=0.0, message=_NOTHING[status], **head)
+            return found(outcome="skipped", said=_NOTHING[status], keeps=0.0)
         if judgement is None or judgement.told is None:
             trouble = judgement.trouble if judgement else "the check did not run"
-            message = f"Not judged, through a fault of the grader: {printable(trouble, 300)}"
-            return CheckResult(outcome="not_judged", points=None, message=message, **head)
+            said = f"Not judged, through a fault of the grader: {printable(trouble, 300)}"
+            return found(outcome="not_judged", said=said)
         told = judgement.told
-        return CheckResult(
+        return found(
             outcome=told.outcome,
-            points=round(weight.max_points * told.keeps, 2),
-            message=told.message,
+            said=told.said,
+            expected=told.expected,
+            got=told.got,
+            where=told.where,
             hint=told.hint,
             misconceptions=told.mistakes,
             duration_s=round(judgement.duration_s, 4),
-            **head,
+            keeps=told.keeps,
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:
@@ -231,7 +233,7 @@ class Marker:
             "python": platform.python_version(),
             "mujoco": _version("mujoco"),
             "numpy": _version("numpy"),
-            "isolation": self._box.rung,
+            "isolation": self._box.rung.name,
             "seed": SEED,
         }
 
@@ -240,7 +242,7 @@ def _as_far_as_it_came(result: Result) -> Result:
     """What was not judged for being stopped is no fault of the grader."""
 
     def reached(check: CheckResult) -> CheckResult:
-        return replace(check, message="the check was stopped before them") if check.outcome == "not_judged" else check
+        return check.saying("the check was stopped before them") if check.outcome == "not_judged" else check
 
     criteria = tuple(replace(part, checks=tuple(map(reached, part.checks))) for part in result.criteria)
     extensions = tuple(replace(part, checks=tuple(map(reached, part.checks))) for part in result.extensions)

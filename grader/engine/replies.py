@@ -28,6 +28,7 @@ _DEPTH = 6
 _WHOLE = 1_000_000_000
 _COORDINATE = 1e12
 _MOST_PIXELS = 640 * 640
+_LONGEST_SIDE = 640
 
 
 class Wrong(Exception):  # noqa: N818 - it never leaves this module
@@ -105,12 +106,24 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 # --- kinds of values -----------------------------------------------------------------------------------------------------
 
 
-def text(limit: int) -> Callable[[Any], None]:
+@dataclass(frozen=True)
+class Kind:
+    """A rule for one value that was made of others: by which function, and of what."""
+
+    made: Callable[..., Kind]
+    of: tuple[Any, ...]
+    rule: Callable[[Any], None]
+
+    def __call__(self, value: Any) -> None:
+        self.rule(value)
+
+
+def text(limit: int) -> Kind:
     def rule(value: Any) -> None:
         if not isinstance(value, str) or len(value) > limit:
             raise Wrong("no text, or too much of it")
 
-    return rule
+    return Kind(text, (limit,), rule)
 
 
 def whole(value: Any) -> None:
@@ -128,22 +141,22 @@ def flag(value: Any) -> None:
         raise Wrong("neither true nor false")
 
 
-def maybe(kind: Callable[[Any], Any]) -> Callable[[Any], None]:
+def maybe(kind: Callable[[Any], Any]) -> Kind:
     def rule(value: Any) -> None:
         if value is not None:
             kind(value)
 
-    return rule
+    return Kind(maybe, (kind,), rule)
 
 
-def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) -> Callable[[Any], None]:
+def listed(kind: Callable[[Any], Any], most: int, exactly: int | None = None) -> Kind:
     def rule(value: Any) -> None:
         if not isinstance(value, list) or len(value) > most or exactly not in (None, len(value)):
             raise Wrong("no list, or one of another length")
         for item in value:
             kind(item)
 
-    return rule
+    return Kind(listed, (kind, most, exactly), rule)
 
 
 def part_of(record: Any, name: str, kind: Callable[[Any], Any]) -> Any:
@@ -161,20 +174,20 @@ def mapping(value: Any) -> None:
         raise Wrong("no object")
 
 
-def record(**kinds: Callable[[Any], Any]) -> Callable[[Any], None]:
+def record(**kinds: Callable[[Any], Any]) -> Kind:
     def rule(value: Any) -> None:
         for name, kind in kinds.items():
             part_of(value, name, kind)
 
-    return rule
+    return Kind(record, (kinds,), rule)
 
 
-def every(*kinds: Callable[[Any], None]) -> Callable[[Any], None]:
+def every(*kinds: Callable[[Any], None]) -> Kind:
     def rule(value: Any) -> None:
         for kind in kinds:
             kind(value)
 
-    return rule
+    return Kind(every, kinds, rule)
 
 
 short, long = text(_SHORT), text(_TEXT)
@@ -194,7 +207,7 @@ _stepped_over = record(
 # --- what a student's function returned ----------------------------------------------------------------------------------
 
 
-def node(answer: Answer, depth: int = 0) -> Callable[[Any], None]:
+def node(answer: Answer, depth: int = 0) -> Kind:
     def rule(value: Any) -> None:
         kind = part_of(value, "kind", short)
         if depth > _DEPTH:
@@ -214,7 +227,7 @@ def node(answer: Answer, depth: int = 0) -> Callable[[Any], None]:
         if "key" in value and kind not in ("array", "number", "list"):
             raise Wrong("numbers where there are none")
 
-    return rule
+    return Kind(node, (answer, depth), rule)
 
 
 def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
@@ -263,11 +276,11 @@ def _image(answer: Answer) -> None:
 
 
 def _pixels(answer: Answer) -> None:
-    """A small picture of 64 colours."""
+    """A small picture of 256 colours."""
     preview, palette = (answer.frame.arrays.get(name) for name in ("preview", "palette"))
     if preview is None or palette is None or not preview.dtype == palette.dtype == np.uint8:
         raise Wrong("a picture without pixels")
-    if preview.ndim != 2 or not 0 < preview.size <= _MOST_PIXELS or palette.shape != (64, 3) or preview.max() >= 64:
+    if preview.ndim != 2 or not 0 < preview.size <= _MOST_PIXELS or palette.shape != (256, 3):
         raise Wrong(f"a picture of shape {preview.shape} and {palette.shape} colours")
 
 
@@ -275,23 +288,28 @@ def _pixels(answer: Answer) -> None:
 
 _entry = record(text=short, colour=short, style=short, marker=short, stroke=short)
 _placed = record(text=short, place=listed(number, 2, 2), colour=short)
-_AXES = {
+_AXES: dict[str, Callable[[Any], Any]] = {
     "visible": flag, "position": listed(number, 4, 4), "xlabel": short, "ylabel": short, "title": short,
-    "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "y_limits": listed(number, 2, 2),
+    "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "x_limits": listed(number, 2, 2),
+    "y_limits": listed(number, 2, 2), "scales": listed(short, 2, 2),
 }  # fmt: skip
-_CURVE = {
-    "label": short, "colour": short, "kind": short, "visible": flag, "n": whole, "style": short, "marker": short,
-    "stroke": short,
+_CURVE: dict[str, Callable[[Any], Any]] = {
+    "label": short, "colour": short, "kind": short, "n": whole, "style": short, "marker": short, "stroke": short,
+    "alpha": number, "inks": listed(short, 16), "width": number,
 }  # fmt: skip
-_FIGURE = {
+_FIGURE: dict[str, Callable[[Any], Any]] = {
     "title": short, "xlabel": short, "ylabel": short, "texts": listed(short, 64),
-    "legends": listed(listed(_entry, 64), 8),
+    "legends": listed(listed(_entry, 64), 8), "extent": listed(number, 2, 2), "dots": number,
 }  # fmt: skip
 
 
 def drawings(answer: Answer) -> None:
     answer.part("pictures", listed(long, 300))
+    answer.part("strange", listed(record(path=long, reason=short), 64))
     answer.part("figures", listed(_figure, 16))
+    for figure in answer.frame.fields["figures"]:
+        if "unreadable" not in figure:
+            _witness(answer, figure)
     curves = [c for figure in answer.frame.fields["figures"] for axes in figure["axes"] for c in axes["curves"]]
     if len(curves) > MAX_CURVES:
         raise Wrong(f"{len(curves)} curves")
@@ -305,6 +323,18 @@ def _figure(figure: Any) -> None:
     part_of(figure, "axes", listed(record(**_AXES, curves=listed(record(**_CURVE), 64)), 0 if unreadable else 24))
     if not unreadable:
         record(**_FIGURE)(figure)
+
+
+def _witness(answer: Answer, figure: Mapping[str, Any]) -> None:
+    """The pixels of what was drawn, in the size that the figure says."""
+    pixels = answer.frame.arrays.get(str(figure.get("seen")))
+    if pixels is None or pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:
+        raise Wrong("a figure without pixels")
+    height, width = pixels.shape[:2]
+    if not 0 < min(width, height) <= max(width, height) <= _LONGEST_SIDE:
+        raise Wrong(f"a picture of {width} × {height} pixels")
+    if max(abs(width - figure["extent"][0]), abs(height - figure["extent"][1])) > 1:
+        raise Wrong("a picture of another size than its figure")
 
 
 def points(answer: Answer, curve: Mapping[str, Any]) -> None:

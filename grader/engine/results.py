@@ -11,9 +11,11 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal
+from functools import cached_property
+from typing import Any, Literal, get_args
 
 from grader.engine.evidence import Evidence
+from grader.engine.findings import Where
 
 SCHEMA = "imugrade/result/v1"
 
@@ -23,18 +25,41 @@ Status = Literal["graded", "incomplete", "empty", "unreadable"]
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One row: what one check found. `points` is None when the grader could not judge."""
+    """One row: what one check found. `points` is None when the grader could not judge.
+
+    It says either a sentence, `said`, or what was `expected` and what came, `got`, which may have further lines; and `where` in the
+    student's files. `keeps` is the share of its points that is earned, whatever those are worth: what `marks` marks anew.
+    """
 
     id: str
     title: str
     outcome: Outcome
     points: float | None
     max_points: float
-    message: str = ""
+    said: str = ""
+    expected: str = ""
+    got: str = ""
+    where: Where | None = None
     hint: str = ""
     lab_step: int | None = None
     misconceptions: tuple[str, ...] = ()
     duration_s: float = 0.0
+    keeps: float | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def message(self) -> str:
+        """All that it says, as one text."""
+        return message_of(self.said, self.expected, self.got)
+
+    def saying(self, sentence: str) -> CheckResult:
+        """The same with this sentence in place of all that it says of the submission but the hint."""
+        return replace(self, said=sentence, expected="", got="", where=None)
+
+
+def message_of(said: str, expected: str, got: str) -> str:
+    """``Expected  …`` above ``Got       …``; further lines stand below the first."""
+    labelled = [f"{label:10}{text}" for label, text in (("Expected", expected), ("Got", got)) if text]
+    return "\n".join([*([said] if said else []), *(text.replace("\n", "\n" + 10 * " ") for text in labelled)])
 
 
 def _total(points: tuple[float | None, ...]) -> float:
@@ -49,7 +74,7 @@ class CriterionResult:
     max_points: float
     checks: tuple[CheckResult, ...]
 
-    @property
+    @cached_property
     def points(self) -> float:
         return _total(tuple(check.points for check in self.checks))
 
@@ -61,7 +86,7 @@ class ExtensionResult:
     max_points: float
     checks: tuple[CheckResult, ...] = ()
 
-    @property
+    @cached_property
     def points(self) -> float:
         return _total(tuple(check.points for check in self.checks))
 
@@ -80,7 +105,8 @@ class Result:
 
     `extra_credit_cap` is None where extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` beside the
     score, which stays the sum of the criteria. `lab` is what the lab is called.
-    `evidence` is shown beside the result and is no part of its record.
+    `evidence` is shown beside the result and is no part of its record. `asked_sha256` is what was asked of the submission, where
+    the record holds what it takes to mark it anew by another rubric that asks the same.
     """
 
     submission: str
@@ -93,6 +119,12 @@ class Result:
     extra_credit_cap: float | None = None
     lab: LabName = LabName()
     evidence: Evidence = field(default=Evidence(), compare=False, repr=False)
+    asked_sha256: str = field(default="", compare=False, repr=False)
+
+    @property
+    def parts(self) -> tuple[CriterionResult | ExtensionResult, ...]:
+        """All that holds checks: the criteria, then the extensions."""
+        return (*self.criteria, *self.extensions)
 
     @property
     def extra_credit(self) -> float:
@@ -106,7 +138,7 @@ class Result:
         """What goes into a gradebook: score plus extra credit."""
         return _total((self.score, self.extra_credit))
 
-    @property
+    @cached_property
     def score(self) -> float:
         return _total(tuple(criterion.points for criterion in self.criteria))
 
@@ -117,8 +149,7 @@ class Result:
     @property
     def misconceptions(self) -> tuple[str, ...]:
         """Ids in the order in which the checks found them, each once."""
-        parts: tuple[CriterionResult | ExtensionResult, ...] = (*self.criteria, *self.extensions)
-        return tuple(dict.fromkeys(m for part in parts for check in part.checks for m in check.misconceptions))
+        return tuple(dict.fromkeys(m for part in self.parts for check in part.checks for m in check.misconceptions))
 
     def renamed(self, submission: str) -> Result:
         return replace(self, submission=submission)
@@ -130,8 +161,7 @@ def to_dict(result: Result) -> dict[str, Any]:
     def part(value: CriterionResult | ExtensionResult) -> dict[str, Any]:
         head: dict[str, Any] = {"id": value.id}
         head |= {"title": value.title} if isinstance(value, CriterionResult) else {"attempted": value.attempted}
-        checks = [{**asdict(check), "misconceptions": list(check.misconceptions)} for check in value.checks]
-        return {**head, "points": value.points, "max_points": value.max_points, "checks": checks}
+        return {**head, "points": value.points, "max_points": value.max_points, "checks": [*map(_row, value.checks)]}
 
     return {
         "schema": SCHEMA,
@@ -148,6 +178,38 @@ def to_dict(result: Result) -> dict[str, Any]:
         "provenance": dict(result.provenance),
         "duration_s": result.duration_s,
     }
+
+
+def _row(check: CheckResult) -> dict[str, Any]:
+    return {
+        "id": check.id,
+        "title": check.title,
+        "outcome": check.outcome,
+        "points": check.points,
+        "max_points": check.max_points,
+        "message": check.message,
+        "expected": check.expected,
+        "got": check.got,
+        "where": asdict(check.where) if check.where else None,
+        "hint": check.hint,
+        "lab_step": check.lab_step,
+        "misconceptions": list(check.misconceptions),
+        "duration_s": check.duration_s,
+    }
+
+
+def _check(row: Mapping[str, Any], keeps: float | None) -> CheckResult:
+    """The inverse; of a record that was made before `expected` and `got` stood in it, the message is a sentence."""
+    given = {**row, "misconceptions": tuple(row["misconceptions"])}
+    message, where = given.pop("message"), given.pop("where", None)
+    said = "" if row.get("expected") or row.get("got") else message
+    return CheckResult(**given, said=said, where=Where(**where) if where else None, keeps=keeps)
+
+
+def to_record(result: Result) -> dict[str, Any]:
+    """What is kept of a result: `result.json`, and what it takes to mark it anew."""
+    keeps = {check.id: check.keeps for part in result.parts for check in part.checks}
+    return {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps}
 
 
 def _extra_credit(result: Result) -> dict[str, Any]:
@@ -171,14 +233,16 @@ _UNSEEN = re.compile(
 
 
 def from_dict(record: Mapping[str, Any]) -> Result:
-    """The inverse of `to_dict`, for results read back from the store."""
+    """The inverse of `to_dict` and of `to_record`."""
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
 
-    def checks(rows: list[dict[str, Any]]) -> tuple[CheckResult, ...]:
-        return tuple(CheckResult(**{**row, "misconceptions": tuple(row["misconceptions"])}) for row in rows)
+    keeps = record.get("keeps", {})
 
-    return Result(
+    def checks(rows: list[dict[str, Any]]) -> tuple[CheckResult, ...]:
+        return tuple(_check(row, keeps.get(row["id"])) for row in rows)
+
+    result = Result(
         submission=record["submission"],
         status=record["status"],
         criteria=tuple(
@@ -192,4 +256,35 @@ def from_dict(record: Mapping[str, Any]) -> Result:
         duration_s=record["duration_s"],
         lab=LabName(**record.get("lab", {})),
         extra_credit_cap=record["extra_credit"]["cap"] if "extra_credit" in record else None,
+        asked_sha256=record.get("asked_sha256", ""),
     )
+    _hold_to_their_kinds(result)
+    return result
+
+
+_OUTCOMES, _STATUSES = frozenset(get_args(Outcome)), frozenset(get_args(Status))
+
+
+def _hold_to_their_kinds(result: Result) -> None:
+    """Raise ValueError where a record that anyone may have written holds what no page could show."""
+    checks = [check for part in result.parts for check in part.checks]
+    numbers = [
+        each for part in result.parts for each in (part.max_points, *(check.max_points for check in part.checks))
+    ]
+    points = [each for check in checks for each in (check.points, check.keeps) if each is not None]
+    texts = [result.submission, *result.notes, *(part.id for part in result.parts)]
+    texts += [
+        text
+        for check in checks
+        for text in (check.id, check.title, check.said, check.expected, check.got, check.hint, *check.misconceptions)
+    ]
+    places = [check.where for check in checks if check.where is not None]
+    if (
+        result.status not in _STATUSES
+        or not all(check.outcome in _OUTCOMES for check in checks)
+        or not all(isinstance(each, (int, float)) for each in (*numbers, *points, result.duration_s))
+        or not all(isinstance(text, str) for text in (*texts, *(place.file for place in places)))
+        or not all(place.line is None or isinstance(place.line, int) for place in places)
+        or not isinstance(result.provenance, dict)
+    ):
+        raise ValueError("no such result was ever written")

@@ -1,6 +1,6 @@
 """The rubric: criteria, checks and their points, extensions and limits, read from `rubric.yaml` and proved whole.
 
-Every problem of a file is told at once, each with its line. The file is read as YAML nodes, not as values: nodes know
+All problems of a file are reported together, each with its line. The file is read as YAML nodes, not as values: nodes know
 their lines, keep duplicate keys apart and build no objects.
 """
 
@@ -21,27 +21,38 @@ from pathlib import Path
 import yaml
 
 from grader.engine.lab import Lab
+from grader.engine.mistakes import catalogue
 from grader.engine.robot import Model
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
+from grader.engine.written import checks_of
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.ground.text import printable
 
 __all__ = [
+    "CARRIED",
     "CheckWeight",
     "Criterion",
     "Extension",
     "LatePolicy",
     "Limits",
     "Model",
+    "OwnChecks",
     "Rubric",
     "RubricError",
     "load",
     "match_checks",
+    "own_checks",
     "parse",
     "shipped",
 ]
 
+_OPTIONAL = ("model", "extra_credit", "late", "mistakes")
+OwnChecks = tuple[tuple[str, bytes], ...]
+"""Names and contents of the files in the folder ``checks`` beside a rubric: what is read is what runs, wherever that is."""
+
+CARRIED = "own_checks"
+_MOST_OWN_BYTES = 1_000_000
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
@@ -58,6 +69,8 @@ class CheckWeight:
 
 @dataclass(frozen=True)
 class Criterion:
+    """A part that earns points by its checks."""
+
     id: str
     title: str
     points: float
@@ -66,15 +79,10 @@ class Criterion:
 
 
 @dataclass(frozen=True)
-class Extension:
-    """One of the sheet's extensions: `points` 0 means that it is reported and earns nothing."""
+class Extension(Criterion):
+    """One of the sheet's extensions, in a file of its own: `points` 0 means that it is reported and earns nothing."""
 
-    id: str
-    title: str
     file: str
-    points: float
-    checks: tuple[CheckWeight, ...]
-    line: int
 
 
 @dataclass(frozen=True)
@@ -114,8 +122,11 @@ class LatePolicy:
 class Rubric:
     """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
 
-    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `sha256` is that
-    of all that marks depend on: a comment, the order of the lines or another late policy leaves it as it is.
+    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `mistakes` are
+    those that have a price: what each costs in a check that it loses, in place of the check's own points. `sha256` is that of all
+    that marks depend on: a comment, the order of the lines or another late policy leaves it as it is; `asked_sha256` of what is
+    asked alone: by a rubric with the same one, marks can be made anew from what is on record. `own_checks` are the instructor's,
+    which lie beside the file.
     """
 
     lab: Lab
@@ -124,12 +135,15 @@ class Rubric:
     limits: Limits
     model: Model
     sha256: str
+    asked_sha256: str
     source: str
     extra_credit_cap: float | None = None
     late: LatePolicy | None = None
+    mistakes: Mapping[str, float] = field(default_factory=dict)
+    own_checks: OwnChecks = ()
 
     @property
-    def parts(self) -> tuple[Criterion | Extension, ...]:
+    def parts(self) -> tuple[Criterion, ...]:
         """All that holds checks: the criteria, then the extensions."""
         return (*self.criteria, *self.extensions)
 
@@ -201,7 +215,7 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     """
     reader = Reader(source)
     root = reader.compose(data)
-    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), ("model", "extra_credit", "late"))
+    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), _OPTIONAL)
     criteria = _criteria(reader, keys.get("criteria"), [part.id for part in lab.parts])
     each, cap = _extra_credit(reader, keys.get("extra_credit"))
     extensions = _extensions(reader, keys.get("extensions"), [bonus.id for bonus in lab.bonuses], each)
@@ -209,10 +223,38 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     limits = _limits(reader, keys.get("limits"))
     model = _model(reader, keys.get("model"), folder or Path())
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
+    mistakes = _mistakes(reader, keys.get("mistakes"), lab)
+    own = () if folder is None else own_checks(lab, folder)
+    if reader.problems and not own:  # told in one round with those that `match_checks` would find
+        whole = [part for part in (*criteria, *extensions) if part.checks]
+        named = {part.id for part in whole}
+        known = {check.id: check.title for check in checks_of(lab).values() if check.criterion in named}
+        reader.problems += _unmatched(whole, known)
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    digest = _digest(criteria, extensions, limits, model, granted)
-    return Rubric(lab, criteria, extensions, limits, model, digest, source, granted, late)
+    written = [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []  # without any it is the digest of before
+    priced = [mistakes] if mistakes else []
+    digest = _digest(criteria, extensions, limits, model, granted, *priced, *written)
+    asked = _digest(limits, model, *written)
+    return Rubric(lab, criteria, extensions, limits, model, digest, asked, source, granted, late, mistakes, own)
+
+
+def own_checks(lab: Lab, folder: Path) -> OwnChecks:
+    """The instructor's own checks beside a rubric; a kit carries them beside the lab's.
+
+    Raises
+    ------
+    RubricError
+        If there are too many, or they cannot be read.
+    """
+    place = folder / (CARRIED if folder == lab.folder else "checks")
+    try:
+        own = tuple((path.name, path.read_bytes()) for path in sorted(place.glob("*.py")) if path.is_file())
+    except OSError as error:
+        raise RubricError(f"{printable(str(place), 500)}: cannot be read ({error.strerror})") from error
+    if sum(len(content) for _, content in own) > _MOST_OWN_BYTES:
+        raise RubricError(f"{printable(str(place), 500)}: more than {_MOST_OWN_BYTES:,} bytes of checks")
+    return own
 
 
 def know_part(rubric: Rubric, only: str | None) -> None:
@@ -246,19 +288,25 @@ def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
     RubricError
         One line for each check that stands on one side only.
     """
+    problems = _unmatched(rubric.parts, known)
+    if problems:
+        refuse(rubric.source, problems)
+
+
+def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tuple[int, str]]:
+    """Checks of these parts that stand on one side only, with their lines."""
+    listed = {check.id: check for part in parts for check in part.checks}
     problems = [
-        (check.line, f"there is no check {check.id}{guess_at(check.id, known)}; correct the name or remove the line")
-        for check in rubric.checks
-        if check.id not in known
+        (check.line, f"there is no check {id_}{guess_at(id_, known)}; correct the name or remove the line")
+        for id_, check in listed.items()
+        if id_ not in known
     ]
-    listed = {check.id for check in rubric.checks}
-    lines = {part.id: part.line for part in rubric.parts}
-    for check_id in sorted(set(known) - listed):
+    lines = {part.id: part.line for part in parts}
+    for check_id in sorted(set(known) - listed.keys()):
         part, _, name = check_id.partition(".")
         what = f"the check {check_id} ({printable(known[check_id], 100)}) has no weight under {part}"
         problems.append((lines.get(part, 1), f"{what}; add the line `{name}: WEIGHT` to its checks"))
-    if problems:
-        refuse(rubric.source, problems)
+    return problems
 
 
 def _criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tuple[Criterion, ...]:
@@ -294,7 +342,7 @@ def _extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each
         checks = _extension_checks(reader, keys.get("checks"), name, points)
         if points and not checks:
             reader.say(item, f"{name} has points but no checks to earn them; set its points to 0")
-        extensions.append(Extension(name, title, file, points, checks, item.start_mark.line + 1))
+        extensions.append(Extension(name, title, points, checks, item.start_mark.line + 1, file))
     return tuple(extensions)
 
 
@@ -365,6 +413,22 @@ def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | Non
     elif listed is not None:
         reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
     return None if due is None else LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions)
+
+
+def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
+    """What a named mistake costs, by its id."""
+    if node is None:
+        return {}
+    if not isinstance(node, yaml.MappingNode):
+        reader.say(node, "mistakes must be `name: points` lines; `imugrade explain` lists the names")
+        return {}
+    known = catalogue(lab)
+    prices: dict[str, float] = {}
+    for name, (key, value) in reader.pairs(node, "mistakes").items():
+        if name not in known:
+            reader.say(key, f"there is no mistake {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
+        prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
+    return dict(sorted(prices.items()))
 
 
 def _digest(*meaning: object) -> str:

@@ -115,7 +115,7 @@ class Reader:
             return {}
         keys = (*required, *optional)
         given = self.pairs(node, what)
-        meant = {nearest(name, keys) for name in given}  # a misspelt key is not told as missing as well
+        meant = {nearest(name, keys) for name in given}  # a misspelt key is not reported as missing as well
         for name, (key, _) in given.items():
             if name not in keys:
                 self.say(key, f"unknown key {quote(key)} in {what}{guess_at(name, keys)}; correct or remove it")
@@ -125,7 +125,7 @@ class Reader:
         return {name: value for name, (_, value) in given.items() if name in keys}
 
     def pairs(self, node: yaml.MappingNode, what: str) -> dict[str, tuple[yaml.Node, yaml.Node]]:
-        """Key and value nodes by the key's text; a key that is no word or stands twice is told."""
+        """Key and value nodes by the key's text; a key that is no word, or that stands twice, is a problem."""
         found: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
@@ -213,7 +213,7 @@ class Reader:
         return {name: found[name] for name in known if name in found}
 
     def _known_id(self, node: yaml.Node | None, what: str, known: Sequence[str]) -> str:
-        """The id. A misspelt one is told and taken for what it must be, so that it is not told as missing as well."""
+        """The id. A misspelt one is a problem, and is taken for what it must be, so that it is not reported as missing as well."""
         name = self.text(node, "an id")
         if node is None or not name or name in known:
             return name

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grader.engine.feedback import Mistake, Told, mistake_of
+from grader.engine.feedback import Told, mistake_of, no_answer
 from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, NoAnswer, TimedOut
 
@@ -36,8 +37,8 @@ def told(finding: Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mis
         if kind == "TypeError" and not finding.fault.line:
             kind += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
         id_ = mistake_of(finding.fault)
-        message = f"Expected  no exception while {finding.doing}\nGot       {kind}"
-        return Told("error", 0.0, message, f"{mistakes[id_].hint} {_PUBLIC}", (id_,))
+        hint = f"{mistakes[id_].hint} {_PUBLIC}"
+        return Told("error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, mistakes=(id_,))
     return _no_answer(finding, mistakes)
 
 
@@ -49,16 +50,15 @@ def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     return Told(
         outcome,
         finding.keeps,
-        f"Expected  this to hold in the hidden scenarios, too\nGot       {got}",
-        hint,
-        finding.mistakes,
+        expected="this to hold in the hidden scenarios, too",
+        got=got,
+        hint=hint,
+        mistakes=finding.mistakes,
     )
 
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     if isinstance(finding, TimedOut):
-        message = "Expected  an answer within the time limit\nGot       none"
-        return Told("timeout", 0.0, message, mistakes["never-returns"].hint, ("never-returns",))
+        return no_answer("timeout", "", ("never-returns",), mistakes)
     named = ("kills-its-process",) if isinstance(finding, Crashed) else ()
-    hint = " ".join(mistakes[id_].hint for id_ in named)
-    return Told("crashed", 0.0, "Expected  an answer\nGot       none that can be read", hint, named)
+    return no_answer("crashed", " that can be read", named, mistakes)

@@ -1,4 +1,4 @@
-"""Files that are whole or absent: whoever reads one never sees half of it."""
+"""Files that are whole or absent: no reader ever sees half of one."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ import unicodedata
 # Cs: lone surrogates, which no encoder takes. Zl, Zp: line ends that only some readers break at.
 _HIDDEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 _JOINERS = frozenset("\u200c\u200d")  # Persian, Indic scripts and emoji need them, and they reorder nothing
+_KEPT = str.maketrans("", "", "\n\t")
 _FORMULA = tuple("=+-@\t\r\n＝＋－＠")  # Excel and LibreOffice read the full-width forms as well
 
 
@@ -49,7 +50,11 @@ def printable(text: str, limit: int = 200, *, newlines: bool = False) -> str:
     head = text[: 2 * limit + 2]  # a \r\n is one line end, and no flood is worked through
     if newlines:
         head = head.replace("\r\n", "\n").replace("\r", "\n")
-    shown = "".join(char if newlines and char in "\n\t" else _shown(char) for char in head[: limit + 1])
+    shown = head[: limit + 1]
+    if not (
+        shown.translate(_KEPT) if newlines else shown
+    ).isprintable():  # most text is, and this is asked a million times a class
+        shown = "".join(char if newlines and char in "\n\t" else _shown(char) for char in shown)
     return shown if len(shown) <= limit else shown[: max(limit - 1, 0)] + "…"[:limit]
 
 

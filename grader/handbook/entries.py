@@ -6,9 +6,9 @@ import difflib
 from collections.abc import Mapping
 from functools import lru_cache
 
-from grader.engine.examination import Check, known_checks
-from grader.engine.feedback import Mistake, catalogue
+from grader.engine.mistakes import Mistake, catalogue
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
+from grader.engine.written import Check, checks_of
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.labs.imu.lab import LAB
@@ -20,7 +20,7 @@ GROUPS = {**{part.id: part.title for part in LAB.parts}, "extensions": "Extensio
 @lru_cache(maxsize=1)
 def checks() -> Mapping[str, Check]:
     """Every check by id."""
-    return known_checks(LAB)
+    return checks_of(LAB)
 
 
 @lru_cache(maxsize=1)

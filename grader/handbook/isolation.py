@@ -8,6 +8,7 @@ from typing import Any
 
 from grader.ground.package_data import beside
 from grader.sandbox import packages, surroundings
+from grader.sandbox.rungs import RUNGS, UNWALLED
 
 Entry = Mapping[str, Any]
 
@@ -18,11 +19,12 @@ def page() -> str:
     programs = {entry["family"]: entry["programs"] for entry in entries}
     text = beside(__package__, "isolation.txt").read_text(encoding="utf-8")
     return (
-        text.replace("{programs}", str(sum(programs.values())))
+        text.replace("{rungs}", "\n".join(f"| `{rung.name}` | {rung.around} | {rung.needs} |" for rung in RUNGS))
+        .replace("{programs}", str(sum(programs.values())))
         .replace("{libraries}", _listed(f"`{name}`" for name in packages.LIBRARIES))
         .replace("{system}", _listed(f"`{path}`" for path in surroundings.SYSTEM))
         .replace("{table}", "\n".join(_table(entries, programs)))
-        .replace("{none}", "\n".join(_fallen([entry for entry in entries if entry["rung"] == "none"])))
+        .replace("{none}", "\n".join(_fallen([entry for entry in entries if entry["rung"] == UNWALLED.name])))
     )
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from grader.engine.feedback import catalogue
+from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
 from grader.ground.package_data import beside
 from grader.handbook import commands, entries, flow, isolation, modules, platforms, rubric_keys
@@ -21,10 +21,13 @@ _INDEX = """# Handbook
 | Page | Tells |
 | --- | --- |
 | [Commands](commands.md) | every command with its options and exit codes |
+| [At work](working.md) | for students: a check as a program, the checks in pytest and in an editor |
 | [Checks](checks.md) | what is checked, for how many points |
 | [Mistakes](mistakes.md) | every mistake that a report may name, with the lines that mend it |
+| [Faults](faults.md) | which checks each mistake of the corpus loses |
 | [Rubric](rubric.md) | every key of `rubric.yaml` |
 | [A class](classes.md) | from the download to the upload: rosters, lateness, points by hand, regrades |
+| [The review desk](desk.md) | what needs a look, code beside reports, one decision for many, appeals, what a rubric would cost |
 | [Platforms](platforms.md) | GitHub, Gradescope, Classroom 50, GitLab, PrairieLearn |
 | [Clusters](clusters.md) | `--cluster` on SLURM and Kubernetes, and how many machines a class needs |
 | [Isolation](isolation.md) | what each rung promises, and what the attacks on it came to |
@@ -46,11 +49,14 @@ def pages(app: typer.Typer) -> Mapping[str, str]:
     made = {
         "README.md": _INDEX,
         "commands.md": commands.page(app),
+        "working.md": (FOLDER / "working.txt").read_text(encoding="utf-8"),
         "checks.md": _checks(),
         "mistakes.md": _mistakes(),
         "rubric.md": rubric_keys.page(),
         "platforms.md": platforms.page(),
         "classes.md": platforms.classes(),
+        "faults.md": (FOLDER / "faults.txt").read_text(encoding="utf-8"),
+        "desk.md": (FOLDER / "desk.txt").read_text(encoding="utf-8"),
         "clusters.md": (FOLDER / "clusters.txt").read_text(encoding="utf-8"),
         "isolation.md": isolation.page(),
         "architecture.md": modules.page(),

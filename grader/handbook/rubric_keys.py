@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from grader.engine.lab import Part
 from grader.engine.rubric import shipped
+from grader.ground.package_data import beside
 from grader.labs.imu.lab import LAB
 
 
@@ -29,6 +30,7 @@ KEYS = {
     "extensions.file": "the file that it is looked for in",
     "extensions.points": "0: reported, never counted; above 0: extra credit",
     "extensions.checks": "`name: weight` for each check",
+    "mistakes": "`name: points` lines: what a named mistake costs in a check that is lost through it, within the check's points",
     "limits": "CPU time of the student's code",
     "limits.call_cpu_s": "seconds for one call",
     "limits.submission_cpu_s": "seconds for all calls of a submission",
@@ -44,6 +46,13 @@ KEYS = {
     "model.sensors.accelerometer": "name of the accelerometer; left out: `torso_accelerometer`",
     "model.sensors.gyroscope": "name of the gyroscope; left out: `torso_gyroscope`",
 }
+
+_FROM_THE_RECORD = """\
+## After a class was graded
+
+Change points, weights, prices of mistakes, extra credit or the late policy, and give the same `grade` command again: the
+class is marked from what is on record, and no code runs. Only other limits, another model or another seed ask the code again.
+Points by hand stay; `grade` names those whose automatic marks have moved."""
 
 _OWN_ROBOT = """\
 ## A robot of your own
@@ -73,15 +82,46 @@ simulation that becomes unstable after the push; more than 700 kB of text. Where
 reads, `grade` says so: whether a run was pushed, and from where it started, can then hardly be told from its rows."""
 
 
+_OWN_CHECKS = """\
+## Checks of your own
+
+Files in a folder `checks` beside your rubric hold checks of your own, with the decorator and the fixtures of the shipped
+ones. A file is named `check_*.py`, a function `check_*`; the rubric names the check and weighs it, under a criterion or an
+extension of the sheet. This one stands in `checks/check_step.py`:
+
+```python
+{example}
+```
+
+and its line under the checks of `filtering` is
+
+```yaml
+      settles_after_a_step: 4
+```
+
+The docstring is the sentence that a student reads. Return where all is earned; raise `Lost` where points are lost, with what was
+expected and what came, `keeps=0.5` for a part of them and a `hint` where you have one. `off` is what is said in place of your
+numbers where the scenarios are hidden. `student` asks questions of the code in its box: `read`, `simulate`, `noise` and `filter`,
+as the checks in `grader/labs/imu/checks` do; the first argument names the question, which is asked once. `truth` holds the
+scenarios that `imugrade traces list` lists, `truth["push"]["acceleration"]` for one.
+
+Your checks are your code, and run where marks are decided: import nothing there that a student wrote. Any exception but a
+finding leaves the check open, and the report says so. What stands in the folder is part of the rubric's hash, so a change
+of it grades anew; `--cluster` and kits carry it. `pytest --imugrade --imugrade-rubric FILE` shows them among the others."""
+
+
 def page() -> str:
     """The table of keys, what happens to a slip, and the file."""
     rows = "\n".join(f"| `{key}` | {tells} |" for key, tells in KEYS.items())
     text = shipped(LAB).read_text(encoding="utf-8").strip()
+    example = beside(__package__, "own_check.txt").read_text(encoding="utf-8").strip()
     return (
         "# Rubric\n\n"
         "Copy `rubric.yaml`, edit the copy, and name it with `--rubric FILE`. Every check that exists must stand in it, and\n"
         "nothing else may: a slip stops the run before anything is graded, with the number of the line.\n\n"
         f"| Key | Tells |\n| --- | --- |\n{rows}\n\n"
+        f"{_FROM_THE_RECORD}\n\n"
         f"{_OWN_ROBOT}\n\n"
+        f"{_OWN_CHECKS.format(example=example)}\n\n"
         f"## The shipped one\n\n```yaml\n{text}\n```\n"
     )

@@ -1,34 +1,42 @@
-"""Saving a figure at the least cost: what raises still raises, and no pixel is made that nobody looks at.
+"""Drawing a figure at the least cost: a small picture of it, and what raises still raises.
 
-A figure of thin lines, texts and markers in panels that do not overlap hides no curve, so its pixels tell nothing. It is
-examined in place of being drawn: its ticks are placed, its curves converted, its mathematics parsed. Any other figure is
-drawn as matplotlib does it, and looked at. Where a submission reads pictures back, each is drawn as it asks.
+The picture is the witness of what the figure shows, so whatever may be a curve or lie over one is drawn by matplotlib itself.
+What stands beside the curves is examined in place of being drawn: ordinary ticks are placed, their texts made, mathematics is
+parsed. Where a submission reads its pictures back, each is drawn as it asks.
 
-A layout that leaves room for texts moves panels and hides nothing, either; it waits until the figure has to be drawn.
+A layout that leaves room for texts moves panels and hides nothing, so it is left out.
 """
 
 from __future__ import annotations
 
-import contextlib
 import re
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from .seeing import LARGEST_DPI, PREVIEW_DPI, as_it_was, must_be_honest, place
-
-_THIN, _SMALL_MARKER = 5.0, 12.0  # points
-_HEADING = 30.0  # points
-_FEW_ENTRIES = 8  # of a legend
-_SHORT_SIDE = 60.0  # pixels of a picture that nobody looks at
+_SIDE = 500.0  # pixels of the longer side of a witness: the sheet's figure at 50 dots an inch
+_FEWEST_DOTS, _MOST_DOTS = 12.0, 100.0  # an inch: with fewer, texts have no size
+_MOST_PIXELS = 4e6  # of a ribbon or a wall, before they are put together
 _LONG_SIDE = 4000.0  # pixels of a picture that the submission reads back
-_SCALES = ("linear", "log", "symlog", "asinh", "logit")
+_HEADING, _SMALL_PRINT = 30.0, 20.0  # points
+_THIN, _SHORT = 2.5, 12.0  # points of a grid line's width and of a tick's length
+_FEW_ENTRIES, _FEW_TICKS = 8, 40
+_FEW_LETTERS = 120
 _READS_BACK = re.compile(
     rb"\bimread\b|\bImage\.open\b|\bbuffer_rgba\b|\bprint_to_buffer\b|\btostring_\w+\b|\bgetsize\b|\bst_size\b|\bgetbuffer\b"
 )
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A figure as it was drawn, small: pixels (h, w, 3), the exact width and height that they stand for, and dots an inch."""
+
+    pixels: np.ndarray
+    extent: tuple[float, float]
+    dots: float
 
 
 def reads_pictures_back(sources: Iterable[bytes]) -> bool:
@@ -36,207 +44,271 @@ def reads_pictures_back(sources: Iterable[bytes]) -> bool:
     return any(_READS_BACK.search(source) for source in sources)
 
 
-def nothing_covers(figure: Any) -> bool:
-    """Whether no pixel needs to be looked at, and no artist needs to be drawn to know whether it can be.
+# --- the witness ---------------------------------------------------------------------------------------------------------
 
-    Only what is known to be harmless counts: matplotlib's own panels, lines, texts, legends, ticks and scales.
-    """
+
+def look(figure: Any) -> Seen:
+    """Draw a figure anew, small; raises what drawing it would raise."""
+    from matplotlib.backends.backend_agg import RendererAgg
+
+    before, dots, canvas = figure.dpi, _few_dots(figure), figure.canvas
+    width, height = (max(1, int(size * dots)) for size in figure.get_size_inches())
+    canvas.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
+    figure.dpi = dots
     try:
-        with as_it_was():
-            panels = list(figure.get_axes())
-            must_be_honest(figure)
-            return (
-                {*figure.get_children()} <= {figure.patch, *figure.texts, *panels}
-                and not figure.canvas.callbacks.callbacks.get("draw_event")
-                and all(_is_bare(text) for text in figure.texts)
-                and all(_is_bare_panel(axes) for axes in panels)
-                and not _overlap(panels)
-            )
-    except Exception:  # artists of the student's own making
-        return False
+        renderer: Any = RendererAgg(width, height, dots)  # type: ignore[no-untyped-call]
+        _draw_small(figure, renderer)
+        return _seen(figure, renderer, dots)
+    finally:
+        figure.dpi = before
 
 
-def _is_bare_panel(axes: Any) -> bool:
-    """Whether a panel holds thin lines, texts and a legend, drawn as usual."""
+def _few_dots(figure: Any) -> float:
+    width, height = figure.get_size_inches()
+    fewest = min(_FEWEST_DOTS, np.sqrt(_MOST_PIXELS / (width * height)))
+    return float(min(_MOST_DOTS, max(_SIDE / max(width, height), fewest)))
+
+
+def _seen(figure: Any, renderer: Any, dots: float) -> Seen:
+    """The renderer's pixels on white paper."""
+    drawn = np.asarray(renderer.buffer_rgba())
+    pixels = drawn[:, :, :3]
+    if drawn[:, :, 3].min() < 255:
+        opacity = drawn[:, :, 3:] / 255.0
+        pixels = pixels * opacity + 255 * (1 - opacity)
+    step = -(-max(pixels.shape) // int(_SIDE))  # of a ribbon
+    width, height = (float(size * dots / step) for size in figure.get_size_inches())
+    pixels = _put_together(pixels, step)
+    return Seen(
+        np.array(np.rint(pixels) if step > 1 or pixels.dtype != np.uint8 else pixels, np.uint8),
+        (width, height),
+        dots / step,
+    )
+
+
+def _put_together(pixels: np.ndarray, step: int) -> np.ndarray:
+    """The mean of each square of so many pixels; of fewer at the edges."""
+    height, width = (max(1, size // step) for size in pixels.shape[:2])
+    if step == 1:
+        return pixels
+    whole = pixels[-height * step :, : width * step]
+    down, across = (whole.shape[0] // height, whole.shape[1] // width)
+    mean: np.ndarray = whole.reshape(height, down, width, across, 3).mean(axis=(1, 3))
+    return mean
+
+
+def _draw_small(figure: Any, renderer: Any) -> None:
+    """A figure, between the pixels where it lies there: drawn from pixel to pixel, a small cross has no size at all."""
+    from matplotlib import rcParams
+
+    before = rcParams["path.snap"]
+    rcParams["path.snap"] = False
+    try:
+        _draw_figure(figure, renderer)
+    finally:
+        rcParams["path.snap"] = before
+
+
+def _draw_figure(figure: Any, renderer: Any) -> None:
+    """A figure, or a part of one, with all that lies in it."""
+    from matplotlib.axes import Axes
+    from matplotlib.figure import SubFigure
+
+    if not figure.get_visible():
+        return
+    figure.patch.draw(renderer)
+    rest = [artist for artist in figure.get_children() if artist is not figure.patch]
+    for artist in sorted(rest, key=_height):
+        if isinstance(artist, SubFigure):
+            _draw_figure(artist, renderer)
+        elif type(artist) is Axes:
+            _draw_panel(artist, renderer)
+        else:
+            artist.draw(renderer)
+
+
+def _draw_panel(axes: Any, renderer: Any) -> None:
+    """A panel as `Axes.draw` does it, but for the headings and the ordinary ticks, axes and legends."""
     from matplotlib.axes import Axes
 
-    titles, axis = (axes.title, axes._left_title, axes._right_title), (axes.xaxis, axes.yaxis)
-    legend, lines, spines = axes.get_legend(), list(axes.lines), list(axes.spines.values())
-    known = {axes.patch, *lines, *spines, *titles, *axis, *axes.texts, *([legend] if legend else [])}
-    must_be_honest(axes, *known)
-    # One tick is made by asking where there is none yet; those that follow are made alike.
-    grid = [tick.gridline for each in axis for tick in each.majorTicks]
-    strokes = [*lines, *spines, *grid]
+    if not axes.get_visible():
+        return
+    axes.get_xlim()  # scales what was not scaled yet
+    locator = axes.get_axes_locator()
+    axes.apply_aspect(locator(axes, renderer) if locator else None)
+    framed = axes.axison and axes.get_frame_on()
+    out = {axes.patch, *_ordinary(axes)} | set(() if framed else axes.spines.values())
+    if not axes.axison:
+        out |= {axes.xaxis, axes.yaxis}
+    if framed:
+        axes.patch.draw(renderer)
+    for artist in sorted((artist for artist in axes.get_children() if artist not in out), key=_height):
+        if type(artist) is Axes:
+            _draw_panel(artist, renderer)
+        else:
+            artist.draw(renderer)
+
+
+def _height(artist: Any) -> float:
+    return float(artist.get_zorder())
+
+
+def _ordinary(axes: Any) -> Iterator[Any]:
+    """What lies beside the curves, too small to hide them; it is examined, for it may raise."""
+    for title in (axes.title, axes._left_title, axes._right_title):
+        if _is_small(title, _HEADING):
+            _examine(title)
+            yield title
+    for axis in (axes.xaxis, axes.yaxis):
+        if axes.axison and axis.get_visible() and _is_ordinary_axis(axis):
+            _examine(axis.label)
+            yield axis
+    legend = axes.get_legend()
+    if legend is not None and _is_ordinary_legend(legend):
+        for text in (legend.get_title(), *legend.get_texts()):
+            _examine(text)
+        yield legend
+
+
+def _is_ordinary_axis(axis: Any) -> bool:
+    """Whether ticks and grid are few and thin; asking for what the ticks say raises what a formatter raises."""
+    ticks = [
+        *axis.majorTicks,
+        *axis.minorTicks,
+    ]  # one is made by asking where there is none; those that follow are alike
+    places, said = _tick_labels(axis)
+    mathematics = any("$" in text for text in said)
+    thin = all(tick.gridline.get_linewidth() <= _THIN for tick in ticks)
+    short = all(tick.tick1line.get_markersize() <= _SHORT for tick in ticks)
+    small = all(_is_small(text, _SMALL_PRINT) for tick in ticks for text in (tick.label1, tick.label2))
+    brief = sum(map(len, said)) <= 10 * _FEW_LETTERS
     return (
-        type(axes) is Axes
-        and axes.get_axes_locator() is None
-        and {*axes.get_children()} <= known
-        and all(_is_bare(text) for text in (*axes.texts, *titles, *(legend.get_texts() if legend else [])))
-        and (legend is None or len(legend.get_texts()) <= _FEW_ENTRIES)
-        and all(_is_bare_axis(each) for each in axis)
-        and all(_is_thin(stroke) for stroke in strokes)
-        and all(_is_bare_line(line, axes) for line in lines)
+        thin
+        and short
+        and small
+        and brief
+        and places <= _FEW_TICKS
+        and not mathematics
+        and _is_small(axis.label, _HEADING)
     )
 
 
-def _is_bare_axis(axis: Any) -> bool:
-    """Whether scale and ticks are matplotlib's own."""
-    placing = (
-        axis.get_major_locator(),
-        axis.get_minor_locator(),
-        axis.get_major_formatter(),
-        axis.get_minor_formatter(),
+def _tick_labels(axis: Any) -> tuple[int, list[str]]:
+    """The number of an axis's ticks and what it says at them, by its locators and formatters; no tick is made for it."""
+    places, between = axis.get_majorticklocs(), axis.get_minorticklocs()
+    said = [*axis.get_major_formatter().format_ticks(places), axis.get_major_formatter().get_offset()]
+    said += axis.get_minor_formatter().format_ticks(between)
+    drawn_between = any(tick.gridline.get_visible() for tick in axis.minorTicks)
+    return len(places) + (len(between) if drawn_between else 0), said
+
+
+def _is_ordinary_legend(legend: Any) -> bool:
+    texts = [legend.get_title(), *legend.get_texts()]
+    compact = (
+        legend.borderpad <= 2 and legend.handlelength <= 6 and legend.markerscale <= 3 and legend.labelspacing <= 3
     )
-    return axis.get_scale() in _SCALES and all(type(each).__module__.startswith("matplotlib.") for each in placing)
+    return bool(compact and len(texts) <= _FEW_ENTRIES + 1 and all(_is_small(text, _SMALL_PRINT) for text in texts))
 
 
-def _is_bare_line(line: Any, axes: Any) -> bool:
-    """Whether a curve is in the panel's own coordinates or a single stroke, with small markers at every point or at none."""
-    own = line.get_transform() is axes.transData or len(line.get_xdata()) <= 2  # `axhline`, `axvline`
-    return bool(own and line.get_markevery() is None and line.get_markersize() <= _SMALL_MARKER)
+def _is_small(text: Any, size: float) -> bool:
+    """Whether a text is no larger than that, short and without a box."""
+    bare = text.get_bbox_patch() is None and not text.get_path_effects()
+    return bool(bare and text.get_fontsize() <= size and len(text.get_text()) <= _FEW_LETTERS)
 
 
-def _is_bare(text: Any) -> bool:
-    """Whether a text is no larger than a heading and has neither box nor arrow."""
-    alone = text.get_bbox_patch() is None and getattr(text, "arrow_patch", None) is None
-    return bool(alone and text.get_fontsize() <= _HEADING and not text.get_path_effects())
-
-
-def _is_thin(stroke: Any) -> bool:
-    usual = stroke.get_agg_filter() is None and stroke.get_clip_path() is None and not stroke.get_path_effects()
-    return bool(usual and stroke.get_linewidth() <= _THIN)
-
-
-def _overlap(panels: list[Any]) -> bool:
-    """Whether two panels lie over each other; the second of twins has no background and hides nothing."""
-    boxes = [place(axes) for axes in panels if axes.get_visible() and axes.patch.get_visible()]
-    return any(
-        min(a.x1, b.x1) > max(a.x0, b.x0) and min(a.y1, b.y1) > max(a.y0, b.y0)
-        for i, a in enumerate(boxes)
-        for b in boxes[:i]
-    )
+def _examine(text: Any) -> None:
+    if text.get_visible() and ("$" in text.get_text() or text.get_usetex()):
+        text.get_window_extent()  # parses mathematics
 
 
 # --- saving --------------------------------------------------------------------------------------------------------------
 
 
-def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> bool:
-    """Save a figure, and tell whether it is bare: then no pixel of it has to be looked at.
-
-    Raises what drawing it would have raised.
-    """
-    figure, bare = canvas.figure, nothing_covers(canvas.figure)
+def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> Seen:
+    """Save a figure as its small picture, and tell what stands in it; raises what saving it would have raised."""
+    figure = canvas.figure
+    drawn: list[Any] = []
     _dots(asked, figure.dpi)
-    if bare:
-        _examine(figure)
-        dots = min(figure.dpi, _SHORT_SIDE / min(figure.get_size_inches()))
-        with _undrawn(figure):
-            really(canvas, target, dots, **options | _whole(figure, options))
-    else:
-        lay_out(figure)
-        # the figure's own dpi is cheapest, as its texts have been measured at it already
-        really(canvas, target, figure.dpi if figure.dpi <= LARGEST_DPI else PREVIEW_DPI, **options)
-    canvas.draw_idle = _draw_nothing  # pyplot asks for a redraw at full size that nobody would see
-    return bare
+    dots = _few_dots(figure)
+    canvas.draw_idle = _draw_nothing
 
+    def draw(renderer: Any) -> None:
+        drawn[:] = [renderer]
+        _draw_small(figure, renderer)
+        _tell_who_waits(figure, renderer)
 
-@contextlib.contextmanager
-def _undrawn(figure: Any) -> Iterator[None]:
-    figure.draw = _draw_nothing
+    figure.draw = draw
     try:
-        yield
+        really(canvas, target, dots, **options | _whole(figure, options))
     finally:
         vars(figure).pop("draw", None)
+    seen = _seen(figure, drawn[0], dots) if drawn and _has_all(figure, drawn[0], dots) else look(figure)
+    return _cut_out(seen, options.get("bbox_inches"))
+
+
+def _cut_out(seen: Seen, part: Any) -> Seen:
+    """What is seen where a part of the figure is saved, a box in inches: white paper around it."""
+    from matplotlib.transforms import BboxBase
+
+    if isinstance(part, BboxBase):
+        left, right = (max(0, round(x * seen.dots)) for x in (part.x0, part.x1))
+        top, bottom = (max(0, round(seen.extent[1] - y * seen.dots)) for y in (part.y1, part.y0))
+        kept = seen.pixels[top:bottom, left:right].copy()
+        seen.pixels[:] = 255
+        seen.pixels[top:bottom, left:right] = kept
+    return seen
+
+
+def _has_all(figure: Any, renderer: Any, dots: float) -> bool:
+    """Whether a renderer holds pixels of the whole figure."""
+    try:
+        shape = np.asarray(renderer.buffer_rgba()).shape[:2]
+    except (AttributeError, ValueError):  # of a PDF, an SVG
+        return False
+    return shape == tuple(max(1, int(size * dots)) for size in figure.get_size_inches()[::-1])
+
+
+def _tell_who_waits(figure: Any, renderer: Any) -> None:
+    from matplotlib.backend_bases import DrawEvent
+
+    if figure.canvas.callbacks.callbacks.get("draw_event"):
+        figure.canvas.callbacks.process("draw_event", DrawEvent("draw_event", figure.canvas, renderer))
 
 
 def _draw_nothing(*args: Any, **kwargs: Any) -> None:
-    """Stands in for drawing a figure that has been examined, or saved."""
+    """Stands in for drawing a figure that has been looked at."""
 
 
 def _whole(figure: Any, options: dict[str, Any]) -> dict[str, Any]:
     """The whole figure as the part that is saved, where a margin around what is drawn would have to be measured."""
+    from matplotlib import rcParams
     from matplotlib.transforms import Bbox
 
-    if options.get("bbox_inches") not in (None, "tight"):
+    if options.get("bbox_inches") != "tight" and not (
+        options.get("bbox_inches") is None and rcParams["savefig.bbox"] == "tight"
+    ):
         return {}
+    for axes in figure.get_axes():
+        axes.apply_aspect()  # from here on its place is fixed
     return {"bbox_inches": Bbox.from_bounds(0, 0, *figure.get_size_inches())}
 
 
-def _examine(figure: Any) -> None:
-    if not figure.get_visible():
-        return
-    texts = list(figure.texts)
-    for axes in figure.get_axes():
-        if axes.get_visible():
-            axes.apply_aspect()
-            texts += _texts(axes)
-            for line in axes.lines:
-                if line.get_visible():
-                    line.get_path()  # converts units, and finds x and y of different lengths
-    for text in texts:
-        if text.get_visible() and ("$" in text.get_text() or text.get_usetex()):
-            text.get_window_extent()  # parses mathematics
+def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any = None, rect: Any = None) -> None:
+    """Stands in for `Figure.tight_layout`."""
 
 
-def _texts(axes: Any) -> list[Any]:
-    """The texts of a panel, those of its ticks put in place by their locators and formatters."""
-    texts, legend = [*axes.texts, axes.title, axes._left_title, axes._right_title], axes.get_legend()
-    if legend is not None and legend.get_visible():
-        texts += [legend.get_title(), *legend.get_texts()]
-    for axis in (axes.xaxis, axes.yaxis):
-        if axes.axison and axis.get_visible():
-            texts.append(axis.label)
-            if any("$" in label for label in _tick_labels(axis)):
-                texts += axis.get_ticklabels(which="both")
-    return texts
-
-
-def _tick_labels(axis: Any) -> list[str]:
-    """What an axis says at its ticks, by its locators and formatters; no tick is made for it."""
-    major = axis.get_major_formatter().format_ticks(axis.get_majorticklocs())
-    minor = axis.get_minor_formatter().format_ticks(axis.get_minorticklocs())
-    return [*major, axis.get_major_formatter().get_offset(), *minor]
-
-
-_WAITING: WeakKeyDictionary[Any, dict[str, Any]] = WeakKeyDictionary()
-
-
-def laying_out_late(really: Callable[..., None]) -> Callable[..., None]:
-    """A `Figure.tight_layout` that waits where nothing on the figure can cover a curve."""
-
-    def tight_layout(self: Any, *, pad: float = 1.08, h_pad: Any = None, w_pad: Any = None, rect: Any = None) -> None:
-        margins = {"pad": pad, "h_pad": h_pad, "w_pad": w_pad, "rect": rect}
-        if nothing_covers(self):
-            _WAITING[self] = margins
-        else:
-            really(self, **margins)
-
-    return tight_layout
-
-
-def lay_out(figure: Any) -> None:
-    """Make up for a layout that waits."""
-    from matplotlib.layout_engine import TightLayoutEngine
-
-    margins = _WAITING.pop(figure, None)
-    if margins is not None:
-        TightLayoutEngine(**margins).execute(figure)
-
-
-def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> bool:
+def save_as_asked(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
     """`save` for a submission that reads its pictures back: drawn in full, as long as that is a picture of a usual size."""
     figure = canvas.figure
     dots = min(_dots(asked, figure.dpi), _LONG_SIDE / max(figure.get_size_inches()))
     really(canvas, target, dots, **options)
-    return nothing_covers(figure)
 
 
-def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> bool:
+def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, options: dict[str, Any]) -> None:
     """`save` for bare pixels, a frame of a film mostly: as many bytes as they are, and nothing drawn."""
     del really, options
     content = blank(canvas.figure, asked)
     target.write(content) if hasattr(target, "write") else Path(target).write_bytes(content)
-    return nothing_covers(canvas.figure)
 
 
 def blank(figure: Any, asked: Any) -> bytes:

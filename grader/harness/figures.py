@@ -1,7 +1,7 @@
 """Facts taken off a live matplotlib figure at the moment when it is saved or shown.
 
 Extract the facts, then judge the facts (elsewhere): axes with their labels, titles, legends and texts, every curve with its
-data and colour, and what the call to `savefig` asked for. Pixels are not looked at here.
+data and colour, and what the call to `savefig` asked for; and the witness, pixels of what was drawn. They are not judged here.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import drawing, seeing
+from . import drawing, saved, seeing
 from .values import Packer
 
 _MAX_FIGURES = 12
@@ -24,7 +24,8 @@ _MAX_CURVES = 48
 _MAX_CURVES_IN_ALL = 200
 _MAX_POINTS = 6000
 _MAX_TEXTS = 40
-_PICTURES = (".png", ".jpg", ".jpeg", ".svg", ".pdf", ".webp", ".tif", ".tiff", ".gif")
+_MAX_INKS = 8
+_QUICKLY = {"compress_level": 1, "compress_type": 3}  # runs of equal bytes alone: a picture that is read once
 _RAW = ("raw", "rgba")
 
 
@@ -32,14 +33,20 @@ class Recorder:
     """What was saved and shown since the last `take`."""
 
     def __init__(self) -> None:
-        self._seen: list[dict[str, Any]] = []
+        self._drawn: list[saved.Drawn] = []
         self._noted: dict[Any, bool] = {}
         """The figures so far, and whether there was anything on them."""
         self._packer = Packer()
+        self._files: dict[str, bytes | None] = {}
         self._deaf = False
 
-    def take(self, *, with_open: bool = True) -> tuple[list[dict[str, Any]], dict[str, np.ndarray]]:
-        """The facts so far, those of figures that are still open and were never saved among them; then start anew."""
+    def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+        """The facts so far, those of figures that are still open and were never saved among them; then start anew.
+
+        Returns
+        -------
+        ``figures``, ``pictures`` (names of all picture files) and ``strange`` (those that hold no figure, with the reason).
+        """
         import matplotlib.pyplot as plt
 
         if with_open:
@@ -48,43 +55,47 @@ class Recorder:
         self._deaf = True
         plt.close("all")
         self._deaf = False
-        seen, arrays = self._seen, self._packer.arrays
-        self._seen, self._noted, self._packer = [], {}, Packer()
-        return seen, arrays
+        strange = saved.settle(self._drawn, folder, self._files)
+        facts, arrays = [one.facts for one in self._drawn], self._packer.arrays
+        arrays |= {f"seen{i}": one.seen.pixels for i, one in enumerate(self._drawn) if one.seen is not None}
+        self._drawn, self._noted, self._packer = [], {}, Packer()
+        return {"figures": facts, "pictures": saved.written_pictures(folder), "strange": strange}, arrays
 
     def note(
         self,
         figure: Any,
         *,
         event: str,
-        path: str | None = None,
+        target: Any = None,
         dpi: Any = None,
         kind: str = "",
-        bare: bool | None = None,
+        seen: drawing.Seen | None = None,
     ) -> None:
-        """Take the facts; `bare` where it is known whether no pixel has to be looked at."""
+        """Take the facts; `seen` where the figure was looked at already."""
         filled = any(axes.has_data() for axes in figure.get_axes())
         known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
         again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
-        if self._deaf or len(self._seen) >= _MAX_FIGURES or again:
+        if self._deaf or len(self._drawn) >= _MAX_FIGURES or again:
             return
         self._noted[figure] = filled
+        content, place = (None, None) if event != "saved" or kind in _RAW else saved.content_of(target)
         width, height = (float(x) for x in figure.get_size_inches())
         dots = float(figure.dpi if dpi is None or dpi == "figure" else dpi)
         facts: dict[str, Any] = {
             "event": event,
-            "path": path,
+            "path": _name(target),
             "format": kind,
             "size_px": [round(width * dots), round(height * dots)],
         }
         try:
             with seeing.as_it_was():
+                seen = seen or drawing.look(figure)
                 facts |= _figure(figure, self._packer)
-                if not (drawing.nothing_covers(figure) if bare is None else bare):
-                    _take_out_what_is_covered(figure, facts["axes"])
+            facts |= {"seen": f"seen{len(self._drawn)}", "extent": list(seen.extent), "dots": seen.dots}
         except Exception as error:  # artists of the student's own making
             facts |= {"unreadable": type(error).__name__, "axes": []}
-        self._seen.append(facts)
+            seen = None
+        self._drawn.append(saved.Drawn(facts, seen, content, place))
 
 
 RECORDER = Recorder()
@@ -107,8 +118,10 @@ def watch(*, read_back: bool) -> None:
         kind = _kind(filename, options)
         blank = drawing.save_blank if kind in _RAW else drawing.save
         save = drawing.save_as_asked if read_back else blank
-        bare = save(really_print, self, filename, asked, options)
-        RECORDER.note(self.figure, event="saved", path=_name(filename), dpi=asked, kind=kind, bare=bare)
+        if kind == "png" and save is drawing.save:
+            options = {"pil_kwargs": _QUICKLY} | options
+        seen = save(really_print, self, filename, asked, options)
+        RECORDER.note(self.figure, event="saved", target=filename, dpi=asked, kind=kind, seen=seen)
 
     @functools.wraps(really_print_png)  # matplotlib asks for its parameters
     def print_png(self: Any, filename: Any, **kwargs: Any) -> None:
@@ -139,7 +152,7 @@ def watch(*, read_back: bool) -> None:
     vars(plt).update(show=show, close=close)
     setattr(Figure, "clear", clear)  # noqa: B010
     if not read_back:
-        setattr(Figure, "tight_layout", drawing.laying_out_late(Figure.tight_layout))  # noqa: B010
+        setattr(Figure, "tight_layout", drawing.tight_layout)  # noqa: B010
     setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
     setattr(FigureCanvasAgg, "print_png", print_png)  # noqa: B010
     setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
@@ -159,15 +172,6 @@ def _kind(target: Any, kwargs: dict[str, Any]) -> str:
     return (Path(name).suffix[1:].lower() or "png")[:10] if name else "png"
 
 
-def written_pictures(folder: str) -> list[str]:
-    """Names of the picture files below the scratch folder, relative to it."""
-    found = []
-    for path in sorted(Path(folder).rglob("*")):
-        if path.suffix.lower() in _PICTURES and path.is_file() and not path.is_symlink() and path.stat().st_size:
-            found.append(path.relative_to(folder).as_posix()[:300])
-    return found[:200]
-
-
 def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
     seeing.must_be_honest(figure, *figure.texts, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
@@ -180,23 +184,6 @@ def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
         "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
         "axes": [_axes(one, axes, packer) for one in axes],
     }
-
-
-def _take_out_what_is_covered(figure: Any, facts: list[dict[str, Any]]) -> None:
-    """Where none of a panel's curves leaves a pixel in its colour, something lies over them or they are not drawn."""
-    picture = None
-    drawing.lay_out(figure)
-    for one, panel in zip(figure.get_axes(), facts, strict=False):
-        seen = [curve for curve in panel["curves"] if curve["visible"] and curve["n"] > 3]
-        if not panel["visible"] or not seen:
-            continue
-        picture = seeing.pixels(figure.canvas) if picture is None else picture
-        if picture is None:
-            return
-        colours = [curve["colour"] for curve in seen if curve["colour"] != "?"]
-        if colours and not seeing.any_colour_shows(one, colours, picture):
-            for curve in seen:
-                curve["visible"] = False
 
 
 def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
@@ -213,7 +200,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
     )
     shared = axes.get_shared_x_axes()
     return {
-        "visible": seeing.panel_is_visible(axes),
+        "visible": bool(axes.get_visible()),
         "position": [round(float(v), 4) for v in (box.x0, box.y0, box.x1, box.y1)],
         "xlabel": xlabel or part["xlabel"],
         "ylabel": ylabel or part["ylabel"],
@@ -224,7 +211,9 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "images": len(axes.images),
         "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
         "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
+        "x_limits": [float(v) for v in axes.get_xlim()],
         "y_limits": [float(v) for v in axes.get_ylim()],
+        "scales": [axes.get_xscale(), axes.get_yscale()] if axes.name == "rectilinear" else ["", ""],
     }
 
 
@@ -242,7 +231,7 @@ def _curves(axes: Any, packer: Packer) -> list[dict[str, Any]]:
     curves = [_line(line, axes, packer) for line in axes.get_lines()[: max(room, 0)]]
     others = ((artist, drawn) for artist in (*axes.collections, *axes.patches) for drawn in _drawn_by(artist))
     for artist, (x, y, colour) in itertools.islice(others, max(room - len(curves), 0)):
-        curves.append(_points(artist, axes, x, y, colour, packer))
+        curves.append(_curve(artist, x, y, colour, packer) | _ink_of(artist, colour))
     return curves
 
 
@@ -279,13 +268,20 @@ _NOTHING = ("None", "none", "", " ", None)
 def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
     seeing.must_be_honest(line)
     x, y = _plain_floats(line.get_xdata()), _plain_floats(line.get_ydata())
-    stroke = line.get_linestyle() not in _NOTHING or line.get_marker() not in _NOTHING
-    facts = _curve(line, x, y, line.get_color(), packer) | {"kind": "line" if stroke else "nothing"}
-    facts["visible"] = seeing.line_is_visible(line, axes, x, y)
-    return facts | {
+    stroke, marks = line.get_linestyle() not in _NOTHING, line.get_marker() not in _NOTHING
+    inks = [line.get_color()] if stroke else []
+    if marks:
+        inks += [line.get_markerfacecolor(), line.get_markeredgecolor()]
+    widths = [line.get_linewidth()] if stroke else []
+    if marks:
+        widths.append(line.get_markersize())
+    return _curve(line, x, y, line.get_color(), packer) | {
+        "kind": "line" if stroke or marks else "nothing",
         "style": str(line.get_linestyle())[:8],
         "marker": str(line.get_marker())[:8],
         "stroke": _stroke(line),
+        "inks": _inks(inks),
+        "width": float(min(widths, default=0.0)),
     }
 
 
@@ -293,10 +289,6 @@ def _stroke(line: Any) -> str:
     """What tells lines of one colour and style apart: dashes, width and opacity."""
     dashes = getattr(line, "_unscaled_dash_pattern", None)  # matplotlib has no getter for it
     return _short((dashes, line.get_linewidth(), line.get_alpha()))
-
-
-def _points(artist: Any, axes: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:
-    return _curve(artist, x, y, colour, packer) | {"visible": seeing.artist_is_visible(artist, axes, colour, x, y)}
 
 
 def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str, Any]:
@@ -312,7 +304,37 @@ def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str
         "style": "",
         "marker": "",
         "stroke": "",
+        "alpha": _opacity(artist),
     }
+
+
+def _opacity(artist: Any) -> float:
+    alpha = artist.get_alpha() if artist.get_visible() else 0.0
+    return 1.0 if alpha is None or np.ndim(alpha) else float(alpha)
+
+
+def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
+    """The colours of a collection's points or of its lines, and how wide it draws."""
+    from matplotlib.collections import Collection, LineCollection
+
+    if isinstance(artist, Collection) and not isinstance(artist, LineCollection):
+        sizes = artist.get_sizes() if hasattr(artist, "get_sizes") else ()
+        inks = [*artist.get_facecolor()[:_MAX_POINTS], *artist.get_edgecolor()[:1]]
+        return {"inks": _inks(inks), "width": float(np.sqrt(np.median(sizes))) if len(sizes) else 6.0}
+    return {"inks": _inks([colour]), "width": float(np.max(artist.get_linewidth(), initial=0.0))}
+
+
+def _inks(colours: Iterable[Any]) -> list[str]:
+    """Each colour once, with its opacity; none at all where there are so many that any may be meant."""
+    from matplotlib.colors import to_hex
+
+    inks: dict[str, None] = {}
+    for colour in colours:
+        try:
+            inks[str(to_hex(colour, keep_alpha=True))] = None
+        except (ValueError, TypeError):
+            continue  # “none”
+    return list(inks) if len(inks) <= _MAX_INKS else []
 
 
 def _face(collection: Any) -> Any:

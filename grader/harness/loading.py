@@ -79,10 +79,9 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     path: str = fields["path"]
     with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
-    seen, facts = figures.RECORDER.take()
-    answer = {"names": STATE.stepper.defined(vars(module)) if module else [], "figures": seen}
-    answer |= {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}
-    return answer | {"pictures": figures.written_pictures(STATE.folder)}, facts
+    seen, arrays = figures.RECORDER.take(STATE.folder)
+    answer = {"names": STATE.stepper.defined(vars(module)) if module else []}
+    return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 
 
 def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -92,10 +91,9 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
-    seen, facts = figures.RECORDER.take()
+    seen, arrays = figures.RECORDER.take(STATE.folder)
     error = _unreadable(path) or next((e for e in STATE.stepper.noted if e["path"] == path), None)
-    answer = {"error": error, "stepped_over": STATE.stepper.noted, "figures": seen}
-    return answer | {"pictures": figures.written_pictures(STATE.folder)}, facts
+    return seen | {"error": error, "stepped_over": STATE.stepper.noted}, arrays
 
 
 def _main_module(path: str) -> types.ModuleType:

@@ -11,7 +11,8 @@ import numpy as np
 _MAX_PIXELS = 40_000_000
 _THUMBNAIL = 160
 _PREVIEW = 640
-_COLOURS = 64
+_COLOURS = 256
+_GROUNDS, _SHADES = 4, 16  # colours of paper and the like, told apart in steps
 
 
 def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -21,9 +22,9 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     -------
     fields : dict
         ``readable`` and, if so, ``size_px``, ``colours`` (distinct ones on a 160-pixel thumbnail) and ``ink`` (the share of its
-        pixels that are not of the commonest colour); otherwise ``reason``.
+        pixels that are of none of the few commonest colours: of paper, panels, a window around them); otherwise ``reason``.
     arrays : dict
-        If readable, ``preview`` (h, w) with indices into ``palette`` (64, 3): the picture in few pixels and colours.
+        If readable, ``preview`` (h, w) with indices into ``palette`` (256, 3): the picture in few pixels and colours.
     """
     from PIL import Image
 
@@ -38,15 +39,16 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
                 preview = _on_white(picture, _PREVIEW)
                 small = preview.copy()
                 small.thumbnail((_THUMBNAIL, _THUMBNAIL))
-                few = preview.quantize(_COLOURS)
+                few = preview.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
     except Exception as error:  # any broken file, any codec
         return {"readable": False, "reason": type(error).__name__}, {}
     pixels = np.asarray(small).reshape(-1, 3)
-    _, counts = np.unique(pixels, axis=0, return_counts=True)
+    colours, shades = (np.unique(each, axis=0, return_counts=True)[1] for each in (pixels, pixels // _SHADES))
+    flat = np.sort(shades)[-_GROUNDS:].sum() / len(pixels)
     palette = np.zeros((_COLOURS, 3), dtype=np.uint8)
     known = np.array(few.getpalette()[: 3 * _COLOURS], dtype=np.uint8).reshape(-1, 3)
     palette[: len(known)] = known
-    facts = {"readable": True, "size_px": size, "colours": len(counts), "ink": float(1 - counts.max() / len(pixels))}
+    facts = {"readable": True, "size_px": size, "colours": len(colours), "ink": float(1 - flat)}
     return facts, {"preview": np.asarray(few, dtype=np.uint8), "palette": palette}
 
 

@@ -38,6 +38,9 @@ _HEADERS = (
 )
 
 
+_FOREIGN = (b"Rar!", b"7z\xbc\xaf")
+
+
 class _Exhausted(Exception):  # noqa: N818 - an end of reading, not an error of ours
     """A bound of this module was reached; what was read before it counts."""
 
@@ -62,6 +65,8 @@ def gather_archive(stream: BinaryIO, name: str) -> Pile:
     stream.seek(0)
     magic = stream.read(4)
     stream.seek(0)
+    if magic in _FOREIGN:
+        raise Unreadable(foreign(name))
     pile = Pile()
     read = _read_zip if magic[:2] == b"PK" else _read_gzip if magic[:2] == b"\x1f\x8b" else _read_tar
     try:
@@ -75,6 +80,11 @@ def gather_archive(stream: BinaryIO, name: str) -> Pile:
         pile.remarks.append(f"{name} is damaged; the files before the damage were read.")
         pile.broken = True
     return pile
+
+
+def foreign(name: str) -> str:
+    """What to do about an archive that is not opened: its readers take as much time and memory as the archive says."""
+    return f"{name} is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 
 
 class _Readable(Protocol):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import zipfile
 from collections import defaultdict
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
@@ -24,12 +25,16 @@ REFUSED = "the system refused it"
 
 @dataclass(frozen=True)
 class Download:
-    """What lies at the top of a download, `root` down in it: names to whether they are folders, and what stays out and why."""
+    """What lies at the top of a download, `root` down in it: names to whether they are folders, and what stays out and why.
+
+    `known` is who is in the class, by the platform's number, as far as that is known.
+    """
 
     path: Path
     root: str
     top: dict[str, bool]
     left: tuple[tuple[str, str], ...] = ()
+    known: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, name: str) -> str:
         """A name at the top as a path from `path`."""

@@ -12,7 +12,7 @@ from typing import Literal
 
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.intake.archives import gather_archive
+from grader.intake.archives import foreign, gather_archive
 from grader.intake.downloads import Sources, gather_sources
 from grader.intake.folders import gather_file, gather_folder
 from grader.intake.layout import MAX_LEVELS, lay_out, outwards
@@ -69,7 +69,7 @@ class Submission:
 def original_name(path: Path) -> str:
     """What a submission is called: its folder's name, or its file's without the suffix."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
-    suffix = next((suffix for suffix in ARCHIVES if has_suffix(name, (suffix,))), "")
+    suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
 
 
@@ -140,6 +140,8 @@ def _gather_outermost(path: Path) -> Pile:
         raise Unreadable(f"{name} is neither a file nor a folder; hand in a folder or a .zip of it.")
     if is_code(path.name):
         return gather_file(path)
+    if has_suffix(path.name, FOREIGN_ARCHIVES) and not has_suffix(path.name, ARCHIVES):
+        raise Unreadable(foreign(name))
     if has_suffix(path.name, ARCHIVES):
         try:
             with open(path, "rb") as stream:
@@ -152,14 +154,16 @@ def _gather_outermost(path: Path) -> Pile:
 def _nothing_found(pile: Pile) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:
     """Why there is no lab here: the status and the notes."""
     archives = pile.unopened()
-    foreign = len(pile.files) == 1 and has_suffix(next(iter(pile.files)), FOREIGN_ARCHIVES)
-    if foreign:
-        said = [f"{listing(archives)} is an archive of a kind that is not opened; hand in a .zip."]
+    alone = len(pile.files) == 1 and has_suffix(next(iter(pile.files)), FOREIGN_ARCHIVES)
+    if alone:
+        said = [foreign(listing(archives))]
     else:
         said = [f"No .py or .ipynb file was found up to {MAX_LEVELS} folders down."]
+        if deep := min((path.rpartition("/")[0] for path in filter(is_code, pile.files)), default=""):
+            said.append(f"There is code further down, in {printable(deep)}; hand in that folder itself.")
         if archives:
             said.append(f"Not opened, because an archive must be alone in its folder: {listing(archives)}.")
-    return ("unreadable" if pile.broken or foreign else "empty"), (*said, *pile.notes())
+    return ("unreadable" if pile.broken or alone else "empty"), (*said, *pile.notes())
 
 
 def _without_files(id: str, name: str, status: Literal["empty", "unreadable"], notes: tuple[str, ...]) -> Submission:

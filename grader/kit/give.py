@@ -1,4 +1,4 @@
-"""Writing the kits: for students, for Gradescope, for Classroom 50 and for GitHub."""
+"""Writing the kits: for students, for Gradescope, for Classroom 50, for GitHub and for GitLab."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from grader import __version__
 from grader.engine.lab import Lab
 from grader.engine.robot import LAB_FILE, LAB_IMU, Robot
 from grader.engine.rubric import load
@@ -16,7 +17,16 @@ from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.ground.text import printable
 from grader.kit import wheel
+from grader.platforms.github import CHECKOUT, SETUP_PYTHON
 from grader.report import truth
+
+_READABLE = "public scenarios: the job runs in the student's repository"
+_FIELDS = {"wheel": wheel.name(), "version": __version__, "checkout": CHECKOUT, "setup_python": SETUP_PYTHON}
+_EDITORS = {
+    ".devcontainer/devcontainer.json": "devcontainer.json.txt",
+    ".vscode/settings.json": "settings.json.txt",
+    ".vscode/tasks.json": "tasks.json.txt",
+}
 
 
 @dataclass(frozen=True)
@@ -37,6 +47,7 @@ class Wanted:
     gradescope: Path | None = None
     classroom50: Path | None = None
     github: Path | None = None
+    gitlab: Path | None = None
     rubric: Path | None = None
     hidden: Traces | None = None
 
@@ -51,43 +62,54 @@ def kits(wanted: Wanted) -> Iterator[Kit]:
         yield classroom50(wanted.lab, wanted.classroom50, wanted.rubric)
     if wanted.github is not None:
         yield github(wanted.lab, wanted.github, wanted.rubric)
+    if wanted.gitlab is not None:
+        yield gitlab(wanted.lab, wanted.gitlab, wanted.rubric)
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Starter files, the robot's model in the sheet's folder, a README and the wheel, in a new folder.
+    """Starter files, the robot's model in the sheet's folder, public motions, a README and the wheel, in a new folder.
 
     Raises
     ------
     RequestError
         If the folder has something in it: a student's work must not be overwritten.
     """
+    _refuse_full(out)
     carried = _carried(lab, rubric)
-    robot = carried.robot if carried else Robot(LAB_FILE, shipped().models["lab"], LAB_IMU)
+    traces = carried or shipped()
+    robot = carried.robot if carried else Robot(LAB_FILE, traces.models["lab"], LAB_IMU)
     files = {name: _named_after(lab, robot, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
+    files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
+    files |= {f"traces/{name}": content for name, content in truth.motions(traces, lab.motions).items()}
     files |= {
         _beside(lab, robot.file): robot.xml.encode(),
         wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), carried),
     }
-    _new_folder(out, files)
+    _write(out, files)
     return Kit(out, "students", "public scenarios")
 
 
 def classroom50(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """`autograder.py` and the wheel, for ``CLASSROOM/autograders/ASSIGNMENT``."""
+    _refuse_full(out)
     files = {"autograder.py": _text("platforms/autograder.py.txt").encode(), wheel.name(): _wheel(lab, rubric)}
-    _new_folder(out, files)
-    return Kit(out, "Classroom 50", "public scenarios: the job runs in the student's repository")
+    _write(out, files)
+    return Kit(out, "Classroom 50", _READABLE)
 
 
 def github(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     """A workflow and the wheel, for the root of the repository that students start from."""
     workflow = _text("platforms/imugrade.yml.txt").encode()
     files = {".github/workflows/imugrade.yml": workflow, f".github/imugrade/{wheel.name()}": _wheel(lab, rubric)}
-    for path in files:
-        if (out / path).exists():
-            raise RequestError(f"{printable(str(out / path))}: it is there already; remove it or choose another folder")
-    _write(out, files)
-    return Kit(out, "GitHub Actions", "public scenarios: the job runs in the student's repository")
+    _beside_others(out, files)
+    return Kit(out, "GitHub Actions", _READABLE)
+
+
+def gitlab(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
+    """A pipeline and the wheel, for the root of the repository that students start from."""
+    pipeline = _text("platforms/gitlab.yml.txt").encode()
+    _beside_others(out, {".gitlab-ci.yml": pipeline, f".gitlab/imugrade/{wheel.name()}": _wheel(lab, rubric)})
+    return Kit(out, "GitLab CI", _READABLE)
 
 
 def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces | None = None) -> Kit:
@@ -138,7 +160,10 @@ def _text(path: str) -> str:
 
 
 def _filled(file: Path) -> str:
-    return file.read_text(encoding="utf-8").replace("{wheel}", wheel.name())
+    text = file.read_text(encoding="utf-8")
+    for field, value in _FIELDS.items():
+        text = text.replace(f"{{{field}}}", value)
+    return text
 
 
 def _bundle(hidden: Traces) -> dict[str, bytes]:
@@ -146,7 +171,8 @@ def _bundle(hidden: Traces) -> dict[str, bytes]:
     return {f"hidden{suffix}": content for suffix, content in truth.files(hidden).items()}
 
 
-def _new_folder(out: Path, files: Mapping[str, bytes]) -> None:
+def _refuse_full(out: Path) -> None:
+    """A folder that has something in it: a student's work must not be overwritten."""
     try:
         taken = out.is_dir() and any(out.iterdir())
     except OSError as problem:
@@ -157,6 +183,13 @@ def _new_folder(out: Path, files: Mapping[str, bytes]) -> None:
         raise RequestError(
             f"{printable(str(out))}: the folder is not empty; choose a new one, so nothing is overwritten"
         )
+
+
+def _beside_others(out: Path, files: Mapping[str, bytes]) -> None:
+    """Into a folder that has other things in it, none of them overwritten."""
+    for path in files:
+        if (out / path).exists():
+            raise RequestError(f"{printable(str(out / path))}: it is there already; remove it or choose another folder")
     _write(out, files)
 
 

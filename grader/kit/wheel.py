@@ -19,6 +19,7 @@ import yaml
 
 from grader import __version__
 from grader.engine.lab import Lab
+from grader.engine.rubric import CARRIED, own_checks
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
@@ -54,6 +55,7 @@ def build(lab: Lab, rubric: Path, carried: Traces | None = None) -> bytes:
     info = f"imugrade-{__version__}.dist-info"
     place = f"grader/{lab.folder.relative_to(beside('grader', '')).as_posix()}"
     files = {**dict(_package()), f"{place}/rubric.yaml": rubric.read_bytes()}
+    files |= {f"{place}/{CARRIED}/{name}": content for name, content in own_checks(lab, rubric.parent)}
     files |= _own(place, rubric, carried) if carried else {}
     files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}
     record = "".join(f"{path},{_digest(content)},{len(content)}\n" for path, content in files.items())
@@ -126,10 +128,18 @@ def _information() -> dict[str, str]:
     files = {
         "METADATA": "\n".join([*lines, ""]),
         "WHEEL": "Wheel-Version: 1.0\nGenerator: imugrade kit\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
-        "entry_points.txt": "[console_scripts]\nimugrade = grader.cli:main\n",
+        "entry_points.txt": _entry_points(installed),
     }
     licence = next((f for f in installed.files or () if PurePosixPath(f).name == "LICENSE"), None)
     return files | ({"licenses/LICENSE": licence.read_text()} if licence else {})
+
+
+def _entry_points(installed: importlib.metadata.Distribution) -> str:
+    """The commands, and what pytest finds the package by."""
+    groups: dict[str, list[str]] = {}
+    for entry in installed.entry_points:
+        groups.setdefault(entry.group, []).append(f"{entry.name} = {entry.value}\n")
+    return "".join(f"[{group}]\n{''.join(lines)}" for group, lines in groups.items())
 
 
 def _digest(content: bytes) -> str:

@@ -92,6 +92,20 @@ class Directory:
             known.append(match)
 
 
+class Meant:
+    """Whom a word means that someone types: an id, a number, an e-mail address or a name."""
+
+    def __init__(self, people: Mapping[str, tuple[Person, ...]]) -> None:
+        self._ids, self._directory = people.keys(), Directory(people)
+
+    def by(self, word: str) -> str:
+        """The id of the submission; the word itself, if it means none or several."""
+        if word in self._ids:
+            return word
+        asked = (Row(numbers=(word,)), Row(email=word), Row(name=word))
+        return next((match.id for row in asked if (match := self._directory.find(row)) is not None), word)
+
+
 def _wins(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
     return all(claim[0] < sureness or row == claim[1] for sureness, row in claims)
 

@@ -13,28 +13,29 @@ from grader.people.standing import HandIn, Lateness, Person
 DAY = 86_400
 
 
-def judged(hand_in: HandIn, policy: LatePolicy | None, due: datetime | None, names: tuple[str, ...]) -> HandIn:
-    """The hand-in with what the policy says of it.
+def judged(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -> HandIn:
+    """The hand-in with what the policy says of it, whatever another one said before.
 
     Parameters
     ----------
     hand_in
-        As the platform tells it.
+        Who, when, and a date of their own, before which no other counts.
     policy
         None: the platform's own word on lateness stands, and nothing is taken off.
-    due
-        A date of these people's own (the roster's), before which no other counts.
     names
         What else the policy may call them: the id of the submission.
     """
+    return replace(hand_in, late=_late(hand_in, policy, names))
+
+
+def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) -> Lateness | None:
     if policy is None:
-        return hand_in
-    until = due or _extension(policy, hand_in.people, names) or policy.due
+        return Lateness("", None) if hand_in.marked_late else None
+    until = read_stamp(hand_in.due) or _extension(policy, hand_in.people, names) or policy.due
     came = read_stamp(hand_in.submitted)
     if came is None:
-        unknown = hand_in.late is not None
-        return replace(hand_in, late=Lateness(_text(until), None) if unknown else None)
-    return replace(hand_in, late=_lateness(policy, until, math.ceil((came - until).total_seconds())))
+        return Lateness(_text(until), None) if hand_in.marked_late else None
+    return _lateness(policy, until, math.ceil((came - until).total_seconds()))
 
 
 def _lateness(policy: LatePolicy, due: datetime, seconds: int) -> Lateness | None:

@@ -3,32 +3,37 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
+from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.stamps import read_stamp, stamp
 from grader.ground.text import printable
-from grader.people.identity import Directory, Row, participant
+from grader.people.identity import Directory, Match, Row, participant
 from grader.people.standing import HandIn, Person
 
 MAX_BYTES = 16_000_000
 COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "canvas": (),
+    "canvas": ("canvas_user_id",),
     "moodle": ("identifier",),
-    "id": ("id", "student id", "sid", "username", "login", "sis user id", "sis login id"),
+    "id": ("id", "student id", "sid", "username", "login", "sis user id", "sis login id", "user_id", "login_id"),
     "name": ("name", "student", "full name"),
     "first": ("first name", "first_name", "firstname"),
     "last": ("last name", "last_name", "lastname"),
     "email": ("email", "email address", "e-mail"),
-    "section": ("section", "sections", "group"),
+    "section": ("section", "sections"),
+    "group": ("group", "group name", "group_name", "team"),
     "due": ("due", "due date", "extension"),
     "submitted": ("submitted",),
 }
-"""What each column may be called: an export of Canvas, Moodle, Gradescope or Classroom 50 is a roster as it stands."""
+"""What each column may be called: an export of Canvas (its groups as well), Moodle, Gradescope or Classroom 50 is a roster."""
+
+
+_NOBODY = ("Points Possible", "Student, Test")
+"""What the first cell of a Canvas gradebook may hold that is no person: its second line, and its own test student."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,7 @@ class Listed:
     section: str = ""
     due: datetime | None = None
     submitted: str = ""
+    group: str = ""
 
 
 def load(path: Path) -> list[Listed]:
@@ -58,15 +64,13 @@ def load(path: Path) -> list[Listed]:
     if len(data) > MAX_BYTES:
         raise RequestError(f"{source}: is larger than {MAX_BYTES // 1_000_000} MB; give a roster")
     try:
-        text = data.decode("utf-8-sig")
-        return list(_rows(text, source))
+        return list(_rows(data, source))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RequestError(f"{source}: is not a CSV file in UTF-8; save it as one") from error
+        raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 
 
-def _rows(text: str, source: str) -> Iterator[Listed]:
-    head = text.partition("\n")[0]
-    table = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=head.count))
+def _rows(data: bytes, source: str) -> Iterator[Listed]:
+    table = tables.reader(data)
     titles = [title.strip().casefold() for title in next(table, [])]
     known = {**COLUMNS, "canvas": ("id",), "id": COLUMNS["id"][1:]} if titles[:2] == ["student", "id"] else COLUMNS
     places = {kind: [i for i, title in enumerate(titles) if title in names] for kind, names in known.items()}
@@ -74,7 +78,7 @@ def _rows(text: str, source: str) -> Iterator[Listed]:
         raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
     for cells in table:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
-        if any(cells) and not cells[0].strip().startswith("Points Possible"):  # Canvas's second line is no person
+        if any(cells) and not cells[0].strip().startswith(_NOBODY):
             yield _listed(values, f"{source}:{table.line_num}")
 
 
@@ -91,7 +95,7 @@ def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
     platform = next((each for each in ("canvas", "moodle") if first(each)), "")
     key = participant(first(platform)) if platform else ""
     who = Row(platform, key, tuple(filter(None, values["id"])), first("email"), name)
-    return Listed(who, first("section"), read_stamp(due) if due else None, stamp(submitted))
+    return Listed(who, first("section"), read_stamp(due) if due else None, stamp(submitted), first("group"))
 
 
 @dataclass(frozen=True)
@@ -121,18 +125,41 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
     submitted: dict[str, str] = {}
     absent: list[str] = []
     known: set[str] = set()
-    for listed, match in zip(roster, directory.find_each([listed.who for listed in roster]), strict=True):
-        if match is None:
+    matches = directory.find_each([listed.who for listed in roster])
+    shared = _shared(roster, matches, directory)
+    for listed, match in zip(roster, matches, strict=True):
+        theirs = match or shared.get(listed.group.casefold())
+        if theirs is None:
             absent.append(listed.who.told())
             continue
-        known.add(match.id)
-        placed[match.id] = _enriched(placed[match.id], match.person, listed)
+        known.add(theirs.id)
+        with_row = _enriched if match else _joined
+        placed[theirs.id] = with_row(placed[theirs.id], theirs.person, listed)
         if listed.submitted:
-            submitted[match.id] = max(submitted.get(match.id, ""), listed.submitted)
+            submitted[theirs.id] = max(submitted.get(theirs.id, ""), listed.submitted)
         if listed.due is not None:  # a group has the latest date that one of it has
-            due[match.id] = max(due.get(match.id, listed.due), listed.due)
+            due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
     return Placed(placed, due, submitted, tuple(absent), unknown)
+
+
+def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
+    """The hand-in of each group: the only one that its members have, or one that is called like the group."""
+    members: dict[str, set[str]] = {}
+    for listed, match in zip(roster, matches, strict=True):
+        members.setdefault(listed.group.casefold(), set()).update({match.id} if match else ())
+    members.pop("", None)
+    called = {group: directory.find(Row(numbers=(group,), name=group)) for group, ids in members.items() if not ids}
+    own = {group: Match(next(iter(ids)), None) for group, ids in members.items() if len(ids) == 1}
+    return own | {group: match for group, match in called.items() if match}
+
+
+def _joined(hand_in: HandIn, stand_in: Person | None, listed: Listed) -> HandIn:
+    """With one more member of the group; the name of the group stood in for them until the first one came."""
+    who = listed.who
+    number = next(iter(who.numbers), "")
+    member = Person(who.name or who.email or number, who.key, who.platform, number, who.email, listed.section)
+    return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), member))
 
 
 def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
-from grader.engine.results import CriterionResult, Result
+from grader.engine.results import CheckResult, CriterionResult, Result
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,12 @@ class HandIn:
         One, or all members of a group.
     submitted
         The platform's time stamp, ISO 8601 with its offset; "" where there is none.
+    due
+        When it is due for these people alone, as the roster has it, ISO 8601 with its offset; "" where they have no such date.
+    marked_late
+        The platform says that it is late, and not how late.
     late
-        None if it is not late, or nothing is known about it.
+        What follows from these and the policy; None if it is not late, or nothing is known about it.
     reply
         What a file's name begins with, in the platform's own upload, to come back to these people; "" if it has no such thing.
     number
@@ -72,16 +77,34 @@ class HandIn:
     late: Lateness | None = None
     reply: str = ""
     number: str = ""
+    due: str = ""
+    marked_late: bool = False
 
 
 NOTHING_KNOWN = HandIn()
 
 
+TOTAL, BONUS = "total", "bonus"
+
+
 @dataclass(frozen=True)
 class Adjustment:
-    """Points that a person gives a criterion in place of the automatic ones: who, when and why.
+    """What a person says of a submission: points in place of the automatic ones, points on top, or words alone.
 
-    `points` None withdraws the adjustment before it. `beneath` holds the automatic points of each check at that time.
+    Attributes
+    ----------
+    criterion
+        What it is about: a criterion, one of its checks, `TOTAL` in place of their sum, or `BONUS` on top of it.
+    points
+        None withdraws the one before it; words alone have none, and empty ones withdraw.
+    beneath
+        The automatic points of each check that it stands for, at that time.
+    alone
+        Whether it is words alone.
+    decision
+        The number of the decision on several submissions that it is a part of; 0 for one of its own.
+    number
+        Its place in the record.
     """
 
     criterion: str
@@ -90,6 +113,13 @@ class Adjustment:
     author: str
     at: str
     beneath: Mapping[str, float | None] = field(default_factory=dict)
+    alone: bool = False
+    decision: int = 0
+    number: int = field(default=0, compare=False, repr=False)
+
+    @property
+    def withdraws(self) -> bool:
+        return not self.comment if self.alone else self.points is None
 
 
 @dataclass(frozen=True)
@@ -97,13 +127,15 @@ class Standing:
     """Everything that a gradebook or a page tells of one submission: what it is handed in place of a bare `Result`.
 
     `result` is what was marked, and stays as it is. `adjusted` is its total with the adjustments, `final` what is left of that
-    by the late policy. Both are None while points are open through a fault of the grader.
+    by the late policy. Both are None while points are open through a fault of the grader, and `unseen` where there was nothing to
+    mark and nobody has looked: such a mark is not given out.
     """
 
     id: str
     result: Result
     hand_in: HandIn = NOTHING_KNOWN
     adjustments: tuple[Adjustment, ...] = ()
+    unseen: bool = False
 
     @property
     def people(self) -> tuple[Person, ...]:
@@ -122,13 +154,20 @@ class Standing:
     def late(self) -> Lateness | None:
         return self.hand_in.late
 
-    @property
+    @cached_property
     def adjusted(self) -> float | None:
         """Score with the adjustments, and extra credit; None while points are open."""
-        points = [self.points(criterion) for criterion in self.result.criteria]
-        if None in points or self._credit_is_open():
-            return None
-        return round(sum(p for p in points if p is not None) + self.result.extra_credit, 2)
+        total, bonus = self.adjustment(TOTAL), self.adjustment(BONUS)
+        points = self._summed() if total is None else total.points
+        return None if points is None else round(points + (0.0 if bonus is None else bonus.points or 0.0), 2)
+
+    def _summed(self) -> float | None:
+        points = summed({criterion.id: self.points(criterion) for criterion in self.result.criteria})
+        return (
+            None
+            if self.unseen or points is None or self._credit_is_open()
+            else round(points + self.result.extra_credit, 2)
+        )
 
     @property
     def deduction(self) -> float:
@@ -143,28 +182,69 @@ class Standing:
         return None if self.adjusted is None else round(self.adjusted - self.deduction, 2)
 
     def adjustment(self, criterion: str) -> Adjustment | None:
-        return next((each for each in self.adjustments if each.criterion == criterion), None)
+        """The points by hand of a criterion, a check, `TOTAL` or `BONUS`."""
+        return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
         """Points by hand, or else the automatic ones; None where they are open."""
-        by_hand = self.adjustment(criterion.id)
-        if by_hand is not None:
-            return by_hand.points
-        return None if None in beneath(criterion).values() else criterion.points
+        given = {each.criterion: each.points for each in self.adjustments if not each.alone}
+        if criterion.id in given:
+            return given[criterion.id]
+        return summed({check.id: given.get(check.id, check.points) for check in criterion.checks})
+
+    def check_points(self, check: CheckResult) -> float | None:
+        """The same of one check, as long as its criterion has none by hand."""
+        by_hand = self.adjustment(check.id)
+        return check.points if by_hand is None else by_hand.points
 
     def outdated(self) -> list[Adjustment]:
         """Adjustments whose automatic marks have changed since: someone has to look again."""
-        now = {criterion.id: beneath(criterion) for criterion in self.result.criteria}
-        return [each for each in self.adjustments if each.beneath != now.get(each.criterion)]
+        return [
+            each for each in self.adjustments if not each.alone and each.beneath != under(self.result, each.criterion)
+        ]
 
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
 
 
+def given_out(standings: Mapping[str, Standing]) -> dict[str, Standing]:
+    """As they go to a platform: nothing stands for those that could not be read or held nothing, until a person has looked."""
+
+    def nothing(standing: Standing) -> bool:
+        return standing.result.status in ("empty", "unreadable") and all(each.alone for each in standing.adjustments)
+
+    return {id_: replace(standing, unseen=nothing(standing)) for id_, standing in standings.items()}
+
+
 def beneath(criterion: CriterionResult) -> dict[str, float | None]:
     """The automatic points of each check of a criterion."""
     return {check.id: check.points for check in criterion.checks}
+
+
+def under(result: Result, target: str) -> dict[str, float | None] | None:
+    """The automatic points of each check that points by hand for `target` stand for; None if there is no such target."""
+    if target == BONUS:
+        return {}
+    criteria = {criterion.id: beneath(criterion) for criterion in result.criteria}
+    rows = {id_: points for checks in criteria.values() for id_, points in checks.items()}
+    each = {id_: {id_: points} for id_, points in rows.items()}
+    return {**each, **criteria, TOTAL: rows}.get(target)
+
+
+def summed(points: Mapping[str, float | None]) -> float | None:
+    """All of them together; None while any of them is open."""
+    return None if None in points.values() else round(sum(p for p in points.values() if p is not None), 2)
+
+
+def worth(result: Result, target: str) -> float | None:
+    """The most that points by hand may give for `target`; None if there is no such target."""
+    if target == BONUS:
+        return result.max_score
+    if target == TOTAL:
+        return round(result.max_score + (result.extra_credit_cap or 0.0), 2)
+    most = {check.id: check.max_points for criterion in result.criteria for check in criterion.checks}
+    return (most | {criterion.id: criterion.max_points for criterion in result.criteria}).get(target)
 
 
 def hand_in_to_dict(hand_in: HandIn) -> dict[str, Any]:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
 
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, has_suffix, original
 from grader.people.identity import Row as Who
+from grader.people.identity import spellings
 from grader.people.standing import HandIn, Person, Standing
-from grader.platforms.filled import Filled, directory, matched, refuse_other_scale
-from grader.platforms.found import MARKED_LATE, Found, Shape, mostly
+from grader.platforms.filled import Filled, Form, fill_in
+from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
-from grader.report import words
 
 # --- the gradebook, filled in -----------------------------------------------------------------------------------------
 
@@ -24,21 +25,14 @@ _ASSIGNMENT = re.compile(r"(.*)\s\((\d+)\)", re.DOTALL)
 _OF_ALL = re.compile(r"(Current|Final|Override) (Score|Points|Grade)")
 _NUMBERS = ("SIS User ID", "SIS Login ID", "Integration ID")
 EXCUSED = "EX"
+TEST_STUDENT = ("Student, Test", "Test Student")
+"""Whom Canvas adds to a course for its teacher, and lists among the others."""
 
 
-def fill(template: bytes, source: str, column: str | None, standings: Mapping[str, Standing]) -> Filled:
-    """The student columns as they were, and the assignment's with the final points; who is not graded keeps what stands there.
-
-    Parameters
-    ----------
-    template
-        The gradebook as Canvas exports it.
-    source
-        What messages call it.
-    column
-        The assignment: its title, its number, or the whole heading. None where there is only one.
-    standings
-        By id of the submission.
+def fill(
+    template: bytes, source: str, column: str | None, standings: Mapping[str, Standing], *, scaled: bool = False
+) -> Filled:
+    """The student columns as they were, and the assignment's with the final points; `column` is its title, number or heading.
 
     Raises
     ------
@@ -51,10 +45,10 @@ def fill(template: bytes, source: str, column: str | None, standings: Mapping[st
     if ("Student" not in titles[0] and titles[0] != "LastName") or len(titles) < 3 or section is None:
         raise RequestError(f"{source}: is no gradebook of Canvas; export it there with Grades > Export")
     grade = _assignment(titles, section, column, source)
-    filled = Filled()
-    rows = dict(_rows(sheet, grade, source, standings))
-    for number, match in matched(((n, _who(sheet, row)) for n, row in rows.items()), directory(standings)).items():
-        _set(sheet, rows[number], grade, standings[match.id] if match else None, filled)
+    form = _form(sheet, grade, source)
+    matches = form.matches(standings)
+    filled = fill_in(form, matches, standings, scaled=scaled)
+    filled.blank = [name for name in filled.blank if name.strip() not in TEST_STUDENT]
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()
     return filled
@@ -76,13 +70,24 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     return found[0]
 
 
-def _rows(sheet: Sheet, grade: int, source: str, standings: Mapping[str, Standing]) -> Iterator[tuple[int, Row]]:
-    """The rows of students; the one above them says what the assignment is out of."""
-    for number, row in enumerate(sheet.rows[1:], 1):
-        if "Points Possible" in row.value(0):
-            refuse_other_scale(source, row.value(grade), standings)
-        elif row.value(0).strip() and len(row.cells) > 1:
-            yield number, row
+def _form(sheet: Sheet, grade: int, source: str) -> Form:
+    """The rows of students; one above them says what the assignment is out of."""
+    points = next((row.value(grade) for row in sheet.rows[1:] if "Points Possible" in row.value(0)), "")
+    students = {
+        number: row
+        for number, row in enumerate(sheet.rows[1:], 1)
+        if row.value(0).strip() and len(row.cells) > 1 and "Points Possible" not in row.value(0)
+    }
+    return Form(
+        source,
+        sheet,
+        grade,
+        students,
+        who=lambda row: _who(sheet, row),
+        name=lambda row: row.value(0),
+        out_of=lambda _: points,
+        locked=lambda row: row.value(grade).strip().upper() == EXCUSED,
+    )
 
 
 def _who(sheet: Sheet, row: Row) -> Who:
@@ -100,42 +105,50 @@ def _name(sheet: Sheet, row: Row) -> str:
     )
 
 
-def _set(sheet: Sheet, row: Row, grade: int, standing: Standing | None, filled: Filled) -> None:
-    if standing is None:
-        filled.blank.append(row.value(0))
-        return
-    filled.placed.add(standing.id)
-    if row.value(grade).strip().upper() == EXCUSED:
-        filled.kept.append(row.value(0))
-    elif standing.final is not None:
-        sheet.set(row, grade, words.number(standing.final))
-        filled.grades += 1
-
-
 # --- a download -------------------------------------------------------------------------------------------------------
 
 TITLE = "Canvas submissions"
-_WHO = r"(?:(?P<name>.*?)_)??(?P<late>LATE_)?(?P<user>\d+)"
+_WHO = r"(?:(?P<name>.*)_)??(?P<late>LATE_)?(?P<user>\d+)"
 _FILE = re.compile(_WHO + r"_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL)
 _ENTRY = re.compile(_WHO + r"(?P<attachment>)_(?P<file>text\.html|link\.html)", re.DOTALL)
 _ANONYMOUS = re.compile(
     r"(?P<late>LATE_)?(?P<name>anon_(?P<user>[A-Za-z0-9]+))_(?P<attachment>\d+)_(?P<file>.+)", re.DOTALL
 )
 _AGAIN = re.compile(r"(.+)-\d+(\.[A-Za-z0-9]+(?:\.gz)?)")
+_NO_LETTER = re.compile(r"[^a-z0-9]+")
 _NOT_OURS = "not named as Canvas names files, so whose it is cannot be told"
 _OLDER = "an older file of the same name and student; the newer one is graded"
 
 
+@dataclass(frozen=True)
+class _Reading:
+    """What a file's name says: `file` is the student's own, `attachment` "" for a text entry."""
+
+    name: str
+    late: bool
+    user: str
+    attachment: str
+    file: str
+
+    @property
+    def number(self) -> int:
+        return int(self.attachment[:18] or 0)
+
+
 def read(download: Download) -> Shape | None:
     """The students of a Canvas download: `<name>[_LATE]_<user id>_<attachment id>_<file>`, all loose; None if it is none."""
-    told = {name: _parsed(name) for name, is_folder in download.top.items() if not is_folder}
-    if not mostly(name in told and told[name] is not None for name in download.top):
+    told = {name: _readings(name) for name, is_folder in download.top.items() if not is_folder}
+    if not mostly(bool(told.get(name)) for name in download.top):
         return None
-    files: defaultdict[str, list[tuple[str, re.Match[str]]]] = defaultdict(list)
-    left = [(name, _NOT_OURS) for name in download.top if told.get(name) is None]
-    for name, match in told.items():
-        if match is not None:
-            files[match["user"]].append((name, match))
+    sure = frozenset((each[0].name, each[0].user) for each in told.values() if len(each) == 1)
+    files: defaultdict[str, list[tuple[str, _Reading]]] = defaultdict(list)
+    left = [(name, _NOT_OURS) for name in download.top if not told.get(name)]
+    for name, readings in told.items():
+        meant = _meant(readings, sure, download.known)
+        if meant is not None:
+            files[meant.user].append((name, meant))
+        elif readings:
+            left.append((name, AMBIGUOUS))
     found = []
     for user, own in files.items():
         sources, older = _newest(download, own)
@@ -144,16 +157,55 @@ def read(download: Download) -> Shape | None:
     return Shape(TITLE, tuple(found), tuple(left))
 
 
-def _parsed(name: str) -> re.Match[str] | None:
-    """Anonymous ones first: their id may be all digits. Files before text entries: a file may be called text.html."""
-    return _ANONYMOUS.fullmatch(name) or _FILE.fullmatch(name) or _ENTRY.fullmatch(name)
+def _readings(name: str) -> list[_Reading]:
+    """All that a name can mean: names of people and of files may hold numbers between underscores, too.
+
+    Anonymous ones first: their id may be all digits. Files before text entries: a file may be called text.html. Canvas begins with
+    a name, so digits at the start are one.
+    """
+    anonymous = _ANONYMOUS.fullmatch(name)
+    if anonymous is not None:
+        return [_reading(anonymous)]
+    for form in (_FILE, _ENTRY):
+        ends = [at for at, sign in enumerate(name) if sign == "_"]
+        begun = (form.fullmatch(name, end + 1) for end in ends)
+        named = [
+            replace(_reading(match), name=name[: match.start() - 1]) for match in begun if match and not match["name"]
+        ]
+        readings = [each for each in named if not each.name.endswith("_LATE") and each.name != "LATE"]
+        nameless = form.fullmatch(name)
+        if readings or nameless:
+            return readings or [_reading(nameless)]  # type: ignore[arg-type] # one of the two is there
+    return []
 
 
-def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], sources: Sources) -> Found:
-    first, match = max(own, key=lambda each: _number(each[1]))
-    name = original(match["name"] or user)
-    late = MARKED_LATE if any(m["late"] for _, m in own) else None
-    reply = first[: match.start("file")] if match["attachment"] else ""  # Canvas wants both numbers in a file's name
+def _reading(match: re.Match[str]) -> _Reading:
+    return _Reading(match["name"] or "", bool(match["late"]), match["user"], match["attachment"], match["file"])
+
+
+def _meant(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapping[str, str]) -> _Reading | None:
+    """The one that the roster knows, or else the one of whom another file leaves no doubt; None if that is none or several."""
+    if len(readings) == 1:
+        return readings[0]
+    if known:
+        listed = [each for each in readings if each.user in known and _agree(each.name, known[each.user])]
+        return listed[0] if len(listed) == 1 else None
+    proved = [each for each in readings if (each.name, each.user) in sure]
+    return proved[0] if len(proved) == 1 else None
+
+
+def _agree(written: str, name: str) -> bool:
+    """Whether Canvas writes a name so: without signs, and on some sites without letters that are not ASCII."""
+    return _NO_LETTER.sub("", written.casefold()) in {_NO_LETTER.sub("", each) for each in spellings(name)}
+
+
+def _found(download: Download, user: str, own: list[tuple[str, _Reading]], sources: Sources) -> Found:
+    first, last = max(own, key=lambda each: each[1].number)
+    name = original(last.name or user)
+    late = any(each.late for _, each in own)
+    reply = (
+        first[: len(first) - len(last.file)] if last.attachment else ""
+    )  # Canvas wants both numbers in a file's name
     person = Person(name, "" if name.startswith("anon_") else user, "canvas")
     wish = name if name.endswith(user) else f"{name}_{user}"
     return Found(
@@ -162,23 +214,19 @@ def _found(download: Download, user: str, own: list[tuple[str, re.Match[str]]], 
         name,
         download.path,
         sources,
-        HandIn((person,), late=late, reply=original(reply)),
-        ("", _number(match), ""),
+        HandIn((person,), marked_late=late, reply=original(reply)),
+        ("", last.number, ""),
     )
 
 
-def _number(match: re.Match[str]) -> int:
-    return int(match["attachment"][:18] or 0)
-
-
-def _newest(download: Download, own: list[tuple[str, re.Match[str]]]) -> tuple[Sources, list[str]]:
+def _newest(download: Download, own: list[tuple[str, _Reading]]) -> tuple[Sources, list[str]]:
     """Files under the names that the student gave them; of two with one name the one that came last, and the others."""
-    names = [match["file"] for _, match in own]
+    names = [reading.file for _, reading in own]
     given = {*names, *_numbered_archives(names)}
     sources: dict[str, str] = {}
     older: list[str] = []
-    for name, match in sorted(own, key=lambda each: _number(each[1])):
-        inner = _first_name(match["file"], given)
+    for name, reading in sorted(own, key=lambda each: each[1].number):
+        inner = _first_name(reading.file, given)
         if inner in sources:
             older.append(sources[inner])
         sources[inner] = name

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import os
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake.downloads import Download, Sources, open_download
 from grader.intake.folders import is_link, status_of
 from grader.intake.layout import MAX_LEVELS
-from grader.intake.names import ARCHIVES, CODE, distinct_ids, has_suffix, is_code, is_litter, original
+from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, distinct_ids, has_suffix, is_code, is_litter, original
 from grader.intake.pile import LINK
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.standing import NOTHING_KNOWN, HandIn
 from grader.platforms import registry
-from grader.platforms.found import Found, Shape
+from grader.platforms.found import Found, Shape, mostly
 
 UNPLACED = "not a folder, a .zip or a .tar.gz, so whose it is cannot be told"
 SUPERSEDED = "an earlier attempt; the latest one is graded"
 MAX_LOOKED_AT = 50_000  # entries, to tell a class from a submission
 
+ITSELF = "the download itself, whose files lie beside it"
 ATTEMPTS = ("latest", "best")
 
 
@@ -58,7 +60,9 @@ class Intake:
 
 def _read_folders(download: Download) -> Shape:
     """Forced only: every folder and archive at the top of a zip is a submission."""
-    fits = {name: is_folder or has_suffix(name, ARCHIVES) for name, is_folder in download.top.items()}
+    fits = {
+        name: is_folder or has_suffix(name, (*ARCHIVES, *FOREIGN_ARCHIVES)) for name, is_folder in download.top.items()
+    }
     found = tuple(
         Found(f"folder:{name}", called, called, download.path, _all_of(download, name))
         for name, called in ((n, original(n) if download.top[n] else original_name(Path(n))) for n in fits if fits[n])
@@ -71,7 +75,11 @@ def _all_of(download: Download, name: str) -> Sources:
 
 
 def read_class(
-    paths: Sequence[Path], required: tuple[str, ...], shape: str | None = None, attempts: str = "latest"
+    paths: Sequence[Path],
+    required: tuple[str, ...],
+    shape: str | None = None,
+    attempts: str = "latest",
+    known: Mapping[str, str] = MappingProxyType({}),
 ) -> Intake:
     """Find the submissions; none of them is read.
 
@@ -87,6 +95,9 @@ def read_class(
     attempts
         One of `ATTEMPTS`: of several by the same people only the latest, or all of them, for the best to be chosen.
 
+    known
+        Who is in the class, by the platform's number: it tells what a name means that can mean several.
+
     Raises
     ------
     RequestError
@@ -96,7 +107,7 @@ def read_class(
     leftovers: list[str] = []
     told: list[str] = []
     for path in paths:
-        whole = _shape_at(path, shape)
+        whole = _shape_at(path, shape, known)
         if whole is None:
             for place, objection in _found_at(path, required):
                 if objection:
@@ -116,7 +127,7 @@ def _counted(shape: Shape) -> str:
     return f"{len(shape.found)} submission{'s' * (len(shape.found) != 1)}"
 
 
-def _shape_at(path: Path, wanted: str | None) -> Shape | None:
+def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape | None:
     """What a platform's download holds; None where it is a plain folder, one submission or an archive of one."""
     if not os.path.exists(path):
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
@@ -125,12 +136,24 @@ def _shape_at(path: Path, wanted: str | None) -> Shape | None:
         return next((_read_folders(top) for top in reversed(tops)), None)
     for top in open_download(path) if os.path.isdir(path) or has_suffix(path.name, (".zip",)) else ():
         for platform in registry.platforms("read"):
-            shape = platform.read(top) if platform.read and wanted in (None, platform.name) else None
+            shape = (
+                platform.read(replace(top, known=known)) if platform.read and wanted in (None, platform.name) else None
+            )
             if shape is not None and shape.found:
-                return Shape(shape.title, shape.found, (*shape.left, *top.left))
+                left = ((name, _itself(top, name) or why) for name, why in shape.left)
+                return Shape(shape.title, shape.found, (*left, *top.left))
     if wanted is not None:
         raise RequestError(f"--from {wanted}: {printable(str(path), 500)} does not have that shape; leave --from out")
     return None
+
+
+def _itself(download: Download, name: str) -> str:
+    """Why an archive beside the files of a download is none of them: they were unpacked from it."""
+    place = download.path / download.place(name)
+    if not has_suffix(name, (".zip",)) or not os.path.isfile(place):
+        return ""
+    packed = {inner for top in open_download(place) for inner in top.top}
+    return ITSELF if mostly(inner in packed for inner in download.top if inner != name) else ""
 
 
 def _whole(place: Path) -> Found:
@@ -153,8 +176,9 @@ def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[
 
 
 def _told(found: Found) -> str:
-    place = found.sources[0][0] if found.sources else ""
-    return printable(str(found.path / place), 500)
+    """Where it is; of several files each, as they lie beside those of others."""
+    first, *others = [place for place, _ in found.sources] or [""]
+    return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
 
 
 def _entries(found: list[Found], required: tuple[str, ...]) -> tuple[Entry, ...]:
@@ -180,7 +204,7 @@ def _name(found: Found, shared: Counter[str]) -> str:
 def _found_at(path: Path, required: Collection[str]) -> Iterator[tuple[Path, str]]:
     """Submissions at a path that was asked for, with ""; leftovers with their reason."""
     if not os.path.isdir(path):
-        yield path, "" if has_suffix(path.name, (*ARCHIVES, *CODE)) else UNPLACED
+        yield path, "" if has_suffix(path.name, (*ARCHIVES, *FOREIGN_ARCHIVES, *CODE)) else UNPLACED
         return
     if _is_submission(path, required):
         yield path, ""
@@ -215,8 +239,8 @@ def _objection(entry: os.DirEntry[str]) -> str:
     status = status_of(entry)
     if status is None or is_link(status):
         return "the system refused it" if status is None else LINK
-    if entry.is_dir() or (entry.is_file() and has_suffix(entry.name, ARCHIVES)):
-        return ""
+    if entry.is_dir() or (entry.is_file() and has_suffix(entry.name, (*ARCHIVES, *FOREIGN_ARCHIVES))):
+        return ""  # one of a kind that is not opened is somebody's all the same
     return UNPLACED
 
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.intake.downloads import Sources
-from grader.people.standing import NOTHING_KNOWN, HandIn, Lateness
+from grader.people.standing import NOTHING_KNOWN, HandIn
 
-MARKED_LATE = Lateness(due="", seconds=None)
-"""The platform says that it is late, and not how late."""
+AMBIGUOUS = "its name can mean several people; give --roster with the platform's numbers, and it is who stands there"
 
 
 @dataclass(frozen=True)

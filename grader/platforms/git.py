@@ -11,7 +11,7 @@ from grader.ground.stamps import stamp
 from grader.intake.downloads import Download
 from grader.intake.names import is_code, original
 from grader.people.standing import HandIn, Person
-from grader.platforms.found import MARKED_LATE, Found, Shape, mostly
+from grader.platforms.found import Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 
 TITLE = "git clones"
@@ -40,9 +40,8 @@ def clone(download: Download, folder: str, row: Mapping[str, str]) -> Found:
         original(name), original(user), "git", email=row.get("email") or "", section=row.get("section") or ""
     )
     submitted = stamp(row.get("datetime"))
-    late = MARKED_LATE if row.get("late") == "true" else None
     place = ((download.place(folder), ""),)
-    hand_in = HandIn((person,), submitted, late)
+    hand_in = HandIn((person,), submitted, marked_late=row.get("late") == "true")
     return Found(f"git:{folder}", original(folder), original(folder), download.path, place, hand_in)
 
 

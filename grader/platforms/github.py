@@ -7,41 +7,75 @@ may stem from a submission stands in ``<code>`` or ``<pre>``, where GitHub links
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
 from grader.ground.text import printable
 from grader.platforms import rows
-from grader.platforms.places import Places, find_places
+from grader.platforms.places import Place, Places, find_places
 from grader.platforms.platform import Aside, Handed, Help, Platform
-from grader.report import words
+from grader.report import causes, words
+from grader.report.causes import Cause
 
 MESSAGE_LIMIT = 4000
+CHECKOUT = "actions/checkout@de0fac2e4500dabe0009e67214ff5f5447ce83dd # v6.0.2"
+SETUP_PYTHON = "actions/setup-python@a309ff8b426b58ec0e2a45f0f869d46889d02405 # v6.2.0"
 _PLAIN = frozenset(" ,;?%—…·✓✗◐–")
 
 
 def commands(result: Result, places: Places) -> str:
-    """Workflow commands, one a line: those that cost most first, since GitHub shows ten of a kind for a step."""
-    found = [(part, check) for part in rows.parts(result) for check in part.checks if _speaks(check)]
-    found.sort(key=lambda pair: (pair[1].points or 0.0) - pair[1].max_points)
-    told = [_command(check, rows.plain(check, part, result.lab), places) for part, check in found]
-    return "".join(f"{command}\n" for command in [*told, _closing(result)])
+    """Workflow commands, one a line: one for each cause and place, the dearest first: GitHub shows ten of a kind for a step."""
+    told = sorted(_annotations(result, places), key=lambda each: -words.points_lost(each.checks))
+    return "".join(f"{command}\n" for command in [*(_command(each, result) for each in told), _closing(result)])
 
 
-def _speaks(check: CheckResult) -> bool:
-    return rows.lost(check) or check.outcome == "not_judged"
+@dataclass(frozen=True)
+class _Annotation:
+    """Checks that were lost for one reason at one place."""
+
+    place: Place | None
+    checks: tuple[CheckResult, ...]
 
 
-def _command(check: CheckResult, message: str, places: Places) -> str:
-    kind = {"partial": "warning", "not_judged": "notice"}.get(check.outcome, "error")
-    place = places.of(check)
+def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
+    for cause in _causes(result):
+        there: dict[Place | None, list[CheckResult]] = {}
+        for check in cause.checks:
+            there.setdefault(places.of(check), []).append(check)
+        yield from (_Annotation(place, tuple(checks)) for place, checks in there.items())
+
+
+def _causes(result: Result) -> list[Cause]:
+    """What was lost by its cause; then what could not be judged."""
+    checks = [check for part in rows.parts(result) for check in part.checks]
+    unjudged = tuple(check for check in checks if check.outcome == "not_judged")
+    return [*causes.causes_of(checks), *([Cause(unjudged)] if unjudged else [])]
+
+
+def _command(told: _Annotation, result: Result) -> str:
+    kind = {"partial": "warning", "not_judged": "notice"}.get(told.checks[0].outcome, "error")
+    place = told.place
     where = [f"file={_property(place.file)}"] if place else []
     where += [f"line={place.line}"] if place and place.line else []
-    points = words.fraction(check.points, check.max_points)
-    name = f"title={_property(printable(f'{check.title} ({points})', 250))}"
-    return f"::{kind} {','.join([*where, name])}::{_data(message[:MESSAGE_LIMIT])}"
+    where.append(f"title={_property(printable(_headline(told.checks), 250))}")
+    also = "".join(f"\nAlso      {printable(check.title, 300)} ({_points(check)})" for check in told.checks[1:])
+    message = rows.together(Cause(told.checks), result.lab)
+    return f"::{kind} {','.join(where)}::{_data(f'{message}{also}'[:MESSAGE_LIMIT])}"
+
+
+def _headline(checks: Sequence[CheckResult]) -> str:
+    first, many = checks[0], len(checks) - 1
+    if not many:
+        return f"{first.title} ({_points(first)})"
+    more = f"and {many} more check{'s' * (many > 1)}"
+    return f"{first.title}, {more} ({words.minus(words.points_lost(checks))})"
+
+
+def _points(check: CheckResult) -> str:
+    return words.fraction(check.points, check.max_points)
 
 
 def _closing(result: Result) -> str:
@@ -91,12 +125,12 @@ def _plots(result: Result, lab: Lab) -> Iterator[str]:
 
 
 def _findings(result: Result) -> Iterator[str]:
-    for part in rows.parts(result):
-        for check in part.checks:
-            if _speaks(check):
-                row = words.row(check, part.id, result.lab)
-                head = f"#### {row.outcome.sign} {inert(row.title)} — {row.outcome.word}, {inert(row.points)}"
-                yield f"{head}\n\n<pre>{inert(rows.plain(check, part, result.lab)[:MESSAGE_LIMIT])}</pre>"
+    for cause in _causes(result):
+        heads = (words.row(check, "", result.lab) for check in cause.checks)
+        head = "\n".join(
+            f"#### {row.outcome.sign} {inert(row.title)} — {row.outcome.word}, {inert(row.points)}" for row in heads
+        )
+        yield f"{head}\n\n<pre>{inert(rows.together(cause, result.lab)[:MESSAGE_LIMIT])}</pre>"
 
 
 def inert(text: str) -> str:
@@ -118,12 +152,53 @@ PLATFORM = Platform(
     name="github",
     title="GitHub Actions",
     help=Help(
-        respond="""\
+        respond=f"""\
     imugrade kit --github starter-repository
 
 writes `.github/workflows/imugrade.yml` and the wheel beside it. On every push the job annotates what lost points, at the line
-that raised or at the definition, and writes a summary with the table, the plots' findings and what to try. GitHub shows ten
-errors and ten warnings of a step; those that cost most come first, and the summary has all of them.""",
+that raised or at the definition, once for each cause, and writes a summary with the table, the plots' findings and what to try.
+GitHub shows ten errors and ten warnings of a step; those that cost most come first, and the summary has all of them. The workflow
+may read the repository and nothing else, and its actions are pinned by their hashes.
+
+Hidden scenarios stay out of a repository that students can read. In a private one of your own, with the wheel and a bundle in it
+(`IMUGRADE_SEED=... imugrade traces record -o .`), a job that is started by hand grades a student's repository with them:
+
+    name: Lab 04-01, hidden scenarios
+    on:
+      workflow_dispatch:
+        inputs:
+          repository:
+            description: The student's repository
+            required: true
+    permissions:
+      contents: read
+    concurrency:
+      group: imugrade-${{{{ inputs.repository }}}}
+      cancel-in-progress: true
+    jobs:
+      grade:
+        name: Hidden scenarios
+        runs-on: ubuntu-latest
+        timeout-minutes: 15
+        environment: grading
+        steps:
+          - uses: {CHECKOUT}
+            with:
+              persist-credentials: false
+          - uses: {CHECKOUT}
+            with:
+              repository: ${{{{ inputs.repository }}}}
+              path: student
+              token: ${{{{ secrets.STUDENTS_TOKEN }}}}
+              persist-credentials: false
+          - uses: {SETUP_PYTHON}
+            with:
+              python-version: "3.12"
+          - run: python -m pip install imugrade-*.whl
+          - run: imugrade ci student --traces hidden.npz --private
+
+`--private` is your word that students can read neither the files nor the log of this job; the bundle stays outside the box that
+their code runs in. `STUDENTS_TOKEN`, a secret of the environment `grading`, may read the students' repositories and no more.""",
     ),
     respond=_respond,
     recognise=lambda environ, _: environ.get("GITHUB_ACTIONS") == "true",

@@ -26,7 +26,18 @@ def gradebook(standings: Mapping[str, Standing]) -> str:
     standings
         The present standing of each submission, by its id.
     """
+    return _written(_columns(list(standings.values())), standings)
+
+
+def exported(standings: Mapping[str, Standing]) -> str:
+    """The same with the final points in every case: the column to take grades from."""
     columns = _columns(list(standings.values()))
+    status = columns.pop("status")
+    columns |= {"final": lambda s: _points(s.final), "status": status}
+    return _written(columns, standings)
+
+
+def _written(columns: Mapping[str, Cell], standings: Mapping[str, Standing]) -> str:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
@@ -40,10 +51,10 @@ def _columns(standings: list[Standing]) -> dict[str, Cell]:
     if any(s.section for s in standings):
         columns["section"] = lambda s: _text(s.section)
     for criterion in dict.fromkeys(c.id for s in standings for c in s.result.criteria):
-        columns[criterion] = lambda s, id_=criterion: _criterion(s, id_)  # type: ignore[misc] # a default binds the id
+        columns[criterion] = lambda s, id_=criterion: "" if s.unseen else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
     if any(s.result.extra_credit_cap is not None for s in standings):
         columns["extra_credit"] = lambda s: words.number(s.result.extra_credit)
-    columns["total"] = lambda s: "" if s.result.status == "incomplete" else words.number(s.result.total)
+    columns["total"] = lambda s: "" if s.unseen or s.result.status == "incomplete" else words.number(s.result.total)
     return columns | _beside(standings) | {"status": lambda s: s.result.status}
 
 
@@ -86,7 +97,7 @@ def _criterion(standing: Standing, id_: str) -> str:
 PLATFORM = Platform(
     name="csv",
     title="CSV",
-    help=Help(grades="one row a submission: id, name, each criterion, total, status."),
-    write=lambda standings: gradebook(standings).encode("utf-8", "replace"),
-    gradebook="gradebook.csv",
+    help=Help(grades="one row a submission; the grade is in `final`, after adjustments and lateness."),
+    write=lambda standings: exported(standings).encode("utf-8", "replace"),
+    gradebook="marks.csv",
 )

@@ -12,20 +12,23 @@ from typing import cast, get_args
 
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
+from grader.engine.reading import read_apart
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
 from grader.ground.text import printable
-from grader.intake import read_submission
 from grader.platforms import registry
 from grader.platforms.platform import Handed, Platform, Visibility
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a CI job asks for. `path` and `out` None: where the platform has them; `out` "-" is standard output."""
+    """What a CI job asks for. `path` and `out` None: where the platform has them; `out` "-" is standard output.
+
+    `private`: it runs where students can read neither its files nor what it says, in the instructor's own repository.
+    """
 
     platform: Platform
     rubric: Rubric
@@ -36,6 +39,7 @@ class Job:
     trusted: bool = False
     min_score: float | None = None
     rung: str | None = None
+    private: bool = False
     environ: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
 
     @property
@@ -115,9 +119,9 @@ def run(job: Job) -> Result:
     if job.platform.refuse is not None:
         job.platform.refuse(job.environ, job.min_score)
     path = job.path or submission_of(job.platform)
-    submission = read_submission(path, job.rubric.lab.files)
+    submission = read_apart(path, job.rubric.lab.files)
     with Marker(job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.rung)) as marker:
-        if job.hidden and marker.isolation == "none" and not job.trusted:
+        if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(
                 "hidden scenarios, but nothing here keeps students' code from reading them (`imugrade doctor` tells why); "
                 "leave --traces out, or add --trust-submissions"
@@ -131,10 +135,10 @@ def run(job: Job) -> Result:
 
 
 def _keep_secret(job: Job) -> None:
-    if job.hidden and not job.platform.keeps_secrets:
+    if job.hidden and not (job.platform.keeps_secrets or job.private):
         raise RequestError(
             f"--traces: hidden scenarios stay out of {job.platform.title}, where students can read them; "
-            "grade with them in a class run (imugrade grade)"
+            "grade with them in a class run (imugrade grade), or in a job of your own private repository, with --private"
         )
 
 

@@ -1,10 +1,13 @@
-"""JUnit XML as pytest writes it, for GitLab and whoever else reads it. Points are properties: JUnit has no word for them.
+"""JUnit XML as Jenkins' schema has it (xunit-plugin, `junit-10.xsd`), for GitLab and whoever else reads it.
 
-What a student lost is a failure, a part of it too (JUnit knows no half); an error is what the grader failed to judge.
+JUnit has no word for points: they are properties of the suite, since the schema allows none of a case. What a student lost is a
+failure, a part of it too (JUnit knows no half); an error is what the grader failed to judge.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from datetime import datetime, timezone
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from grader.engine.results import CheckResult, Result
@@ -13,12 +16,17 @@ from grader.platforms import rows
 from grader.platforms.platform import Help, Platform
 from grader.report import words
 
+_COUNTED = {"tests": "testcase", "failures": "testcase/failure", "errors": "testcase/error"}
 
-def junit(result: Result) -> str:
-    """One suite a criterion, one case a check."""
+
+def junit(result: Result, at: datetime) -> str:
+    """One suite a criterion, one case a check; `at` is when it was marked."""
     root = Element("testsuites", name="imugrade")
     for part in rows.parts(result):
-        _suite(root, part, result)
+        _suite(root, part, result, at)
+    for name in _COUNTED:
+        root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
+    root.set("time", _seconds(check.duration_s for part in rows.parts(result) for check in part.checks))
     indent(root)
     text = tostring(root, encoding="unicode")
     # In a job on GitHub a line that begins with :: would be a command of the runner; so would the older ##[.
@@ -26,43 +34,52 @@ def junit(result: Result) -> str:
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'
 
 
-def _suite(root: Element, part: rows.Part, result: Result) -> None:
-    suite = SubElement(root, "testsuite", name=part.id)
-    _properties(suite, {"score": words.number(part.points), "max_score": words.number(part.max_points)})
+def _suite(root: Element, part: rows.Part, result: Result, at: datetime) -> None:
+    suite = SubElement(root, "testsuite", name=part.id, timestamp=at.isoformat(timespec="seconds"))
+    properties = SubElement(suite, "properties")
+    for name, value in _facts(part):
+        SubElement(properties, "property", name=name, value=value)
     for check in part.checks:
         _case(suite, check, part, result)
-    counts = {"tests": "testcase", "failures": "testcase/failure", "errors": "testcase/error"}
-    for name, path in {**counts, "skipped": "testcase/skipped"}.items():
+    for name, path in {**_COUNTED, "skipped": "testcase/skipped"}.items():
         suite.set(name, str(len(suite.findall(path))))
-    suite.set("time", f"{sum(check.duration_s for check in part.checks):.3f}")
+    suite.set("time", _seconds(check.duration_s for check in part.checks))
+
+
+def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
+    """The points of the suite, then of each case: ``follows_address.score``; nothing for what is not known."""
+    yield "score", words.number(part.points)
+    yield "max_score", words.number(part.max_points)
+    for check in part.checks:
+        facts = {
+            "score": "" if check.points is None else words.number(check.points),
+            "max_score": words.number(check.max_points),
+            "outcome": check.outcome,
+            "title": printable(check.title, 300),
+            "mistake": ", ".join(_mistakes(check)),
+        }
+        yield from ((f"{_name(check)}.{fact}", value) for fact, value in facts.items() if value)
 
 
 def _case(suite: Element, check: CheckResult, part: rows.Part, result: Result) -> None:
-    name = printable(check.id.partition(".")[2] or check.id, words.NAME_LIMIT)
-    case = SubElement(suite, "testcase", classname=f"imugrade.{part.id}", name=name, time=f"{check.duration_s:.3f}")
-    facts = {
-        "criterion": part.id,
-        "score": "" if check.points is None else words.number(check.points),
-        "max_score": words.number(check.max_points),
-        "outcome": check.outcome,
-        "title": printable(check.title, 300),
-    }
-    _properties(case, facts | {"mistake": ", ".join(_mistakes(check))})
+    time = _seconds([check.duration_s])
+    case = SubElement(suite, "testcase", classname=f"imugrade.{part.id}", name=_name(check), time=time)
     verdict = _verdict(check, result)
     if verdict:
         told = rows.plain(check, part, result.lab)
         SubElement(case, verdict, message=_headline(check, told), type=check.outcome).text = told
 
 
+def _name(check: CheckResult) -> str:
+    return printable(check.id.partition(".")[2] or check.id, words.NAME_LIMIT)
+
+
+def _seconds(durations: Iterable[float]) -> str:
+    return f"{sum(durations):.3f}"
+
+
 def _mistakes(check: CheckResult) -> list[str]:
     return [printable(id_, 80) for id_ in check.misconceptions if id_ not in words.FOR_THE_INSTRUCTOR]
-
-
-def _properties(parent: Element, values: dict[str, str]) -> None:
-    properties = SubElement(parent, "properties")
-    for name, value in values.items():
-        if value:
-            SubElement(properties, "property", name=name, value=value)
 
 
 def _verdict(check: CheckResult, result: Result) -> str:
@@ -85,19 +102,16 @@ PLATFORM = Platform(
     title="JUnit XML (GitLab, Jenkins)",
     help=Help(
         respond="""\
-    lab:
-      image: python:3.12
-      script:
-        - pip install imugrade-*.whl
-        - imugrade ci --format junit --out junit.xml --min-score 60
-      artifacts:
-        when: always
-        reports:
-          junit: junit.xml
+    imugrade kit --gitlab starter-repository
 
-A part earned is a failure with the fraction in its message, since JUnit knows no half; points are the properties `score` and
-`max_score` of each case and suite. An error is what the grader could not judge.""",
+writes `.gitlab-ci.yml` and the wheel beside it. Elsewhere:
+
+    imugrade ci --out junit.xml
+
+Where no platform is recognised JUnit is what `imugrade ci` writes; the file is valid against Jenkins' own schema. A part earned is
+a failure with the fraction in its message, since JUnit knows no half; points are the properties `score` and `max_score` of each
+suite, and of each case as `follows_address.score`. An error is what the grader could not judge.""",
     ),
-    respond=lambda result, _: junit(result),
-    recognise=lambda environ, _: environ.get("GITLAB_CI") == "true",
+    respond=lambda result, _: junit(result, datetime.now(timezone.utc)),
+    recognise=lambda *_: True,  # whatever runs jobs reads it
 )

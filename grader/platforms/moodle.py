@@ -13,32 +13,30 @@ from grader.intake.names import original
 from grader.people.identity import Match, participant, spellings
 from grader.people.identity import Row as Who
 from grader.people.standing import HandIn, Person, Standing
-from grader.platforms.filled import Filled, directory, matched, refuse_other_scale
-from grader.platforms.found import Found, Shape, mostly
+from grader.platforms.filled import Filled, Form, fill_in
+from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 from grader.platforms.sheet import Row, Sheet, read_sheet
 from grader.report import words
 
 # --- the grading worksheet, filled in ---------------------------------------------------------------------------------
 
-COMMENT = "Feedback comments"
+_COMMENTS = (
+    "Feedback comments",
+    "Feedback als Kommentar",
+    "Feedback par commentaires",
+    "Comentarios de retroalimentación",
+)
+_MOST = ("Maximum grade", "Bestwertung", "Note maximale", "Calificación máxima")
 _OURS = "Marks: "
 _NO = ("no", "nein", "non")
+_YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
-def fill(template: bytes, source: str, column: str | None, standings: Mapping[str, Standing]) -> Filled:
-    """Grades, and comments where there is no other; every other byte as it was.
-
-    Parameters
-    ----------
-    template
-        The worksheet as Moodle gives it.
-    source
-        What messages call it.
-    column
-        What the column of the grades is called in the site's language; None: Grade.
-    standings
-        By id of the submission.
+def fill(
+    template: bytes, source: str, column: str | None, standings: Mapping[str, Standing], *, scaled: bool = False
+) -> Filled:
+    """Grades, and comments where there is no other; every other byte as it was. `column` is that of the grades, if not ``Grade``.
 
     Raises
     ------
@@ -51,17 +49,64 @@ def fill(template: bytes, source: str, column: str | None, standings: Mapping[st
         raise RequestError(
             f"{source}: has no column {column or 'Grade'}; download the grading worksheet, or name the column with --column"
         )
-    filled = Filled()
-    rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
-    most = sheet.column("Maximum grade")
-    found = matched(((n, _who(sheet, row)) for n, row in rows.items()), directory(standings))
+    form = _form(sheet, grade, source)
     teams = _teams(standings)
-    for number, row in rows.items():
-        refuse_other_scale(source, row.value(most), standings)
-        match = found[number] or teams.get(row.value(sheet.column("Group")).strip().casefold())
-        _set(sheet, row, grade, standings[match.id] if match else None, filled)
+    matches = {
+        number: match or teams.get(form.rows[number].value(sheet.column("Group")).strip().casefold())
+        for number, match in form.matches(standings).items()
+    }
+    filled = fill_in(form, matches, standings, scaled=scaled)
+    _comment_on(form, matches, standings)
     filled.data = sheet.data()
     return filled
+
+
+def _form(sheet: Sheet, grade: int, source: str) -> Form:
+    """Sites speak many languages: what is not known by its title is known by where it stands and what it holds."""
+    rows = {number: row for number, row in enumerate(sheet.rows[1:], 1) if row.value(0).strip()}
+    known = sheet.column(*_MOST)
+    most = grade + 1 if known is None else known
+    changeable = sheet.column("Grade can be changed")
+    if changeable is None:
+        changeable = next(
+            (
+                i
+                for i in range(grade + 1, len(sheet.titles))
+                if rows and all(row.value(i).strip().casefold() in _YES_OR_NO for row in rows.values())
+            ),
+            None,
+        )
+    return Form(
+        source,
+        sheet,
+        grade,
+        rows,
+        who=lambda row: _who(sheet, row),
+        name=lambda row: row.value(sheet.column("Full name")) or row.value(0),
+        out_of=lambda row: row.value(most),
+        locked=lambda row: row.value(changeable).strip().casefold() in _NO,
+    )
+
+
+def _comment_on(form: Form, matches: Mapping[int, Match | None], standings: Mapping[str, Standing]) -> None:
+    """A teacher's own comment stays; one of ours is written anew."""
+    column = _comments(form)
+    for number, match in matches.items():
+        row = form.rows[number]
+        if column is None or match is None or form.locked(row) or standings[match.id].final is None:
+            continue
+        if not row.value(column).strip() or row.value(column).startswith(_OURS):
+            form.sheet.set(row, column, comment(standings[match.id]))
+
+
+def _comments(form: Form) -> int | None:
+    """By its title, or the last column, if a cell of it is blank: in that of the last change Moodle writes a date, or a dash."""
+    known = form.sheet.column(*_COMMENTS)
+    last = len(form.sheet.titles) - 1
+    if known is not None or last <= form.grade + 2:
+        return known
+    texts = [row.value(last).strip() for row in form.rows.values()]
+    return last if any(not text or text.startswith(_OURS) for text in texts) and "-" not in texts else None
 
 
 def comment(standing: Standing) -> str:
@@ -92,22 +137,6 @@ def _teams(standings: Mapping[str, Standing]) -> dict[str, Match]:
     }
 
 
-def _set(sheet: Sheet, row: Row, grade: int, standing: Standing | None, filled: Filled) -> None:
-    name = row.value(sheet.column("Full name")) or row.value(0)
-    if standing is None:
-        filled.blank.append(name)
-        return
-    filled.placed.add(standing.id)
-    if row.value(sheet.column("Grade can be changed")).strip().casefold() in _NO:
-        filled.kept.append(name)
-    elif standing.final is not None:
-        sheet.set(row, grade, words.number(standing.final))
-        filled.grades += 1
-        column = sheet.column(COMMENT)
-        if column is not None and (not row.value(column).strip() or row.value(column).startswith(_OURS)):
-            sheet.set(row, column, comment(standing))
-
-
 # --- a download -------------------------------------------------------------------------------------------------------
 
 TITLE = "Moodle submissions"
@@ -115,6 +144,7 @@ _NAME = re.compile(
     r"(?P<who>(?P<name>[^_]*)_(?P<number>\d+))_(?P<plugin>assign(?:submission|feedback)_[a-z]+)(?:_(?P<file>.*))?",
     re.DOTALL,
 )
+_WITHIN = re.compile(r"_(\d+)_assign(?:submission|feedback)_")
 _FILES = "assignsubmission_file"
 _NOT_OURS = "not named as Moodle names files, so whose it is cannot be told"
 _FEEDBACK = "feedback, not handed in by the student"
@@ -131,11 +161,19 @@ def read(download: Download) -> Shape | None:
     left = [(name, _NOT_OURS) for name, match in told.items() if match is None]
     own: defaultdict[str, list[re.Match[str]]] = defaultdict(list)
     for name, match in told.items():
-        if match is not None and match["plugin"].startswith("assignfeedback"):
+        if match is not None and not _is_plain(name, download.known):
+            left.append((name, AMBIGUOUS))
+        elif match is not None and match["plugin"].startswith("assignfeedback"):
             left.append((name, _FEEDBACK))
         elif match is not None:
             own[match["number"]].append(match)
     return Shape(TITLE, tuple(_found(download, number, matches) for number, matches in own.items()), tuple(left))
+
+
+def _is_plain(name: str, known: Mapping[str, str]) -> bool:
+    """Whether it names one person: a second number and plugin within may be part of a person's name, or of a file's."""
+    numbers = _WITHIN.findall(name)
+    return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
 
 
 def _found(download: Download, number: str, matches: list[re.Match[str]]) -> Found:

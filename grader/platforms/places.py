@@ -15,8 +15,6 @@ from grader.engine.lab import Lab
 from grader.engine.results import CheckResult
 from grader.intake import Submission
 
-_RAISED = re.compile(r"^.* at ([^\n]{1,300}?), line (\d{1,7})$", re.MULTILINE)
-
 
 @dataclass(frozen=True)
 class Place:
@@ -36,17 +34,13 @@ class Places:
 
     def of(self, check: CheckResult) -> Place | None:
         """Where to point for this check; None where nothing is known."""
-        return self._raised(check.message) or self.definitions.get(self.lab.name_of(check.id))
+        return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
 
-    def _raised(self, message: str) -> Place | None:
-        """The line that the message names, if the file is one of the submission: messages quote strangers."""
-        for file, line in reversed(_RAISED.findall(message)):
-            if file in self.files:
-                return Place(self.files[file], int(line))
-            notebook = file.split(", cell ")[0]
-            if notebook in self.files:
-                return Place(self.files[notebook])
-        return None
+    def _named(self, check: CheckResult) -> Place | None:
+        """The line that the check names, if the file is one of the submission: a process may say anything."""
+        if check.where is None or check.where.file not in self.files:
+            return None
+        return Place(self.files[check.where.file], check.where.line)
 
 
 def find_places(lab: Lab, submission: Submission, path: Path, root: Path) -> Places:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Protocol
 
 if TYPE_CHECKING:
     from grader.engine.lab import Lab
@@ -19,8 +19,40 @@ if TYPE_CHECKING:
 Visibility = Literal["visible", "after_due_date", "after_published", "hidden"]
 """When students see the tests, in the words of Gradescope."""
 
-Fill = Callable[[bytes, str, "str | None", "Mapping[str, Standing]"], "Filled"]
-"""Of a file's bytes, what messages call it, the column of the grades if that is named, and the standings by id."""
+
+class Fill(Protocol):
+    """Fill in a file that the platform exported; who is not graded keeps what stands there."""
+
+    def __call__(
+        self,
+        template: bytes,
+        source: str,
+        column: str | None,
+        standings: Mapping[str, Standing],
+        *,
+        scaled: bool = False,
+    ) -> Filled:
+        """The file with the final points.
+
+        Parameters
+        ----------
+        template
+            Its bytes.
+        source
+            What messages call it.
+        column
+            That of the grades, if it is named.
+        standings
+            By id of the submission.
+        scaled
+            Whether points are scaled where it is out of others than the rubric.
+
+        Raises
+        ------
+        RequestError
+            If it is no such file, or out of other points.
+        """
+        ...
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,6 @@ LISTED: dict[str, Listed] = {
     # Classroom 50 runs inside GitHub Actions, and its downloads are git clones; result.json is what remains
     "classroom50": Listed("grader.platforms.classroom50", ("respond", "read")),
     "github": Listed("grader.platforms.github", ("respond",)),
-    "junit": Listed("grader.platforms.junit", ("respond",)),
     "gradescope": Listed("grader.platforms.gradescope", ("respond", "read", "write")),
     "prairielearn": Listed("grader.platforms.prairielearn", ("respond",)),
     "moodle": Listed("grader.platforms.moodle", ("read", "fill")),
@@ -44,6 +43,7 @@ LISTED: dict[str, Listed] = {
     "git": Listed("grader.platforms.git", ("read",)),
     "csv": Listed("grader.platforms.gradebook", ("write",)),
     "json": Listed("grader.platforms.result_json", ("respond",)),
+    "junit": Listed("grader.platforms.junit", ("respond",)),  # of any that is not recognised
 }
 
 

@@ -1,4 +1,4 @@
-"""`result.json` itself, where no platform is recognised."""
+"""`result.json` itself."""
 
 from __future__ import annotations
 
@@ -10,6 +10,5 @@ PLATFORM = Platform(
     title="result.json",
     help=Help(respond="The result as it is, for a program of your own."),
     respond=lambda result, _: to_json(result),
-    recognise=lambda *_: True,
     keeps_secrets=True,
 )

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result
 from grader.ground.text import printable
-from grader.report import words
+from grader.report import causes, words
+from grader.report.causes import Cause
 
 Part = CriterionResult | ExtensionResult
 
@@ -47,6 +48,13 @@ def plain(check: CheckResult, part: Part, lab: LabName) -> str:
     return "\n".join(_plain_line(line) for line in lines(check, part, lab))
 
 
+def together(cause: Cause, lab: LabName) -> str:
+    """What the checks of a cause say, each thing once, as text."""
+    said = [line for _, lines in causes.told(cause) for line in lines]
+    again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
+    return "\n".join(_plain_line(line) for line in [*said, *causes.going_on(cause, lab), *again])
+
+
 def _plain_line(line: words.Line) -> str:
     text = line.text.replace("\n", "\n" + " " * 10)
     return f"{line.label:<10}{text}" if line.label else line.text
@@ -77,4 +85,4 @@ def held_back(result: Result) -> Result:
 
 
 def _held_back(part: Part) -> tuple[CheckResult, ...]:
-    return tuple(replace(c, message=_HELD_BACK[c.outcome]) if lost(c) else c for c in part.checks)
+    return tuple(c.saying(_HELD_BACK[c.outcome]) if lost(c) else c for c in part.checks)

@@ -74,8 +74,10 @@ def _view(panel: Panel) -> View:
         right=WIDTH - _RIGHT,
         top=_TOP,
         bottom=HEIGHT - _BOTTOM,
-        x_ticks=tuple(Tick(across(v), text) for v, text in zip(x.ticks, _texts(x.ticks, log=panel.log), strict=True)),
-        y_ticks=tuple(Tick(up(v), text) for v, text in zip(y.ticks, y_texts, strict=True)),
+        x_ticks=tuple(
+            Tick(round(across(v), 1), text) for v, text in zip(x.ticks, _texts(x.ticks, log=panel.log), strict=True)
+        ),
+        y_ticks=tuple(Tick(round(up(v), 1), text) for v, text in zip(y.ticks, y_texts, strict=True)),
         strokes=strokes,
         legend=_legend(strokes),
         told=_told(panel, curves, x, y),
@@ -114,8 +116,8 @@ class _Scale:
         low, high = (math.log10(self.low), math.log10(self.high)) if self.log else (self.low, self.high)
         slope = (end - start) / (high - low)
         if self.log:
-            return lambda value: round(start + slope * (math.log10(value) - low), 1)
-        return lambda value: round(start + slope * (value - low), 1)
+            return lambda value: start + slope * (math.log10(value) - low)
+        return lambda value: start + slope * (value - low)
 
 
 def _even_ticks(low: float, high: float) -> list[float]:
@@ -151,14 +153,14 @@ def _texts(ticks: tuple[float, ...], *, log: bool) -> list[str]:
 def _stroke(curve: Curve, across: Callable[[float], float], up: Callable[[float], float], y: _Scale) -> Stroke:
     if curve.role == "bars":
         return Stroke(curve.role, curve.name, "", _bars(curve, across, up))
-    pairs = ((a, b) for a, b in zip(curve.x, curve.y, strict=True) if not y.log or b > 0)
-    return Stroke(curve.role, curve.name, curve.colour, " ".join(f"{across(a):g},{up(b):g}" for a, b in pairs))
+    pairs = [(across(a), up(b)) for a, b in zip(curve.x, curve.y, strict=True) if not y.log or b > 0]
+    return Stroke(curve.role, curve.name, curve.colour, " ".join([f"{a:.1f},{b:.1f}" for a, b in pairs]))
 
 
 def _bars(curve: Curve, across: Callable[[float], float], up: Callable[[float], float]) -> str:
     half, floor = (curve.x[1] - curve.x[0]) / 2, up(0.0)
     return "".join(
-        f"M{across(x - half):g},{floor:g}V{up(y):g}H{across(x + half):g}V{floor:g}z"
+        f"M{across(x - half):.1f},{floor:.1f}V{up(y):.1f}H{across(x + half):.1f}V{floor:.1f}z"
         for x, y in zip(curve.x, curve.y, strict=True)
         if y
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import bisect
+import itertools
 import statistics
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -16,6 +18,8 @@ from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
 
 _SLOWEST = 5
+_EDGES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.98, 1.0)
+"""Where the bars of the distribution begin, as shares of all points."""
 _SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # one run has one of each
 _LABELS = {
     "grader": "imugrade",
@@ -42,8 +46,9 @@ class Entry:
     href: str
     criteria: tuple[Cell, ...]
     score: Cell
-    final: Cell
+    bonus: Cell
     late: Cell
+    final: Cell
     status: str
     tags: tuple[str, ...]
 
@@ -58,14 +63,22 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Bar:
-    """One bar of the distribution, in the units of the drawing; 600 wide, 120 high."""
+class Filter:
+    """One list of choices. Those of several lists go together."""
 
-    x: float
-    y: float
-    height: float
-    count: int
+    id: str
+    title: str
+    choices: tuple[Choice, ...]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One bar of the distribution: how many, and its length in percent of the longest."""
+
+    tag: str
     label: str
+    count: int
+    share: float
 
 
 @dataclass(frozen=True)
@@ -126,19 +139,22 @@ def columns(results: Iterable[Result]) -> dict[str, str]:
     return titles
 
 
-def entry(standing: Standing, criteria: Iterable[str]) -> Entry:
-    points = {criterion.id: standing.points(criterion) for criterion in standing.result.criteria}
-    late = standing.late
+def entry(standing: Standing, criteria: Iterable[str], top: float) -> Entry:
+    """`top` is the most that there is to get."""
+    result, late = standing.result, standing.late
+    points = {criterion.id: standing.points(criterion) for criterion in result.criteria}
+    score = None if result.status == "incomplete" else result.score
     return Entry(
         name=words.person(standing),
         section=printable(standing.section, 80),
         href=href(standing.id),
         criteria=tuple(_cell(points.get(criterion)) for criterion in criteria),
-        score=_cell(None if standing.result.status == "incomplete" else standing.result.score),
-        final=_cell(standing.final),
+        score=_cell(score),
+        bonus=_cell(None if result.extra_credit_cap is None else result.extra_credit),
         late=Cell(words.late(standing), -1.0 if late is None else float(late.seconds or 0)),
-        status=", ".join([standing.result.status, *(["adjusted"] if standing.adjustments else [])]),
-        tags=tuple(_tags(standing)),
+        final=_cell(standing.final),
+        status=", ".join([result.status, *(["adjusted"] if standing.adjustments else [])]),
+        tags=(*_tags(standing), *([] if score is None else [f"score:{_bin(score, top)}"])),
     )
 
 
@@ -160,20 +176,26 @@ def _tags(standing: Standing) -> Iterable[str]:
         yield from (f"lost:{c.id}" for c in criterion.checks if c.points is not None and c.points < c.max_points)
 
 
-def choices(
-    entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]
-) -> dict[str, list[Choice]]:
-    """The groups of the filter, each with those of its tags that any row has."""
+def filters(entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]) -> list[Filter]:
+    """What a class is filtered by, each list with those of its tags that any row has."""
     counts = Counter(tag for each in entries for tag in each.tags)
-    groups = {
-        "Status": [(tag, tag.removeprefix("status:")) for tag in sorted(counts) if tag.startswith("status:")],
-        "Made the mistake": [(each.tag, each.text) for each in mistakes],
-        "Lost points on": [(each.tag, each.title) for each in checks],
+    wanted = {
+        ("status", "Status"): [
+            (tag, tag.removeprefix("status:")) for tag in sorted(counts) if tag.startswith("status:")
+        ],
+        ("mistake", "Mistake"): [(each.tag, each.text) for each in mistakes],
+        ("check", "Lost points on"): [(each.tag, each.title) for each in checks],
     }
-    filled = {
-        group: [Choice(tag, text, counts[tag]) for tag, text in tags if counts[tag]] for group, tags in groups.items()
-    }
-    return {group: found for group, found in filled.items() if found}
+    found = [
+        Filter(id_, title, tuple(Choice(tag, text, counts[tag]) for tag, text in tags if counts[tag]))
+        for (id_, title), tags in wanted.items()
+    ]
+    return [each for each in found if each.choices]
+
+
+def numbers(entries: Iterable[Entry]) -> dict[str, int]:
+    """A number for each tag: in thousands of rows its name would be most of the page."""
+    return {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in entries for tag in each.tags))}
 
 
 def figures(scores: list[float]) -> list[tuple[str, str]]:
@@ -188,13 +210,19 @@ def figures(scores: list[float]) -> list[tuple[str, str]]:
 
 
 def bars(scores: list[float], top: float) -> list[Bar]:
-    """Ten bars over 0 … `top`."""
-    width = top / 10 or 1.0
-    counts = Counter(min(int(score / width), 9) for score in scores)
+    """How many there are of each range of points, the best first; the ranges are narrower towards the top."""
+    counts = Counter(_bin(score, top) for score in scores)
     tallest = max(counts.values(), default=1)
-    heights = [round(120 * counts[i] / tallest, 1) for i in range(10)]
-    labels = [f"{words.number(i * width)}–{words.number((i + 1) * width)}" for i in range(10)]
-    return [Bar(60.0 * i, 120 - heights[i], heights[i], counts[i], labels[i]) for i in range(10)]
+    edges = [words.number(round(share * top, 2)) for share in _EDGES]
+    labels = [*(f"{low}–{high}" for low, high in itertools.pairwise(edges)), edges[-1]]
+    return [Bar(f"score:{i}", label, counts[i], round(100 * counts[i] / tallest, 1)) for i, label in enumerate(labels)][
+        ::-1
+    ]
+
+
+def _bin(score: float, top: float) -> int:
+    """The last range has full points alone."""
+    return max(bisect.bisect_right(_EDGES, score / (top or 1.0) + 1e-9) - 1, 0)
 
 
 def mistakes(standings: Iterable[Standing]) -> list[Mistake]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,13 +12,16 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from grader.engine.evidence import Chart
+from grader.engine.mistakes import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
 from grader.ground.package_data import beside
 from grader.ground.text import printable
 from grader.people.standing import Standing
-from grader.report import charts, overview, words
+from grader.report import causes, charts, overview, words
+from grader.report.causes import Cause, causes_of, part_of
 
 _TEMPLATES = beside(__package__, "templates")
+_AT_ONCE = 200  # rows of a class that are laid out before all are asked for
 _TOLD = {  # the seed is not among them: a report may be handed to a student
     "grader": "imugrade",
     "python": "Python",
@@ -43,32 +46,51 @@ class Figure:
     png: str
 
 
+Rows = tuple[tuple[str, words.Row], ...]
+"""Checks as they are set, each with its anchor."""
+
+
 @dataclass(frozen=True)
 class Part:
-    """A criterion or an extension as a page shows it; `share` is the earned part in percent."""
+    """A criterion or an extension as a page shows it; `share` is the earned part in percent.
+
+    `folded` are the rows that say nothing new, each group below its heading: what was not reached, and what was earned.
+    """
 
     id: str
     title: str
     points: str
     share: float
     unjudged: bool
-    rows: tuple[tuple[str, words.Row], ...]
+    rows: Rows
+    folded: tuple[tuple[str, Rows], ...]
     figures: tuple[Figure, ...] = ()
 
 
 @dataclass(frozen=True)
-class Loss:
-    """A check that lost points, for the list at the head of a report."""
+class Told:
+    """A check within its cause: with what it says that none before it has said."""
 
     anchor: str
-    title: str
+    row: words.Row
+    lines: tuple[words.Line, ...]
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What cost points, by its cause: what it is and why, each check that it cost, how to go on."""
+
     points: str
-    hint: str
+    title: str
+    why: tuple[str, ...]
+    checks: tuple[Told, ...]
+    waiting: str
+    going_on: tuple[words.Line, ...]
 
 
 @dataclass(frozen=True)
 class ByHand:
-    """Points that a person gave, beside the automatic ones."""
+    """What a person gave, beside the automatic points, or said."""
 
     title: str
     points: str
@@ -77,7 +99,9 @@ class ByHand:
     author: str
 
 
-def report_page(standing: Standing, shown: tuple[Chart, ...] = ()) -> str:
+def report_page(
+    standing: Standing, shown: tuple[Chart, ...] = (), catalogue: Mapping[str, Mistake] | None = None
+) -> str:
     """`report.html`: everything that one student is told.
 
     Parameters
@@ -86,27 +110,28 @@ def report_page(standing: Standing, shown: tuple[Chart, ...] = ()) -> str:
         The result, and what stands beside it.
     shown
         Charts of what the submission answered; none of hidden scenarios.
+    catalogue
+        The lab's mistakes, to explain those that are named.
     """
     result = standing.result
+    extensions = [extension for extension in result.extensions if extension.checks]
     return _page(
         "report.html.j2",
-        None,
+        "among.js",
         result.lab,
         name=words.person(standing),
         section=printable(standing.section, 80),
-        total=words.total_points(result).split(" / "),
-        final=_final(standing),
-        late=words.late(standing),
-        deduction=words.number(standing.deduction),
+        total=_total(standing),
+        automatic=words.total_points(result) if _changed(standing) else "",
+        late=_late(standing),
         by_hand=_by_hand(standing),
         status=words.STATUS[result.status],
-        parts=[_part(criterion, shown, result.lab) for criterion in result.criteria],
-        extensions=[_part(extension, shown, result.lab) for extension in result.extensions if extension.checks],
-        losses=_losses(result),
-        asked=any(check.outcome != "skipped" for criterion in result.criteria for check in criterion.checks),
+        parts=[_criterion(criterion, standing, shown) for criterion in result.criteria],
+        extensions=[_extension(extension, result.lab, shown) for extension in extensions],
+        losses=_losses(result, catalogue or {}),
+        marked=result.status not in ("empty", "unreadable"),
         charts=bool(shown),
         extra_credit=words.extra_credit(result),
-        mistakes=words.mistakes(result),
         notes=words.notes(result),
         provenance=_provenance(result),
     )
@@ -130,8 +155,8 @@ def index_page(
     """
     results = [standing.result for standing in standings.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
-    columns = overview.columns(results)
-    entries = [overview.entry(standing, columns) for standing in standings.values()]
+    columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
+    entries = [overview.entry(standing, columns, top) for standing in standings.values()]
     mistakes = overview.mistakes(standings.values())
     checks = overview.checks(results, columns)
     return _page(
@@ -140,13 +165,16 @@ def index_page(
         next((result.lab for result in results), LabName()),
         count=len(standings),
         figures=overview.figures(scores),
-        bars=overview.bars(scores, max((result.max_score for result in results), default=100.0)),
+        bars=overview.bars(scores, top),
         columns=columns,
         entries=entries,
+        at_once=_AT_ONCE,
         sections=any(entry.section for entry in entries),
+        bonuses=any(result.extra_credit_cap is not None for result in results),
         finals=any(entry.final != entry.score for entry in entries),
         lates=any(entry.late.text for entry in entries),
-        choices=overview.choices(entries, mistakes, checks),
+        filters=overview.filters(entries, mistakes, checks),
+        numbers=overview.numbers(entries),
         mistakes=mistakes,
         checks=checks,
         alike=overview.alike(standings, fingerprints or {}, given),
@@ -196,79 +224,170 @@ def _inlined(name: str) -> tuple[Markup, str]:
     return Markup(text), f"sha256-{digest}"
 
 
-def _part(part: CriterionResult | ExtensionResult, shown: tuple[Chart, ...], lab: LabName) -> Part:
-    rows = tuple((_anchor(check), words.row(check, part.id, lab)) for check in part.checks)
-    share = round(100 * part.points / part.max_points, 1) if part.max_points else 0.0
-    if isinstance(part, CriterionResult):
-        title, points, unjudged = part.title, words.criterion_points(part), words.unjudged(part)
-    else:
-        points = words.extension_points(part)
-        title, unjudged = part.id.replace("_", " ").capitalize(), False
-    figures = tuple(
+def _criterion(criterion: CriterionResult, standing: Standing, shown: tuple[Chart, ...]) -> Part:
+    """With the points that count: those by hand, where a person gave some."""
+    points = standing.points(criterion)
+    share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
+    rows, folded = _rows(criterion.checks, criterion.id, standing.result.lab)
+    told = words.fraction(points, criterion.max_points)
+    title = printable(criterion.title, 300)
+    figures = _figures(criterion.id, shown)
+    return Part(criterion.id, title, told, round(share, 1), points is None, rows, folded, figures)
+
+
+def _extension(extension: ExtensionResult, lab: LabName, shown: tuple[Chart, ...]) -> Part:
+    share = round(100 * extension.points / extension.max_points, 1) if extension.max_points else 0.0
+    rows, folded = _rows(extension.checks, extension.id, lab)
+    title = printable(extension.id.replace("_", " ").capitalize(), 300)
+    figures = _figures(extension.id, shown)
+    return Part(extension.id, title, words.extension_points(extension), share, False, rows, folded, figures)
+
+
+def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, tuple[tuple[str, Rows], ...]]:
+    """What has something to say, and what is folded below a heading."""
+
+    rows = [(check.outcome, (_anchor(check), words.row(check, part, lab))) for check in checks]
+    headings = {"skipped": "not reached", "passed": "earned"}
+    folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}
+    telling = tuple(row for outcome, row in rows if outcome not in headings)
+    return telling, tuple((f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _figures(part: str, shown: tuple[Chart, ...]) -> tuple[Figure, ...]:
+    return tuple(
         Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
         for chart in shown
-        if chart.part == part.id and ((views := charts.views(chart)) or chart.png)
+        if chart.part == part and ((views := charts.views(chart)) or chart.png)
     )
-    return Part(part.id, printable(title, 300), points, share, unjudged, rows, figures)
 
 
 def _anchor(check: CheckResult) -> str:
     return check.id.replace(".", "-")
 
 
-def _losses(result: Result) -> list[Loss]:
-    """What cost points, the dearest first; what was skipped comes last."""
-    lost = [
-        (check.max_points - check.points, check, words.row(check, criterion.id, result.lab))
-        for criterion in result.criteria
-        for check in criterion.checks
-        if check.points is not None and check.points < check.max_points and check.outcome != "skipped"
+def _losses(result: Result, catalogue: Mapping[str, Mistake]) -> list[Loss]:
+    """What cost points by its cause, the dearest first, each with the checks that it kept from being asked."""
+    checks = [check for criterion in result.criteria for check in criterion.checks]
+    found = causes_of(checks)
+    waiting = _waiting(checks, found)
+    dearest = sorted(found, key=lambda each: -words.points_lost((*each.checks, *waiting.get(each, ()))))
+    losses = [_loss(cause, waiting.get(cause, []), result.lab, catalogue) for cause in dearest]
+    alone = waiting.get(None, [])
+    return [*losses, *([_unreached(alone)] if alone else [])]
+
+
+def _waiting(checks: Iterable[CheckResult], found: Iterable[Cause]) -> dict[Cause | None, list[CheckResult]]:
+    """What was not reached, by the first cause that its criterion lost points for; None where there is none."""
+    first: dict[str, Cause] = {}
+    for cause in found:
+        for check in cause.checks:
+            first.setdefault(part_of(check), cause)
+    waiting: dict[Cause | None, list[CheckResult]] = {}
+    for check in checks:
+        if check.outcome == "skipped":
+            waiting.setdefault(first.get(part_of(check)), []).append(check)
+    return waiting
+
+
+def _loss(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue: Mapping[str, Mistake]) -> Loss:
+    named = [catalogue[each] for each in cause.mistakes if each in catalogue]
+    title = _title(cause, named)
+    told = tuple(
+        Told(_anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines))
+        for check, lines in causes.told(cause)
+    )
+    return Loss(
+        words.minus(words.points_lost((*cause.checks, *waiting))),
+        title,
+        tuple(mistake.explanation.strip() for mistake in named),
+        told,
+        _count(waiting),
+        (*causes.going_on(cause, lab), causes.again(cause)),
+    )
+
+
+def _title(cause: Cause, named: Sequence[Mistake]) -> str:
+    """What was done, where that has a name; where the name fits anywhere, what came in this submission."""
+    if not named:
+        known = [words.misconception(each) for each in cause.mistakes]
+        return _sentence("; ".join(known)) if known else printable(cause.checks[0].title, 300)
+    got = {line.text for check in cause.checks for line in words.row(check, "", LabName()).lines if line.label == "Got"}
+    if all(mistake.group == "any" for mistake in named) and len(got) == 1:
+        return _sentence(got.pop().partition("\n")[0])
+    return _sentence("; ".join(mistake.means for mistake in named))
+
+
+def _says(title: str, lines: Iterable[words.Line]) -> bool:
+    """Whether the title of a cause has said already what came: nobody has to read it twice."""
+    return title in {_sentence(line.text) for line in lines if line.label == "Got"}
+
+
+def _sentence(text: str) -> str:
+    """With a capital, unless it begins with a name of the lab's."""
+    return text[:1].upper() + text[1:] if text.partition(" ")[0].isalpha() else text
+
+
+def _unreached(checks: list[CheckResult]) -> Loss:
+    return Loss(words.minus(words.points_lost(checks)), "Not reached", (), (), _count(checks), ())
+
+
+def _count(checks: Sequence[CheckResult]) -> str:
+    """``5 checks, 14 points``"""
+    points = words.number(round(words.points_lost(checks), 2))
+    return f"{_many(len(checks), 'check')}, {points} points" if checks else ""
+
+
+def _changed(standing: Standing) -> bool:
+    """Whether what counts is not what was marked automatically."""
+    return standing.final is not None and round(standing.final, 2) != round(standing.result.total, 2)
+
+
+def _total(standing: Standing) -> tuple[str, str]:
+    """What counts, and of how many: the final points where people or dates have changed them."""
+    points, most = words.total_points(standing.result).split(" / ")
+    return (words.number(standing.final or 0.0), most) if _changed(standing) else (points, most)
+
+
+def _late(standing: Standing) -> tuple[str, str] | None:
+    """What lateness takes off, and the instants that it follows from."""
+    late = standing.late
+    if late is None:
+        return None
+    facts = [
+        words.late(standing),
+        f"due {words.instant(late.due)}" if late.due else "",
+        f"handed in {words.instant(standing.hand_in.submitted)}" if standing.hand_in.submitted else "",
+        f"{_many(late.days, 'day')} begun" if late.days and not late.refused else "",
     ]
-    lost.sort(key=lambda each: -each[0])
-    return [
-        *(Loss(_anchor(check), row.title, _minus(points), _hint(row)) for points, check, row in lost),
-        *_skipped(result),
-    ]
-
-
-def _skipped(result: Result) -> list[Loss]:
-    """What could not be asked, in one line: it comes back with what it waits for."""
-    checks = [check for criterion in result.criteria for check in criterion.checks if check.outcome == "skipped"]
-    if not checks:
-        return []
-    points = sum(check.max_points for check in checks)
-    count = f"{len(checks)} check{'s' * (len(checks) > 1)}"
-    return [Loss(_anchor(checks[0]), f"{count} not reached", _minus(points), "Each names what it needs.")]
-
-
-def _minus(points: float) -> str:
-    return f"−{words.number(round(points, 2))}"
-
-
-def _hint(row: words.Row) -> str:
-    return next((line.text for line in row.lines if line.label == "Try"), "")
-
-
-def _final(standing: Standing) -> str:
-    """Empty where nothing but the automatic marks counts."""
-    if standing.final is None or not (standing.adjustments or standing.late):
-        return ""
-    return words.fraction(standing.final, standing.result.max_score)
+    return words.minus(standing.deduction) if standing.deduction else "0", "; ".join(filter(None, facts))
 
 
 def _by_hand(standing: Standing) -> list[ByHand]:
-    found = [(criterion, standing.adjustment(criterion.id)) for criterion in standing.result.criteria]
-    return [
-        ByHand(
-            printable(criterion.title, 80),
-            words.fraction(given.points, criterion.max_points),
-            words.number(criterion.points),
-            printable(given.comment, words.TEXT_LIMIT, newlines=True),
-            printable(given.author, 80),
+    """Points and words of people, in the order in which they are on record."""
+    titles = {
+        criterion.id: (criterion.title, criterion.max_points, criterion.points)
+        for criterion in standing.result.criteria
+    }
+    checks = [check for criterion in standing.result.criteria for check in criterion.checks]
+    titles |= {check.id: (check.title, check.max_points, check.points or 0.0) for check in checks}
+    found = []
+    for given in standing.adjustments:
+        title, most, automatic = titles.get(given.criterion, (given.criterion.capitalize(), 0.0, 0.0))
+        points = "" if given.points is None else words.number(given.points)
+        found.append(
+            ByHand(
+                printable(title, 300),
+                f"{points} / {words.number(most)}" if points and most else points,
+                words.number(automatic) if points and most else "",
+                printable(given.comment, words.TEXT_LIMIT, newlines=True),
+                printable(given.author, 80),
+            )
         )
-        for criterion, given in found
-        if given is not None and given.points is not None
-    ]
+    return found
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:

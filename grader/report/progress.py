@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from grader.engine.results import Result
 from grader.ground.text import printable
+from grader.people.standing import Standing
 from grader.report import words
 
 
@@ -19,7 +22,7 @@ def told(id_: str, result: Result) -> str:
 
 
 class Lines:
-    """``12/300 alice 87.5``; lines come out at once, also through a pipe."""
+    """``12/300 alice 87.5`` for what is marked now; lines come out at once, also through a pipe. What is on record is counted."""
 
     def __init__(self) -> None:
         self._total = 0
@@ -36,7 +39,11 @@ class Lines:
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
         self._count += 1
-        print(f"{self._count}/{self._total} {told(id_, result)}{' (on record)' if resumed else ''}", flush=True)
+        if not resumed:
+            print(f"{self._count}/{self._total} {told(id_, result)}", flush=True)
+
+    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
+        return standings
 
 
 class Bar:
@@ -67,6 +74,9 @@ class Bar:
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
         self._progress.update(self._task, description=told(id_, result)[:40])
         self._progress.advance(self._task)
+
+    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
+        return self._progress.track(standings, task_id=self._task, description="pages") if standings else ()
 
 
 class _Rate(ProgressColumn):

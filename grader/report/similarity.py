@@ -40,16 +40,19 @@ class Pair:
         return round(self.common * (WINDOW + 1) / 2 / _TOKENS_A_LINE)
 
 
-def pairs(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset()) -> list[Pair]:
+def pairs(
+    fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset(), most: int = _MOST
+) -> list[Pair]:
     """The most alike, the largest share first; neither what the lab gives nor what half of the class has counts.
 
     Parameters
     ----------
     fingerprints : id of the submission -> hashes of its code
     given : hashes of the lab's own code
+    most : how many
     """
-    own = _own(fingerprints, given)
-    ids = [id_ for id_, hashes in own.items() if len(hashes) >= FEWEST]
+    own = own_hashes(fingerprints, given)
+    ids = sorted(id_ for id_, hashes in own.items() if len(hashes) >= FEWEST)
     if len(ids) < 2:
         return []
     holds, sizes = _holds(ids, own), np.array([len(own[id_]) for id_ in ids])
@@ -58,15 +61,17 @@ def pairs(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = f
         common = np.asarray((holds[start : start + _BLOCK] @ holds.T).toarray())
         share = common / np.minimum.outer(sizes[start : start + _BLOCK], sizes)
         rows, columns = np.nonzero(np.triu((common >= FEWEST) & (share >= _SHARE), start + 1))
+        best = np.lexsort((columns, rows, -common[rows, columns], -share[rows, columns]))[:most]
         found += [
             Pair(ids[start + i], ids[j], int(common[i, j]), float(share[i, j]))
-            for i, j in zip(rows, columns, strict=True)
+            for i, j in zip(rows[best], columns[best], strict=True)
         ]
-        found = sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:_MOST]
+        found = sorted(found, key=lambda pair: (-pair.share, -pair.common, pair.first, pair.second))[:most]
     return found
 
 
-def _own(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
+def own_hashes(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
+    """What each has without what the lab gives and what half of the class has."""
     own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
     counts = Counter(value for hashes in own.values() for value in hashes)
     most = max(_CLASS, _COMMON * len(own))  # a handout that the grader does not know

@@ -22,6 +22,7 @@ from grader.report.lines import LABEL, Setting
 
 WIDTH = 100
 _BAR = 20  # columns
+_NEVER_CALLED = frozenset({"file-missing", "name-missing", "does-not-import", "not-written"})
 _STYLE = {"earned": "green", "partly": "yellow", "lost": "red", "blank": "bright_black"}
 
 
@@ -76,6 +77,7 @@ def screen(
     only: str | None = None,
     before: Mapping[str, float] | None = None,
     command: str = "imugrade check",
+    repeat: str = "",
 ) -> list[Text]:
     """The lines of a result: totals, what to do next, what was lost by its cause, what to run again.
 
@@ -93,6 +95,8 @@ def screen(
         The points of each check at the last check, by its id; None where that is not known.
     command
         What was called, without options.
+    repeat
+        What writes a check down as a program, with ``{}`` for its id; empty where it cannot be had.
     """
     setting = Setting(console, min(console.width, WIDTH) if console.is_terminal else None)
     parts = causes.parts_of(result, only)
@@ -103,7 +107,7 @@ def screen(
         _totals(result, parts, setting, change, only),
         _next(found, lab, setting),
         *([_earned(checks, setting)] if only is not None else [_mended(parts, setting, change)]),
-        *(_cause(cause, result.lab, setting, change) for cause in found),
+        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in found),
         _without_verdict(checks, setting),
         _closing(result, setting),
         _hand_in(result, lab, setting) if only is None else [],
@@ -206,42 +210,21 @@ def _outcome(check: CheckResult) -> Text:
 def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change) -> list[Text]:
     """The first check whole; of the others what came in their case; then what to try and to read for all."""
     lines: list[Text] = []
-    told: set[str] = set()
-    for check in cause.checks:
+    for check, news in causes.told(cause):
         lines += _head(check, setting, change.was(check))
-        lines += [line for text in _news(check, told) for line in setting.labelled(text.label, text.text)]
-    hints = dict.fromkeys(
-        row.text for check in cause.checks for row in words.row(check, "", lab).lines if row.label == "Try"
-    )
-    for hint in hints:
-        lines += setting.labelled("Try", hint)
-    read = _read(cause, lab)
-    return [*lines, *(setting.labelled("Read", read) if read else [])]
+        lines += [line for text in news for line in setting.labelled(text.label, text.text)]
+    for line in causes.going_on(cause, lab):
+        lines += setting.labelled(line.label, line.text)
+    return lines
 
 
-def _news(check: CheckResult, told: set[str]) -> list[words.Line]:
-    """What a check says that none before it in the block has said; `told` grows by it."""
-    said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
-    came = {line.text for line in said if line.label != "Expected"}
-    if came <= told:
+def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]:
+    """How to ask the same once more without the grader; what was never called cannot be."""
+    first = cause.checks[0]
+    call = lab.call_of(first.id)
+    if not repeat or not call or not _NEVER_CALLED.isdisjoint(first.misconceptions):
         return []
-    news = said if not told or check.outcome in ("failed", "partial") else _where(said)
-    told |= came
-    return news
-
-
-def _where(said: Sequence[words.Line]) -> list[words.Line]:
-    """Of a call that did not come back, the line that names the place."""
-    return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
-
-
-def _read(cause: Cause, lab: LabName) -> str:
-    steps = [str(step) for step in cause.steps]
-    plural = "s" if len(steps) > 1 else ""
-    sheet = (
-        [f"{lab.label}, Step{plural} {' and '.join(filter(None, (', '.join(steps[:-1]), steps[-1])))}"] if steps else []
-    )
-    return "; ".join([*sheet, *(f"imugrade explain {printable(each, 80)}" for each in cause.mistakes)])
+    return setting.labelled("Repeat", f"{repeat.format(first.id)}\n{call}, on the same input")
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:

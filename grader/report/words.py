@@ -5,8 +5,9 @@ Nothing in here renders; every text that may stem from a submission comes out `p
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import datetime
 
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
 from grader.ground.text import printable
@@ -15,8 +16,6 @@ from grader.people.standing import Standing
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120
 FOR_THE_INSTRUCTOR = frozenset({"tampering"})  # costs nothing by itself, and is not told to students
-_LABEL_WIDTH = len("Expected  ")
-_LABELLED = re.compile(r"(Expected|Got) {2,}(.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -71,13 +70,19 @@ def row(check: CheckResult, part: str, lab: LabName) -> Row:
     """Set one check of the criterion or extension `part` of a lab."""
     lost = tells(check)
     return Row(
-        outcome=_WORDS[check.outcome],
+        outcome=_WORDS[_outcome(check)],
         title=printable(check.title or check.id, 300),
         points=fraction(check.points, check.max_points) if check.max_points else "",
-        lines=(*_message(check.message), *((Line("Try", _text(check.hint)),) if check.hint and lost else ())),
+        lines=(*_lines(check), *((Line("Try", _text(check.hint)),) if check.hint and lost else ())),
         read=f"{lab.label}, Step {check.lab_step}" if lost and check.lab_step is not None else "",
         again=f"imugrade check --only {part}" if lost else "",
     )
+
+
+def _outcome(check: CheckResult) -> Outcome:
+    """A lost check that a price of the rubric leaves some points is partly earned: the word and the number agree."""
+    some = check.points is not None and 0.0 < check.points < check.max_points
+    return "partial" if some and check.outcome == "failed" else check.outcome
 
 
 def tells(check: CheckResult) -> bool:
@@ -88,6 +93,16 @@ def tells(check: CheckResult) -> bool:
 def number(points: float) -> str:
     """At most two decimals, without idle zeros: 20, 87.5, 13.33."""
     return f"{points:.2f}".rstrip("0").rstrip(".")
+
+
+def minus(points: float) -> str:
+    """``−9.5``, with a real minus."""
+    return f"−{number(round(points, 2))}"
+
+
+def points_lost(checks: Iterable[CheckResult]) -> float:
+    """What checks have cost; what was not judged has cost nothing."""
+    return sum(check.max_points - check.points for check in checks if check.points is not None)
 
 
 def fraction(points: float | None, of: float) -> str:
@@ -142,6 +157,14 @@ def late(standing: Standing) -> str:
     return f"{days}, after the cut-off" if standing.late.refused else days
 
 
+def instant(stamp: str) -> str:
+    """``2026-11-20 20:00 UTC``, from ISO 8601; what is none is left as it is."""
+    try:
+        return f"{datetime.fromisoformat(stamp):%Y-%m-%d %H:%M %Z}".strip()
+    except ValueError:
+        return printable(stamp, 40)
+
+
 def notes(result: Result) -> list[str]:
     return [_text(note) for note in result.notes]
 
@@ -160,20 +183,6 @@ def _text(text: str) -> str:
     return printable(text, TEXT_LIMIT, newlines=True)
 
 
-def _message(message: str) -> tuple[Line, ...]:
-    """Labelled lines; a line that is indented goes on with the one above it."""
-    lines: list[Line] = []
-    for text in _text(message).split("\n"):
-        labelled = _LABELLED.fullmatch(text)
-        if labelled:
-            lines.append(Line(labelled[1], labelled[2]))
-        elif lines and text.startswith("  "):
-            lines[-1] = Line(lines[-1].label, f"{lines[-1].text}\n{_beside(text)}")
-        elif text.strip():
-            lines.append(Line("", text.strip()))
-    return tuple(lines)
-
-
-def _beside(text: str) -> str:
-    """A line that goes on below a label's words; what it is indented by beyond them is its own, a caret's place perhaps."""
-    return text[_LABEL_WIDTH:].rstrip() if text.startswith(" " * _LABEL_WIDTH) else text.strip()
+def _lines(check: CheckResult) -> tuple[Line, ...]:
+    said = (("", check.said), ("Expected", check.expected), ("Got", check.got))
+    return tuple(Line(label, _text(text)) for label, text in said if text)

@@ -10,6 +10,7 @@ Whatever the code in the box does, `ask` ends in a frame, in a `NoAnswer`, or, i
 from __future__ import annotations
 
 import contextlib
+import math
 import secrets
 import signal
 import sys
@@ -23,9 +24,10 @@ from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, Time
 from . import ladder, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
 from .plain import PlainProcess
-from .plan import RUNGS, Contents
+from .plan import Contents
 from .printed import Printed
 from .process import Process, WallsRefusedError, ZygoteGoneError
+from .rungs import RUNGS, UNWALLED, Rung, named
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,7 +45,7 @@ class Box:
     contents
         What it is opened for; its harness answers the questions.
     rung
-        One of ``"full"``, ``"bubblewrap"``, ``"landlock"``, ``"none"``; None for the best that this machine allows.
+        The name of one of `RUNGS`; None for the best that this machine allows.
 
     Attributes
     ----------
@@ -70,9 +72,9 @@ class Box:
         _hide_this_process()
         if rung is None:
             self._zygote, self.why = ladder.climb(self._contents)
-            self.rung = self._zygote.rung if self._zygote else "none"
+            self.rung = self._zygote.rung if self._zygote else UNWALLED
         else:
-            self.rung, self.why = rung, f"{rung} was asked for"
+            self.rung, self.why = _asked_for(rung), f"{rung} was asked for"
             self._zygote = self._start()
 
     def __enter__(self) -> Box:
@@ -112,17 +114,15 @@ class Box:
             self._zygote = None
 
     def _start(self) -> Zygote | None:
-        if self.rung not in RUNGS:
-            raise GraderError(f"there is no rung {self.rung!r}, only {', '.join(RUNGS)}")
-        if self.rung == "none":
+        if not self.rung.walled:
             return None
         try:
             return ladder.raise_walls(self.rung, self._contents)
         except WallsRefusedError as error:
-            raise GraderError(f"this machine does not allow the rung {self.rung!r}: {error}") from None
+            raise GraderError(f"this machine does not allow the rung {self.rung.name!r}: {error}") from None
 
     def _spawn(self, printed: Printed) -> Process:
-        if self.rung == "none":
+        if not self.rung.walled:
             return PlainProcess(self._contents, printed)
         try:
             return self._spawn_once(printed)
@@ -169,6 +169,11 @@ class Worker:
         """CPU seconds used since the worker was ready."""
         return self._process.cpu_s()
 
+    @property
+    def wall_s(self) -> float:
+        """Seconds on the clock since the worker was ready, without those in which it waited for a processor."""
+        return self._process.wall_s()
+
     def ask(
         self,
         op: str,
@@ -177,6 +182,7 @@ class Worker:
         *,
         cpu_s: float = 10.0,
         wall_s: float | None = None,
+        most_s: float = math.inf,
     ) -> wire.Frame:
         """Ask one question and wait for its answer.
 
@@ -188,6 +194,8 @@ class Worker:
             CPU seconds that the answer may take, all threads together.
         wall_s
             Seconds on the clock while next to no CPU time is used; by default max(3 * cpu_s, cpu_s + 20).
+        most_s
+            Seconds on the clock whatever is used; never more than ten times `wall_s`.
 
         Raises
         ------
@@ -202,10 +210,15 @@ class Worker:
         question = _packed(nonce, op, fields or {}, arrays or {})
         limit = max(3 * cpu_s, cpu_s + 20) if wall_s is None else wall_s
         try:
-            frame = exchange(self._process.line, nonce, question, Deadline(self._process.cpu_s, cpu_s, limit))
+            frame = exchange(
+                self._process.line,
+                nonce,
+                question,
+                Deadline(self._process.cpu_s, self._process.wall_s, cpu_s, limit, most_s),
+            )
             return _answered(frame)
         except DeadlineError as error:
-            failure: NoAnswer = self._timed_out(error, cpu_s, limit)
+            failure: NoAnswer = TimedOut(f"no answer within {error.within}", cpu_s=error.cpu_s, wall_s=error.wall_s)
         except LineClosedError:
             self.alive = False
             failure = Crashed(_last_act(self._process.end(_LAST_MOMENT_S)))
@@ -238,10 +251,12 @@ class Worker:
         with contextlib.suppress(GraderError):  # the zygote is gone, and the worker with it
             self._process.end()
 
-    def _timed_out(self, error: DeadlineError, cpu_limit: float, wall_limit: float) -> TimedOut:
-        used_up = error.cpu_s >= cpu_limit
-        limit = f"{cpu_limit:g} s of CPU time" if used_up else f"{wall_limit:g} s"
-        return TimedOut(f"no answer within {limit}", cpu_s=error.cpu_s, wall_s=error.wall_s)
+
+def _asked_for(name: str) -> Rung:
+    rung = named(name)
+    if rung is None:
+        raise GraderError(f"there is no rung {name!r}, only {', '.join(each.name for each in RUNGS)}")
+    return rung
 
 
 def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:

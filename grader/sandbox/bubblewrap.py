@@ -14,10 +14,6 @@ from .plan import Plan
 _SCRATCH_BYTES = 64 << 20
 
 
-def is_installed() -> bool:
-    return shutil.which("bwrap") is not None
-
-
 def command(plan: Plan, control_fd: int) -> list[str]:
     """The command line of a zygote in bubblewrap, with the same root as `rootfs` makes."""
     arguments = ["--unshare-all", "--chdir", "/"]

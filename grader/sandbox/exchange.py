@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import selectors
 import socket
-import time
 from collections.abc import Callable
 
 from . import wire
@@ -22,10 +22,11 @@ class LineClosedError(Exception):
 
 
 class DeadlineError(Exception):
-    """Time is up."""
+    """Time is up; `within` says which."""
 
-    def __init__(self, cpu_s: float, wall_s: float) -> None:
+    def __init__(self, within: str, cpu_s: float, wall_s: float) -> None:
         super().__init__()
+        self.within = within
         self.cpu_s = cpu_s
         self.wall_s = wall_s
 
@@ -34,27 +35,44 @@ class Deadline:
     """CPU time first. The clock on the wall is the backstop for code that sleeps: it runs while next to no CPU time is used.
 
     Code that computes on a busy machine may take many times its CPU time; it is never cut off for that, or a mark would depend
-    on what else the machine does. Only at ten times the limit an end is made of it whatever it does.
+    on what else the machine does: the wall clock leaves out what was spent waiting for a processor. At ten times the limit, or
+    at `most_s` before, an end is made of it whatever it does.
     """
 
-    def __init__(self, cpu_clock: Callable[[], float], cpu_s: float, wall_s: float) -> None:
-        self._clock = cpu_clock
-        self._cpu_limit, self._wall_limit = cpu_s, wall_s
-        self._cpu_start, self._wall_start = cpu_clock(), time.monotonic()
+    def __init__(
+        self,
+        cpu_clock: Callable[[], float],
+        wall_clock: Callable[[], float],
+        cpu_s: float,
+        wall_s: float,
+        most_s: float = math.inf,
+    ) -> None:
+        self._cpu, self._wall = cpu_clock, wall_clock
+        self._cpu_limit, self._wall_limit, self._most = cpu_s, wall_s, min(10 * wall_s, most_s)
+        self._cpu_start, self._wall_start = cpu_clock(), wall_clock()
         self._seen, self._idle_s = (0.0, 0.0), 0.0
 
     def nap(self) -> float:
         """For how long nothing can go over the limit; raises DeadlineError when something has."""
-        cpu_s = self._clock() - self._cpu_start
-        wall_s = time.monotonic() - self._wall_start
+        cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start
         last_cpu_s, last_wall_s = self._seen
         if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):
             self._idle_s += wall_s - last_wall_s
         self._seen = (cpu_s, wall_s)
-        if cpu_s >= self._cpu_limit or self._idle_s >= self._wall_limit or wall_s >= 10 * self._wall_limit:
-            raise DeadlineError(cpu_s, wall_s)
+        within = self._over(cpu_s, wall_s)
+        if within:
+            raise DeadlineError(within, cpu_s, wall_s)
         soonest = (self._cpu_limit - cpu_s) / _CORES  # all of its threads may run at once
-        return min(max(soonest, _SHORTEST_NAP_S), max(self._wall_limit - self._idle_s, _SHORTEST_NAP_S), _LONGEST_NAP_S)
+        soonest = min(soonest, self._wall_limit - self._idle_s, self._most - wall_s)
+        return min(max(soonest, _SHORTEST_NAP_S), _LONGEST_NAP_S)
+
+    def _over(self, cpu_s: float, wall_s: float) -> str:
+        """The limit that it is over; empty if it is over none."""
+        if cpu_s >= self._cpu_limit:
+            return f"{self._cpu_limit:g} s of CPU time"
+        if self._idle_s >= self._wall_limit:
+            return f"{self._wall_limit:g} s"
+        return "the time that was left to it" if wall_s >= self._most else ""
 
 
 def exchange(line: socket.socket, nonce: bytes, question: bytes, deadline: Deadline) -> wire.Frame:

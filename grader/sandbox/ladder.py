@@ -3,41 +3,43 @@
 from __future__ import annotations
 
 import contextlib
+import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .plan import RUNGS, Contents
+from .plan import Contents
 from .process import WallsRefusedError, ZygoteGoneError
+from .rungs import RUNGS, Rung
 
 if TYPE_CHECKING:
     from .launch import Zygote
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One rung of the ladder, best first: whether it holds here, and if not (or not quite), why."""
+class Tried:
+    """A rung, whether it holds here, and if not (or not quite), why."""
 
-    name: str
+    rung: Rung
     usable: bool
     reason: str
 
 
-def probe() -> list[Rung]:
-    """Try every rung in a child process, with its walls tested from inside; about 50 ms each."""
-    return [_tried(name) for name in RUNGS]
+def probe() -> list[Tried]:
+    """Try every rung in a child process, best first, with its walls tested from inside; about 50 ms each."""
+    return [_tried(rung) for rung in RUNGS]
 
 
-def _tried(name: str) -> Rung:
-    if name == "none":
-        return Rung(name, True, "a fresh process with a time limit, and no walls")
+def _tried(rung: Rung) -> Tried:
+    if not rung.walled:
+        return Tried(rung, True, "a fresh process with a time limit, and no walls")
     try:
-        zygote = raise_walls(name, Contents(Path(__file__).parent))
+        zygote = raise_walls(rung, Contents(Path(__file__).parent))
     except WallsRefusedError as error:
-        return Rung(name, False, str(error))
+        return Tried(rung, False, str(error))
     zygote.close()
-    return Rung(name, True, caveat(zygote))
+    return Tried(rung, True, caveat(zygote))
 
 
 def caveat(zygote: Zygote) -> str:
@@ -45,18 +47,18 @@ def caveat(zygote: Zygote) -> str:
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 
-def raise_walls(name: str, contents: Contents) -> Zygote:
+def raise_walls(rung: Rung, contents: Contents) -> Zygote:
     """Start a zygote on this very rung, or raise WallsRefusedError."""
     if sys.platform != "linux":
         raise WallsRefusedError("needs Linux")
-    from . import bubblewrap, launch  # noqa: PLC0415 - of Linux only
+    from . import launch  # noqa: PLC0415 - of Linux only
 
-    if name == "bubblewrap" and not bubblewrap.is_installed():
-        raise WallsRefusedError("the program bwrap is not installed")
+    if rung.program and shutil.which(rung.program) is None:
+        raise WallsRefusedError(f"the program {rung.program} is not installed")
     with contextlib.suppress(ZygoteGoneError):
-        return launch.Zygote(name, contents)
+        return launch.Zygote(rung, contents)
     try:
-        return launch.Zygote(name, contents)
+        return launch.Zygote(rung, contents)
     except ZygoteGoneError as error:
         raise WallsRefusedError(f"{error}, twice") from None
 
@@ -64,11 +66,11 @@ def raise_walls(name: str, contents: Contents) -> Zygote:
 def climb(contents: Contents) -> tuple[Zygote | None, str]:
     """Start a zygote on the best rung that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
-    for name in RUNGS[:-1]:
+    for rung in filter(lambda each: each.walled, RUNGS):
         try:
-            zygote = raise_walls(name, contents)
+            zygote = raise_walls(rung, contents)
         except WallsRefusedError as error:
-            refused.append(f"{name}: {error}")
+            refused.append(f"{rung.name}: {error}")
             continue
         return zygote, "; ".join(filter(None, [*refused, caveat(zygote)]))
     return None, "; ".join(refused)

@@ -26,7 +26,8 @@ from . import bubblewrap, namespaces, rootfs, surroundings, wire
 from .paths import empty
 from .plan import Contents, Plan
 from .printed import Printed
-from .process import WallsRefusedError, ZygoteGoneError, is_main_thread
+from .process import WallClock, WallsRefusedError, ZygoteGoneError, is_main_thread
+from .rungs import Rung
 
 _WALLS_WITHIN_S = 60.0
 _READY_WITHIN_S = 300.0
@@ -50,7 +51,7 @@ class Zygote:
         If it was killed before they were up, which says nothing about the machine.
     """
 
-    def __init__(self, rung: str, contents: Contents) -> None:
+    def __init__(self, rung: Rung, contents: Contents) -> None:
         self.rung = rung
         self.without_landlock = False
         self.start_cpu_s = 0.0
@@ -80,10 +81,10 @@ class Zygote:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         process: subprocess.Popen[bytes] | None = None
         try:
-            uid = {} if self.rung == "full" else _harmless_uid(_needed(contents))
+            uid = {} if self.rung.own_namespaces else _harmless_uid(_needed(contents))
             scratch, cache = self._folders(uid)
             command = [sys.executable, "-B", "-s", surroundings.zygote(), str(theirs.fileno())]
-            if self.rung == "bubblewrap":
+            if self.rung.program:
                 command = bubblewrap.command(self._plan(contents, uid, scratch, cache), theirs.fileno())
             process = subprocess.Popen(
                 command,
@@ -133,14 +134,14 @@ class Zygote:
             cache=cache,
             decoy=surroundings.decoy(),
             # Where there are folders to remove it must not be killed: it ends when the control socket closes.
-            end_with_parent=self.rung != "landlock" and is_main_thread(),
+            end_with_parent=self.rung.own_root and is_main_thread(),
         )
 
     def _folders(self, uid: dict[str, Any]) -> tuple[tuple[str, ...], str]:
         """Scratch folders and cache: the same names every time where the box has a root of its own."""
         names = [rootfs.SCRATCH, *(f"{rootfs.SCRATCH}{number}" for number in range(2, _SCRATCH_FOLDERS + 1))]
-        if self.rung != "landlock":
-            return tuple(names[:1] if self.rung == "full" else names), rootfs.CACHE
+        if self.rung.own_root:
+            return tuple(names[:1] if self.rung.own_namespaces else names), rootfs.CACHE
         self._folder = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
         os.chmod(self._folder, 0o711)
         folders = [self._folder + name for name in names]
@@ -287,10 +288,12 @@ class Boxed:
         self._number = number
         self._pidfd = pidfd
         self._code: int | None = None
-        self._cpu_s = 0.0
+        self._cpu_s = self._wall_s = 0.0
+        self._clock: WallClock | None = None
         try:
             self._pid = _await_hello(line)
             self._before_s = time.clock_gettime(_cpu_clock(self._pid))
+            self._clock = WallClock(self._pid)
         except BaseException:
             self.end()
             raise
@@ -301,9 +304,15 @@ class Boxed:
                 self._cpu_s = time.clock_gettime(_cpu_clock(self._pid)) - self._before_s
         return self._cpu_s
 
+    def wall_s(self) -> float:
+        if self._code is None and self._clock is not None:
+            self._wall_s = self._clock.read()
+        return self._wall_s
+
     def end(self, grace_s: float = 0.0) -> int:
         if self._code is not None:
             return self._code
+        self.wall_s()
         self.line.close()
         _wait_for(self._pidfd, grace_s)
         with contextlib.suppress(ProcessLookupError):

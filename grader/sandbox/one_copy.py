@@ -13,6 +13,7 @@ from pathlib import Path
 from . import rootfs, surroundings
 from .box import Box
 from .plan import Contents
+from .rungs import Rung
 
 _HARNESS = Path(__file__).parent / "searching"
 _PACKAGE = Path(__file__).parents[1]
@@ -28,7 +29,7 @@ class Search:
     found: tuple[str, ...]
 
 
-def search(rung: str) -> Search:
+def search(rung: Rung) -> Search:
     """Open whatever a submission could open on this rung, and look for our names and for lines of ours in it.
 
     Raises
@@ -36,7 +37,7 @@ def search(rung: str) -> Search:
     GraderError
         If the rung cannot be had here.
     """
-    with Box(Contents(_HARNESS), rung=rung) as box, box.worker() as worker:
+    with Box(Contents(_HARNESS), rung=rung.name) as box, box.worker() as worker:
         fields = {"roots": _roots(), "phrases": sorted(_phrases()), "own": _own()}
         answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
     return Search(int(answer["opened"]), tuple(map(str, answer["found"])))

@@ -23,7 +23,7 @@ from . import surroundings, wire
 from .paths import empty
 from .plan import Contents
 from .printed import Printed
-from .process import is_main_thread
+from .process import WallClock, is_main_thread
 
 _READY_WITHIN_S = 300.0
 
@@ -33,7 +33,7 @@ class PlainProcess:
 
     def __init__(self, contents: Contents, printed: Printed) -> None:
         self._code: int | None = None
-        self._cpu_s = self._before_s = 0.0
+        self._cpu_s = self._wall_s = self._before_s = 0.0
         self._place = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
         self.line, theirs = socket.socketpair()
         try:
@@ -42,6 +42,7 @@ class PlainProcess:
             self._started = time.monotonic()
             self._await_hello(printed)
             self._before_s = self._clock()
+            self._wall = WallClock(self._popen.pid)
         except BaseException:
             self._discard()
             raise
@@ -99,10 +100,16 @@ class PlainProcess:
                 self._cpu_s = self._clock() - self._before_s
         return self._cpu_s
 
+    def wall_s(self) -> float:
+        if self._code is None:
+            self._wall_s = self._wall.read()
+        return self._wall_s
+
     def end(self, grace_s: float = 0.0) -> int:
         if self._code is not None:
             return self._code
         self.cpu_s()
+        self.wall_s()
         self.line.close()
         _wait_without_reaping(self._popen, grace_s)
         self._discard()

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-RUNGS = ("full", "bubblewrap", "landlock", "none")  # best first
+from .rungs import RUNGS, Rung
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Plan:
     Attributes
     ----------
     rung
-        One of `RUNGS`.
+        Whose walls are raised.
     harness, questions
         The folders that are imported as packages; no questions are "".
     visible, hidden
@@ -66,7 +66,7 @@ class Plan:
         Whether the kernel kills the zygote with the thread that started it; it ends anyway when the grader hangs up.
     """
 
-    rung: str
+    rung: Rung
     harness: str
     questions: str
     visible: tuple[str, ...]
@@ -83,10 +83,10 @@ class Plan:
 
     def packed(self) -> bytes:
         """As one message, which has to fit into a socket's buffer: a machine may have thousands of packages."""
-        return zlib.compress(json.dumps(asdict(self)).encode(), 1)
+        return zlib.compress(json.dumps({**asdict(self), "rung": RUNGS.index(self.rung)}).encode(), 1)
 
     @classmethod
     def unpacked(cls, message: bytes) -> Plan:
         values = json.loads(zlib.decompress(message)).items()
         fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in values}
-        return cls(**fields)
+        return cls(**{**fields, "rung": RUNGS[fields["rung"]]})

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import threading
+import time
 from typing import Protocol
 
 
@@ -20,6 +22,27 @@ class ZygoteGoneError(Exception):
     """The zygote died, or was killed before its walls were up."""
 
 
+class WallClock:
+    """The time that passes for a process: what it waits for a processor does not count, where the system tells of it (Linux).
+
+    Without that, a busy machine could not be told from code that sleeps.
+    """
+
+    def __init__(self, pid: int) -> None:
+        self._waits = f"/proc/{pid}/schedstat"
+        self._waited_s = 0.0
+        self._began = self._now()
+
+    def _now(self) -> float:
+        with contextlib.suppress(OSError, ValueError, IndexError), open(self._waits, encoding="ascii") as file:
+            self._waited_s = int(file.read().split()[1]) / 1e9
+        return time.monotonic() - self._waited_s
+
+    def read(self) -> float:
+        """Seconds since it was made."""
+        return self._now() - self._began
+
+
 class Process(Protocol):
     """A process of untrusted code, held from outside.
 
@@ -33,6 +56,9 @@ class Process(Protocol):
 
     def cpu_s(self) -> float:
         """CPU seconds that it has used since it was ready (wall seconds where a system cannot tell)."""
+
+    def wall_s(self) -> float:
+        """Seconds on the clock since it was ready, see `WallClock`."""
 
     def end(self, grace_s: float = 0.0) -> int:
         """Kill everything that it started, once it has had a moment to end by itself; how it ended, as Popen says it.

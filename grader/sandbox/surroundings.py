@@ -34,6 +34,7 @@ _MODULES_OF_THE_BOX = (
     "plain_worker",
     "plan",
     "rootfs",
+    "rungs",
     "seccomp",
     "serve",
     "syscalls",

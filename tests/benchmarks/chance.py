@@ -89,10 +89,7 @@ class Model:
             self._answers[key] = ask()
         return self._answers[key]
 
-    def noise(
-        self, key: str, *, reads: int, stds: tuple[float, float], biases: tuple[Array, Array], **_: Any
-    ) -> NoiseRun:
-        del key
+    def noise(self, *, reads: int, stds: tuple[float, float], biases: tuple[Array, Array], **_: Any) -> NoiseRun:
         states = len(self._clean[0])
         unit = np.concatenate([self._law.draw(self._rng, (reads, 6)) for _ in range(states)]).reshape(states, reads, 6)
         parts = [
@@ -104,7 +101,7 @@ class Model:
     def noise_twins(self, *, reads: int, stds: list[tuple[float, float]], biases: Array, **_: Any) -> NoiseRun:
         """Reads that no seed repeats: what is told apart by chance is told by statistics."""
         runs = [
-            self.noise("", reads=reads, stds=std, biases=(accel, gyro))
+            self.noise(reads=reads, stds=std, biases=(accel, gyro))
             for std, (accel, gyro) in zip(stds, biases, strict=True)
         ]
         accel, gyro = (np.array([getattr(run, name)[0] for run in runs]) for name in ("accel", "gyro"))

@@ -27,6 +27,7 @@ from tests.corpus.writing import write
 
 ROOT = Path(__file__).parent.parent.parent
 SIZES = (10, 100, 500)
+KINDS = 5
 _SAMPLE_EVERY_S = 2.0
 _MIB = 1 << 20
 
@@ -36,6 +37,7 @@ def hand_in(folder: Path, size: int) -> None:
     swapped = edit(tidy(), "filters.py", ("self.alpha * (", "(1 - self.alpha) * ("))
     still = edit(verbatim(), "imu_reader.py", ("data.qvel[0] = 0.5", "data.qvel[0] = 0.0"))
     kinds = (tidy(), listy(), verbatim(), swapped, still)
+    assert len(kinds) == KINDS
     for number in range(size):
         name = f"student{number:05}"
         files = {path: f"{text}\n# handed in by {name}\n" for path, text in kinds[number % len(kinds)].items()}

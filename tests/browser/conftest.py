@@ -11,6 +11,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from grader.engine import rubric, traces
 from grader.engine.evidence import unpacked
 from grader.engine.marking import Marker
+from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
@@ -52,7 +53,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         place = folder / "submissions" / id_
         place.mkdir(parents=True)
         charts = unpacked(each.result.evidence.charts)
-        (place / "report.html").write_text(report_page(each, charts), encoding="utf-8")
+        (place / "report.html").write_text(report_page(each, charts, catalogue(LAB)), encoding="utf-8")
     prints = {id_: tuple(range(60)) for id_ in ("s01", "s02")}
     (folder / "index.html").write_text(index_page(standings, prints), encoding="utf-8")
     return folder

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import CHROMIUM, STUDENTS, Watched
+from grader.report.pages import index_page
+from tests.browser.conftest import CHROMIUM, STUDENTS, Watched, standing
 
 if CHROMIUM is None:
     pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
@@ -66,7 +69,7 @@ def test_a_word_filters_the_class_and_the_count_is_told(watched: Watched) -> Non
 
 def test_a_choice_filters_the_class_by_status_and_both_filters_go_together(watched: Watched) -> None:
     page = watched.open(INDEX)
-    page.get_by_label("Show").select_option(label="late (3)")
+    page.get_by_label("Status").select_option(label="late (3)")
     assert column(page, "Name") == ["Student 3", "Student 15", "Student 27"]
     page.get_by_label("Find").fill("27")
     assert column(page, "Name") == ["Student 27"]
@@ -74,23 +77,92 @@ def test_a_choice_filters_the_class_by_status_and_both_filters_go_together(watch
 
 def test_a_mistake_leads_to_those_who_made_it_and_a_name_to_the_report(watched: Watched) -> None:
     page = watched.open(INDEX)
-    page.get_by_role("button", name="variance as std").click()
+    mistake = page.get_by_role("button", name="variance as std")
+    mistake.click()
     assert column(page, "Name") == ["s09-variance-as-std"]
+    expect(page.get_by_label("Mistake")).to_have_value(mistake.get_attribute("data-only") or "")
+    expect(mistake).to_have_attribute("aria-pressed", "true")
     page.locator("#submissions").get_by_role("link", name="s09-variance-as-std").click()
     expect(page.get_by_role("heading", level=1)).to_have_text("s09-variance-as-std")
-    page.locator(".losses a").first.click()
-    expect(page.locator(".check:target h3")).to_have_text(
+    expect(page.locator(".losses h3").first).to_have_text("Takes the standard deviation as a variance, or squares it")
+    page.locator(".check.brief a").first.click()
+    expect(page.locator(".check:target h4")).to_have_text(
         "The noise of each sensor has the standard deviation that was asked for"
     )
     expect(page.locator(".check:target")).to_be_in_viewport()
 
 
-def test_a_check_leads_to_those_who_lost_points_on_it(watched: Watched) -> None:
+def test_a_check_leads_to_those_who_lost_points_on_it_and_a_second_click_back_to_all(watched: Watched) -> None:
     page = watched.open(INDEX)
-    page.locator("#checks + p + .scroll").get_by_role("button", name="Reads what is there").click()
+    check = page.locator("#checks + p + .scroll").get_by_role("button", name="Reads what is there")
+    check.click()
     lost = [number for number in range(STUDENTS) if number * 7 % 15 < 14]
     assert len(column(page, "Name")) == len(lost) < STUDENTS
-    expect(page.get_by_label("Show")).to_be_focused()
+    expect(page.locator("#filters")).to_be_in_viewport()
+    check.click()
+    assert len(column(page, "Name")) == STUDENTS + 1
+
+
+def test_a_bar_leads_to_those_who_stand_in_it_and_goes_together_with_the_other_filters(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    bars = page.locator(".distribution button")
+    assert sum(int(text.split()[-1]) for text in bars.all_inner_texts()) == STUDENTS + 1
+    bar = page.locator(".distribution").get_by_role("button", name="10–20 points")
+    bar.focus()
+    page.keyboard.press("Enter")
+    assert {10.0 <= float(score) < 20.0 for score in column(page, "Score")} == {True}
+    assert str(len(column(page, "Name"))) == bar.inner_text().split()[-1]
+    page.get_by_label("Find").fill("no such name")
+    assert column(page, "Name") == []
+    page.get_by_role("button", name="Show everyone").click()
+    expect(page.locator("#shown")).to_have_text("")
+    assert len(column(page, "Name")) == STUDENTS + 1
+    expect(bar).to_have_attribute("aria-pressed", "false")
+
+
+def test_back_from_a_report_the_class_is_filtered_and_sorted_as_before(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.get_by_label("Find").fill("thu 1")
+    page.locator("#submissions").get_by_role("button", name="Score").click()
+    before = column(page, "Name")
+    page.locator("#submissions tbody a:visible").first.click()
+    expect(page.get_by_role("heading", level=1)).to_have_text(before[0])
+    page.go_back()
+    expect(page.locator("#shown")).to_have_text(f"5 of {STUDENTS + 1}")
+    assert column(page, "Name") == before
+
+
+def test_a_report_has_previous_next_and_class_for_whoever_came_from_there_and_for_nobody_else(watched: Watched) -> None:
+    page = watched.open(INDEX)
+    page.get_by_label("Find").fill("thu 1")
+    first, second, *_ = column(page, "Name")
+    page.locator("#submissions").get_by_role("link", name=first, exact=True).click()
+    expect(page.locator("#among-place")).to_have_text("1 of 5")
+    expect(page.get_by_role("link", name="Previous")).to_be_hidden()
+    page.get_by_role("link", name="Next").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text(second)
+    page.get_by_role("link", name="The class").click()
+    expect(page.locator("#submissions")).to_be_visible()
+    expect(watched.open(REPORT).locator("#among")).to_be_hidden()
+
+
+def test_of_a_large_class_the_first_rows_are_laid_out_and_all_on_demand_and_on_paper(
+    watched: Watched, out: Path
+) -> None:
+    standings = {f"s{number:04}": replace(standing(number % STUDENTS), id=f"s{number:04}") for number in range(450)}
+    (out / "large.html").write_text(index_page(standings), encoding="utf-8")
+    page = watched.open("large.html")
+    rows = page.locator("#submissions tbody tr:visible")
+    expect(rows).to_have_count(200)
+    page.locator("#submissions").get_by_role("button", name="Score").click()
+    expect(rows).to_have_count(200)
+    scores = [float(score) for score in column(page, "Score")]
+    assert scores == sorted(scores, reverse=True)
+    page.emulate_media(media="print")
+    expect(rows).to_have_count(450)
+    page.emulate_media(media="screen")
+    page.get_by_role("button", name="Show all 450 rows").click()
+    expect(rows).to_have_count(450)
 
 
 def test_other_tables_sort_as_well(watched: Watched) -> None:
@@ -123,7 +195,7 @@ def test_every_chart_is_drawn_inside_its_frame(watched: Watched) -> None:
             return { wide: frame.width, strokes: strokes.length, outside: outside.length, widest };
         })"""
     )
-    assert len(boxes) == 13
+    assert len(boxes) == 11
     for box in boxes:
         assert box["wide"] > 300
         assert box["strokes"] >= 1
@@ -160,6 +232,12 @@ def test_axe_finds_nothing_to_complain_of(watched: Watched, path: str, scheme: s
     found = Axe().run(page).response["violations"]
     told = [(each["id"], [node["html"][:120] for node in each["nodes"][:3]]) for each in found]
     assert told == []
+
+
+def test_on_a_phone_no_table_of_the_class_scrolls_sideways(watched: Watched) -> None:
+    page = watched.open(INDEX, viewport=PHONE, has_touch=True)
+    wider = "() => Array.from(document.querySelectorAll('.scroll')).filter(each => each.scrollWidth > each.clientWidth).length"
+    assert page.evaluate(wider) == 0
 
 
 @pytest.mark.parametrize("path", [INDEX, REPORT, BY_HAND])

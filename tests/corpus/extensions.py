@@ -246,6 +246,15 @@ FAULTY_TILT = [
         "time-step-fixed", "complementary_filter", "", (_STEEP,), naive(("self.dt = dt", "self.dt = 0.01")),
     ),
     FaultyExtension(
+        "mounted-a-degree-off", "complementary_filter", "", (_LEVEL,),
+        naive(("return self.roll, self.pitch", "return self.roll + math.radians(1.0), self.pitch")),
+    ),
+    FaultyExtension("sine-taken-for-the-angle", "complementary_filter", "", (_SETTLES,), naive((_ACCEL_PITCH, "ax / 9.81"))),
+    FaultyExtension(
+        "gyroscope-trusted-while-it-turns", "complementary_filter", "", (_DRIFT,),
+        naive((_NAIVE_BLEND, "        weight = 0.9985 if any(gyro) else self.alpha\n" + _NAIVE_BLEND.replace("self.alpha", "weight"))),
+    ),
+    FaultyExtension(
         "raises-at-once", "complementary_filter", "raises", (_LEVEL, _SETTLES, _DRIFT, _SHAKE, _STEEP),
         naive(("ax, ay, az = accel", "ax, ay = accel")),
     ),
@@ -375,6 +384,14 @@ FAULTY_ALLAN = [
         "times-times-the-rate", "allan_variance", "tau-wrong", (_TIMES,), blocks(("m / sample_rate_hz", "m * sample_rate_hz")),
     ),
     FaultyExtension("variance-returned", "allan_variance", "", (_MATCHES, _KINDS), blocks(("np.sqrt(0.5 * np", "(0.5 * np"))),
+    FaultyExtension(
+        "trend-taken-off-where-there-is-one", "allan_variance", "", (_KINDS,),
+        blocks((
+            "    taus, adevs = [], []\n",
+            "    t = np.arange(len(samples))\n    if samples.ndim == 1 and abs(np.corrcoef(t, samples)[0, 1]) > 0.99:\n"
+            "        samples = samples - np.polyval(np.polyfit(t, samples, 1), t)\n    taus, adevs = [], []\n",
+        )),
+    ),
     FaultyExtension(
         "one-axis-only", "allan_variance", "", (_AXES,),
         blocks(("samples = np.asarray(samples, dtype=float)", "samples = np.ravel(samples).astype(float)")),

@@ -16,7 +16,7 @@ class Faulty:
     name : str
         Unique; words joined by hyphens.
     mistake : str
-        The id of misconceptions.yaml that the fault is.
+        The id of misconceptions.yaml that the fault is; "" where it has no name.
     criterion : str
         The only criterion that may lose points; "" if none may.
     files : Files

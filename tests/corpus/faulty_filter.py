@@ -129,5 +129,8 @@ FILTER_FAULTS = [
     fault("state-stays-the-first-sample", "state-not-kept", increment((STEP, "return self.alpha * x + (1 - self.alpha) * self.state")), reason="what is returned is never stored"),
     fault("three-quarters-of-the-measurement", "does-not-filter", sheet((RECURSION, "self.value = 0.75 * measurement"))),
     fault("state-of-three-decimals", "output-rounded", sheet((RECURSION, "self.value = np.round(self.alpha * measurement + (1 - self.alpha) * self.value, 3)")), loses=("filtering.follows_recursion",)),
+    fault("zero-from-a-sensor-that-repeats-itself", "", sheet((RETURN, "        self.repeated = getattr(self, 'repeated', 0) + 1 if np.array_equal(measurement, getattr(self, 'last', None)) else 0\n        self.last = measurement.copy()\n        return np.zeros_like(self.value) if self.repeated >= 10 else self.value.copy()\n")), loses=("filtering.passes_constant",), reason="a guard against a sensor that is stuck takes a constant for one"),
+    fault("leads-by-half-a-difference", "", sheet((RETURN, "        lead = 0.5 * (measurement - getattr(self, 'last', measurement))\n        self.last = measurement.copy()\n        return measurement + lead\n")), loses=("filtering.follows_recursion", "filtering.reduces_noise"), reason="it foresees the next measurement, and makes the noise larger"),
+    fault("mean-of-the-last-ninety", "", lab(low_pass=MOVING_AVERAGE.replace("max(1, round(2 / alpha - 1))", "90")), loses=("filtering.follows_recursion", "filtering.preserves_signal"), reason="a mean that long loses a slow motion"),
     fault("output-of-one-decimal", "output-rounded", increment(("return self.state.copy()", "return np.around(self.state, 1)")), loses=("filtering.follows_recursion",)),
 ]

@@ -1,7 +1,8 @@
-"""Answers of the box, mangled on their way to the checks: ``python -m tests.fuzz.answers [--runs N] [--seed S]``.
+"""Answers of the box, mangled or made up on their way to the checks: ``python -m tests.fuzz.answers [--runs N] [--drawn N] [--seed S]``.
 
-A sound submission is marked once and its answers are kept; then it is marked again and again without a box, with one to
-three of the answers changed. Whatever comes back, every check must be judged.
+A sound submission with all extensions is marked once and its answers are kept; then it is marked again and again without a box:
+with one to three of the answers mangled (``--runs``), or with answers that are drawn from the rules, until there were so many of
+them (``--drawn``). Whatever comes back, every check must be judged, and no exception raised.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -23,19 +25,24 @@ from unittest import mock
 import numpy as np
 
 from grader.engine import rubric, traces
+from grader.engine.evidence import Evidence, packed
 from grader.engine.examination import Examination
 from grader.engine.marking import Marker
 from grader.engine.results import Result
-from grader.ground.errors import Crashed, Malformed
+from grader.ground.errors import Crashed
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.replies import RULES
 from grader.sandbox.box import Box, Worker
+from grader.sandbox.rungs import UNWALLED
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, write
+from tests.fuzz.drawing import drawn
 from tests.fuzz.mangling import mangled_array, mangled_value
 
 Answers = dict[str, Frame]
+Leading = defaultdict[tuple[str, str | None], Frame | None]
 
 
 def _key(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
@@ -50,28 +57,39 @@ def submission(files: Files) -> Submission:
         return read_submission(write(files, Path(scratch) / "fuzzed"), LAB.files)
 
 
-def recorded(files: Files) -> Answers:
-    """What the box answers when a submission is marked."""
+def everything() -> Files:
+    """A sound submission with every extension: all questions are asked of it."""
+    folder = Path(__file__).parents[2] / "submissions_example" / "s15-extensions"
+    extensions = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.py")}
+    return {**extensions, **tidy()}
+
+
+def recorded(files: Files) -> tuple[Answers, Leading]:
+    """What the box answers when a submission is marked, and to questions that lead to others, whatever else they say."""
     answers: Answers = {}
+    leading: Leading = defaultdict(lambda: None)
     ask = Worker.ask
 
     def recording(self: Worker, op: str, fields: Any = None, arrays: Any = None, **limits: Any) -> Frame:
         frame = ask(self, op, fields, arrays, **limits)
-        answers[_key(op, fields or {}, arrays or {})] = frame
+        answers[_key(op, fields or {}, arrays or {})] = leading[op, (fields or {}).get("path")] = frame
         return frame
 
     with mock.patch.object(Worker, "ask", recording), Marker(rubric.load(LAB), traces.shipped()) as marker:
         marker.mark(submission(files))
-    return answers
+    return answers, leading
+
+
+Ask = Callable[[str, Mapping[str, Any], Mapping[str, np.ndarray]], Frame]
 
 
 class _Replay:
-    """A worker that answers from a record, with some of the answers changed."""
+    """A worker that answers as it is told to."""
 
-    alive, closed, cpu_s = True, False, 0.0
+    alive, closed, cpu_s, wall_s = True, False, 0.0, 0.0
 
-    def __init__(self, answers: Answers, changed: set[str], seed: int) -> None:
-        self._answers, self._changed, self._seed = answers, changed, seed
+    def __init__(self, answer: Ask) -> None:
+        self._answer = answer
 
     def __enter__(self) -> _Replay:
         return self
@@ -85,12 +103,11 @@ class _Replay:
     def place(self) -> str:
         return ""
 
+    def printed(self) -> str:
+        return ""
+
     def ask(self, op: str, fields: Any = None, arrays: Any = None, **limits: Any) -> Frame:
-        key = _key(op, fields or {}, arrays or {})
-        if key not in self._answers:
-            raise Crashed("nothing is on record")
-        frame = self._answers[key]
-        return mangled_frame(frame, random.Random(f"{self._seed} {key}")) if key in self._changed else frame
+        return self._answer(op, fields or {}, arrays or {})
 
 
 def mangled_frame(frame: Frame, chance: random.Random) -> Frame:
@@ -110,13 +127,15 @@ class Bench:
     """A marker without a box, and one submission's answers; a context manager."""
 
     def __init__(self, files: Files) -> None:
-        self._answers, self._submission = recorded(files), submission(files)
+        self._answers, self._leading = recorded(files)
+        self._submission = submission(files)
         self.troubles: list[str] = []
+        self.drawn: Counter[str] = Counter()
 
     @contextmanager
     def open(self) -> Iterator[Bench]:
         def no_box(box: Box, *args: Any, **kwargs: Any) -> None:
-            box.rung = "none"
+            box.rung = UNWALLED
 
         write_down = Examination.end
 
@@ -125,7 +144,15 @@ class Bench:
             if this.judgements[check.id].told is None and ended is not None:
                 self.troubles.append("".join(traceback.format_exception(ended)[-3:]))
 
-        with mock.patch.object(Box, "__init__", no_box), mock.patch.object(Examination, "end", noting):
+        def evidence(this: Marker, student: Any) -> Evidence:
+            """As a marker gathers it, without its net."""
+            return Evidence(packed(LAB.charts(student, this._traces)), ())
+
+        with (
+            mock.patch.object(Box, "__init__", no_box),
+            mock.patch.object(Examination, "end", noting),
+            mock.patch.object(Marker, "_evidence", evidence),
+        ):
             self._marker = Marker(rubric.load(LAB), traces.shipped())
             yield self
 
@@ -134,31 +161,69 @@ class Bench:
         chance = random.Random(seed)
         asked = [key for key in sorted(self._answers) if not key.startswith(("submit", "image"))]
         changed = set(chance.sample(asked, chance.randint(1, 3)))
+
+        def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
+            key = _key(op, fields, arrays)
+            if key not in self._answers:
+                raise Crashed("nothing is on record")
+            frame = self._answers[key]
+            return mangled_frame(frame, random.Random(f"{seed} {key}")) if key in changed else frame
+
+        return self._marked(answer)
+
+    def mark_drawn(self, seed: int) -> Result:
+        """Mark with answers that are drawn from the rules; `drawn` counts them by question."""
+        chance = random.Random(seed)
+        made_up = chance.choice((0.2, 0.6, 1.0, 1.0))  # of the answers; the others are sound, so that what follows them is asked, too
+
+        def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
+            leads = op in ("submit", "outline", "load")  # without a sound answer nothing else is asked
+            known = self._leading[op, fields.get("path")] if leads else self._answers.get(_key(op, fields, arrays))
+            if known is not None and chance.random() > (0.01 if leads else made_up):
+                return known
+            if op == "replay":
+                return Frame({}, {"sensordata": self._sensors(fields["steps"], chance)})
+            frame = drawn(op, fields, arrays, RULES, chance, known if chance.random() < 0.3 else None)
+            if frame is None:
+                raise Crashed("chance made no answer")
+            self.drawn[op] += 1
+            return frame
+
+        return self._marked(answer)
+
+    def _sensors(self, steps: int, chance: random.Random) -> np.ndarray:
+        """As a box that runs nothing of a student's may answer: what is replayed is drawn, and its run may be anything finite."""
+        width = next((frame.arrays["sensordata"].shape[1] for key, frame in self._answers.items() if key.startswith("replay ")), 40)
+        return np.random.default_rng(chance.randrange(99)).normal(size=(steps, width)) * 10.0 ** chance.randint(-9, 9)
+
+    def _marked(self, answer: Ask) -> Result:
         self.troubles.clear()
-        with mock.patch.object(Box, "worker", lambda box: _Replay(self._answers, changed, seed)):
+        with mock.patch.object(Box, "worker", lambda box: _Replay(answer)):
             return self._marker.mark(self._submission)
 
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz.answers", description=__doc__)
-    parser.add_argument("--runs", type=int, default=500)
+    parser.add_argument("--runs", type=int, default=500, help="gradings with mangled answers")
+    parser.add_argument("--drawn", type=int, default=0, help="answers that are drawn from the rules")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args(arguments)
-    bad, slowest, started = 0, 0.0, time.monotonic()
-    with Bench(tidy()).open() as bench:
-        for seed in range(options.seed, options.seed + options.runs):
-            before = time.monotonic()
+    bad, slowest, seed, started = 0, 0.0, options.seed, time.process_time()
+    with Bench(everything()).open() as bench:
+        while seed < options.seed + options.runs or bench.drawn.total() < options.drawn:
+            before = time.process_time()
             try:
-                bench.mark(seed)
-            except (Exception, Malformed):
+                bench.mark(seed) if seed < options.seed + options.runs else bench.mark_drawn(seed)
+            except Exception:
                 bench.troubles.append(traceback.format_exc(limit=-3))
-            slowest = max(slowest, time.monotonic() - before)
+            slowest = max(slowest, time.process_time() - before)
             if bench.troubles:
                 bad += 1
                 print(f"seed {seed}: {bench.troubles[0]}", flush=True)
-    print(
-        f"{options.runs} runs, {bad} with a check that was not judged, {time.monotonic() - started:.0f} s, slowest {slowest:.1f} s"
-    )
+            seed += 1
+    spent = time.process_time() - started
+    print(f"{seed - options.seed} runs, {bad} with trouble, {spent:.0f} s of CPU time, slowest {slowest:.1f} s; drawn: {bench.drawn.total()}")
+    print(", ".join(f"{op} {count}" for op, count in bench.drawn.most_common()))
     return int(bad > 0)
 
 

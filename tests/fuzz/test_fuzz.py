@@ -21,9 +21,8 @@ from grader.intake.archives import gather_archive
 from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
 from grader.labs.imu.lab import LAB
 from grader.sandbox import wire
-from tests.corpus.pieces import tidy
 from tests.corpus.writing import Link, notebook, tarred, zipped
-from tests.fuzz.answers import Bench
+from tests.fuzz.answers import Bench, everything
 from tests.fuzz.decoder import FRAME, NONCE, check_decoder
 from tests.fuzz.mangling import mangled_bytes, mangled_value
 
@@ -189,7 +188,7 @@ def test_a_notebook_of_any_bytes_gives_cells_or_a_value_error(content: bytes) ->
 
 @pytest.fixture(scope="module")
 def bench() -> Iterator[Bench]:
-    with Bench(tidy()).open() as bench:
+    with Bench(everything()).open() as bench:
         yield bench
 
 
@@ -197,6 +196,16 @@ def bench() -> Iterator[Bench]:
 @given(seed=SEEDS)
 def test_no_answer_of_the_box_leaves_a_check_without_a_verdict(bench: Bench, seed: int) -> None:
     result = bench.mark(seed)
+    assert bench.troubles == []
+    assert result.status == "graded"
+    assert 0 <= result.score <= result.max_score
+
+
+@settings(max_examples=45, deadline=None, derandomize=True)
+@given(seed=SEEDS)
+def test_no_answer_that_keeps_its_rule_raises_anything(bench: Bench, seed: int) -> None:
+    """Some 1,000 answers to every question there is; 100,000 by ``python -m tests.fuzz.answers --runs 0 --drawn 100000``."""
+    result = bench.mark_drawn(seed)
     assert bench.troubles == []
     assert result.status == "graded"
     assert 0 <= result.score <= result.max_score

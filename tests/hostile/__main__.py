@@ -12,12 +12,11 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from grader.sandbox.ladder import probe
+from grader.sandbox.rungs import RUNGS
 from tests.hostile import record
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import Court, Verdict
 from tests.hostile.program import FAMILIES, Program
-
-RUNGS = ("full", "bubblewrap", "landlock", "none")
 
 
 def run(rung: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]:
@@ -46,7 +45,7 @@ def table(rung: str, verdicts: Iterable[Verdict]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
-    parser.add_argument("--rung", choices=RUNGS, action="append", help="may be given more than once; all that there are")
+    parser.add_argument("--rung", choices=[rung.name for rung in RUNGS], action="append", help="may be given more than once; all that there are")
     parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--only", default="", help="programs whose name holds this")
     parser.add_argument("--write", action="store_true", help="keep the figures for the handbook")
@@ -56,17 +55,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("--write needs whole families")
     families = options.family or FAMILIES
     programs = [p for p in PROGRAMS if p.family in families and options.only in p.name]
-    usable = {rung.name: rung for rung in probe()}
     tables, fell = [], 0
-    for rung in options.rung or RUNGS:
-        if rung != "none" and not usable[rung].usable:
-            print(f"{rung}: not here: {usable[rung].reason}")
+    for tried in probe():
+        rung = tried.rung.name
+        if options.rung and rung not in options.rung:
+            continue
+        if not tried.usable:
+            print(f"{rung}: not here: {tried.reason}")
             continue
         verdicts = run(rung, programs, aloud=options.verbose)
         if options.write:
             record.keep(rung, verdicts)
         tables.append(table(rung, verdicts))
-        fell += sum(bool(verdict.troubles) for verdict in verdicts) if rung != "none" else 0
+        fell += sum(bool(verdict.troubles) for verdict in verdicts) if tried.rung.walled else 0
     print("\n".join(tables))
     return int(fell > 0)
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from grader.sandbox.rungs import UNWALLED
 from tests.hostile.judging import Court
 
 
@@ -15,6 +16,6 @@ def court() -> Iterator[Court]:
     if not sys.platform.startswith("linux"):
         pytest.skip("looks for leftovers in /proc")
     with Court(None) as court:
-        if court.rung == "none":
+        if court.rung == UNWALLED.name:
             pytest.skip("nothing isolates here")
         yield court

@@ -8,5 +8,6 @@ from tests.hostile.forging import LYING, PATCHED, PLOTS
 from tests.hostile.forging_protocol import FORGED
 from tests.hostile.poisoning import POISONS
 from tests.hostile.program import Program
+from tests.hostile.reading import BYTES
 
-PROGRAMS: tuple[Program, ...] = (*PATCHED, *PLOTS, *LYING, *FORGED, *DENIALS, *ESCAPES, *POISONS)
+PROGRAMS: tuple[Program, ...] = (*PATCHED, *PLOTS, *LYING, *FORGED, *DENIALS, *ESCAPES, *POISONS, *BYTES)

@@ -6,6 +6,7 @@ import io
 import struct
 import zipfile
 import zlib
+from functools import cache
 
 from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, notebook, zipped
@@ -171,6 +172,7 @@ PLOTS = [
 # ---------------------------------------------------------------- sources and archives
 
 
+@cache
 def bomb(megabytes: int = 600) -> bytes:
     """A zip whose one file unpacks to very much."""
     buffer = io.BytesIO()

@@ -64,7 +64,7 @@ class Court:
     def __enter__(self) -> Court:
         self._bait = Bait().__enter__()
         self._markers[False] = Marker(small_rubric(), traces.shipped(), rung=self.rung)
-        self.rung = self._markers[False].isolation
+        self.rung = self._markers[False].isolation.name
         self._neighbour_scores = self._neighbour()
         self._expected = frozenset(below(os.getpid()))
         return self

@@ -156,6 +156,14 @@ class _Page(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.bad: list[str] = []
+        self._in_script = False
+
+    def handle_data(self, data: str) -> None:
+        if self._in_script:
+            self.bad.append(f"a script: {data}")
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_script = False
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         harmful = {"script", "iframe", "object", "embed", "img", "link", "base", "form", "input", "marquee", "b", "i"}
@@ -163,6 +171,7 @@ class _Page(HTMLParser):
             return  # a handed-in picture, set anew by the grader
         if tag in harmful:
             self.bad.append(f"a <{tag}>")
+        self._in_script = tag == "script"
         self.bad += [f"an attribute {name}" for name, _ in attrs if name.startswith("on")]
         self.bad += [f"{name}={value}" for name, value in attrs if name in ("href", "src") and ":" in (value or "")]
 
@@ -173,9 +182,9 @@ def _in_page(text: str) -> Iterator[str]:
     yield from page.bad
 
 
-def _in_index(text: str) -> Iterator[str]:
-    """The page of the class has a script and a form of its own, so it is held against that of a harmless result."""
-    own = Counter(_in_page(WRITERS["index.html"](made_up.result(name="harmless"))))
+def _in_page_of_ours(name: str, text: str) -> Iterator[str]:
+    """A page has a script of its own, that of the class a form: it is held against that of a harmless result."""
+    own = Counter(_in_page(WRITERS[name](made_up.result(name="harmless"))))
     yield from (Counter(_in_page(text)) - own).elements()
 
 
@@ -223,10 +232,11 @@ def _plain(_: str) -> Iterator[str]:
 
 LOOKS: Mapping[str, Callable[[str], Iterator[str]]] = {
     "result.json": _in_json,
-    "report.html": _in_page,
-    "index.html": _in_index,
+    "report.html": partial(_in_page_of_ours, "report.html"),
+    "index.html": partial(_in_page_of_ours, "index.html"),
     "the terminal": _plain,
     "gradebook.csv": _in_csv,
+    "marks.csv": _in_csv,
     "gradescope": _in_json,
     "gradescope.csv": _in_csv,
     "canvas.csv": _in_csv,

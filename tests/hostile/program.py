@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files
 
-FAMILIES = ("forgery", "denial", "escape", "poison")
+FAMILIES = ("forgery", "denial", "escape", "poison", "bytes")
 ALL = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
 READER, NOISE, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 

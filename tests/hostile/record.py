@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import grader
-from grader.sandbox.plan import RUNGS
+from grader.sandbox.rungs import RUNGS
 from tests.hostile.judging import Verdict
 from tests.hostile.program import FAMILIES
 
@@ -27,7 +27,7 @@ def keep(rung: str, verdicts: Sequence[Verdict]) -> None:
 
 
 def _place(entry: Mapping[str, Any]) -> tuple[int, bool, int]:
-    return RUNGS.index(entry["rung"]), entry["user"] != "root", FAMILIES.index(entry["family"])
+    return [rung.name for rung in RUNGS].index(entry["rung"]), entry["user"] != "root", FAMILIES.index(entry["family"])
 
 
 def _entry(rung: str, family: str, verdicts: Sequence[Verdict]) -> dict[str, Any]:

@@ -30,6 +30,8 @@ REDUCED = (
     "reads-by-a-link-of-its-own", "writes-outside", "daemon", "shared-memory", "leaves-files-for-the-next",
     "finds-what-another-left", "link-to-a-file-outside", "zip-that-slips-out",
 
+    "zip-whose-entries-overlap", "tar-that-claims-8-exabytes", "notebook-of-a-line-of-magic", "png-of-no-pixels", "yaml-that-runs-code",
+
     "error-says-html", "error-says-ansi", "error-says-workflow-command", "labels-say-html",
     "carries-hidden-states-in-an-error", "carries-hidden-states-in-a-line-number", "error-in-a-poisoned-file",
 )

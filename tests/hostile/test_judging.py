@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import pytest
 
+from grader.sandbox.rungs import UNWALLED
 from tests.hostile import outputs
 from tests.hostile.bait import SECRET, below
 from tests.hostile.forging import READS
@@ -58,7 +59,7 @@ def no_descendants() -> Iterator[None]:
 
 @pytest.mark.usefixtures("no_descendants")
 def test_everything_that_an_escape_touches_is_seen_where_nothing_is_held() -> None:
-    with Court("none") as unwalled:
+    with Court(UNWALLED.name) as unwalled:
         troubles = unwalled.try_(in_filter(ESCAPES)).troubles
     assert "report.html: it holds what the decoys hold" in troubles
     assert "result.json: it holds what the decoys hold" in troubles

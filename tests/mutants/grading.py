@@ -50,9 +50,9 @@ def _fits(pattern: str, key: str) -> bool:
 
 
 @cache
-def reasons() -> Reasons:
-    """What `equivalent.yaml` says."""
-    said = yaml.safe_load(Path(__file__).with_name("equivalent.yaml").read_text(encoding="utf-8"))
+def reasons(file: str = "equivalent.yaml") -> Reasons:
+    """What a file of reasons says."""
+    said = yaml.safe_load(Path(__file__).with_name(file).read_text(encoding="utf-8"))
     why = {key: group["because"] for group in said["equivalent"] for key in group["mutants"]}
     return Reasons(why, said["unjudged"])
 

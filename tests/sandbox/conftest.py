@@ -9,21 +9,21 @@ from typing import Any
 import pytest
 
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.ladder import Rung, probe
+from grader.sandbox.ladder import Tried, probe
 from grader.sandbox.plan import Contents
+from grader.sandbox.rungs import RUNGS
 
 HARNESS = Path(__file__).parent / "harness"
-WALLED = ("full", "bubblewrap", "landlock")
-OWN_ROOT = ("full", "bubblewrap")
+WALLED = [rung.name for rung in RUNGS if rung.walled]
 
 
 @pytest.fixture(scope="session")
-def rungs() -> dict[str, Rung]:
-    return {rung.name: rung for rung in probe()}
+def rungs() -> dict[str, Tried]:
+    return {tried.rung.name: tried for tried in probe()}
 
 
 @pytest.fixture(scope="session")
-def box_on(rungs: dict[str, Rung]) -> Iterator[Callable[[str], Box]]:
+def box_on(rungs: dict[str, Tried]) -> Iterator[Callable[[str], Box]]:
     """The one box of a rung; skips the test where this machine does not allow the rung."""
     boxes: dict[str, Box] = {}
 
@@ -39,7 +39,7 @@ def box_on(rungs: dict[str, Rung]) -> Iterator[Callable[[str], Box]]:
         box.close()
 
 
-@pytest.fixture(params=[*WALLED, "none"])
+@pytest.fixture(params=[rung.name for rung in RUNGS])
 def box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
     return box_on(request.param)
 

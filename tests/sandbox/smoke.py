@@ -27,17 +27,17 @@ result = [held(socket.socket), held(os.fork), held(open, {os.path.abspath(__file
 
 
 def survey() -> None:
-    for rung in probe():
-        if rung.usable and rung.name != "none":
-            with Box(Contents(HARNESS), rung=rung.name) as box, box.worker() as worker:
+    for tried in probe():
+        if tried.usable and tried.rung.walled:
+            with Box(Contents(HARNESS), rung=tried.rung.name) as box, box.worker() as worker:
                 held = worker.ask("run", {"source": SOURCE}).fields["result"]
-                print(rung.name, os.getuid(), all(held), flush=True)
+                print(tried.rung.name, os.getuid(), all(held), flush=True)
 
 
 def linger(name: str) -> None:
     with Box(Contents(HARNESS), rung=name) as box, box.worker() as worker:
         process = worker._process
-        pids = [process._popen.pid] if name == "none" else [box._zygote.pid, process._pid]  # type: ignore
+        pids = [process._popen.pid] if not box.rung.walled else [box._zygote.pid, process._pid]  # type: ignore
         print(*pids, flush=True)
         worker.ask("run", {"source": "while True: pass"}, cpu_s=60)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import select
 import signal
@@ -19,10 +20,11 @@ import pytest
 from grader.ground.errors import GraderError
 from grader.sandbox import ladder
 from grader.sandbox.box import Box
-from grader.sandbox.ladder import Rung
+from grader.sandbox.ladder import Tried
 from grader.sandbox.launch import Zygote
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
+from grader.sandbox.rungs import PROMISES, RUNGS, Rung
 
 from .conftest import HARNESS, run
 
@@ -30,33 +32,47 @@ ROOT = Path(__file__).parents[2]
 PLAIN_UID = 12345
 
 
-def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(rungs: dict[str, Rung]) -> None:
+def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(rungs: dict[str, Tried]) -> None:
     assert list(rungs) == ["full", "bubblewrap", "landlock", "none"]
     assert rungs["none"].usable
     assert all(rung.usable or rung.reason for rung in rungs.values())
 
 
-def test_a_box_takes_the_best_rung_that_holds(best: Box, rungs: dict[str, Rung]) -> None:
-    assert best.rung == next(name for name, rung in rungs.items() if rung.usable)
+def test_security_md_promises_what_the_rungs_do() -> None:
+    promised = [
+        f"| {each.words} | " + " | ".join("yes" if each.kept_on(rung) else "no" for rung in RUNGS) + " |"
+        for each in PROMISES
+    ]
+    assert "\n".join(promised) in (ROOT / "SECURITY.md").read_text(encoding="utf-8")
+
+
+def test_a_rung_that_is_better_keeps_all_that_a_lower_one_does() -> None:
+    kept = [{each.words for each in PROMISES if each.kept_on(rung)} for rung in RUNGS]
+    assert all(better >= lower for better, lower in itertools.pairwise(kept))
+    assert [rung.walled for rung in RUNGS] == [True, True, True, False]
+
+
+def test_a_box_takes_the_best_rung_that_holds(best: Box, rungs: dict[str, Tried]) -> None:
+    assert best.rung.name == next(name for name, tried in rungs.items() if tried.usable)
 
 
 def refuse(*names: str) -> Callable[..., Any]:
     real = ladder.raise_walls
 
-    def raise_walls(name: str, *rest: Any) -> Any:
-        if name in names:
-            raise WallsRefusedError(f"no {name} today")
-        return real(name, *rest)
+    def raise_walls(rung: Rung, *rest: Any) -> Any:
+        if rung.name in names:
+            raise WallsRefusedError(f"no {rung.name} today")
+        return real(rung, *rest)
 
     return raise_walls
 
 
-def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Rung]) -> None:
+def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Tried]) -> None:
     if not rungs["landlock"].usable:
         pytest.skip(rungs["landlock"].reason)
     monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap"))
     with Box(Contents(HARNESS)) as box, box.worker() as worker:
-        assert box.rung == "landlock"
+        assert box.rung.name == "landlock"
         assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
         assert run(worker, "result = 1") == {"result": 1}
 
@@ -64,7 +80,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPat
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap", "landlock"))
     with Box(Contents(HARNESS)) as box, box.worker() as worker:
-        assert box.rung == "none"
+        assert not box.rung.walled
         assert box.why.endswith("landlock: no landlock today")
         assert run(worker, "result = 1") == {"result": 1}
 
@@ -88,11 +104,13 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("times", [1, 2])
-@pytest.mark.parametrize("rung", ["full", "landlock"])  # what bwrap started outlives it, and goes on
+@pytest.mark.parametrize(
+    "rung", [rung for rung in RUNGS if rung.walled and not rung.program], ids=lambda rung: rung.name
+)  # what bwrap started outlives it, and goes on
 def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
-    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], rung: str, times: int
+    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], rung: Rung, times: int
 ) -> None:
-    box_on(rung)
+    box_on(rung.name)
     kills, await_walls = iter(range(times)), Zygote._await_walls
 
     def killed(zygote: Zygote) -> None:
@@ -118,7 +136,7 @@ def children(pid: int) -> list[int]:
 
 
 def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
-    monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Rung]
+    monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Tried]
 ) -> None:
     """As it is by whoever looks for memory; walls that refuse end otherwise."""
     if not rungs["full"].usable:
@@ -137,7 +155,7 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     for _ in range(20):  # a trial is over in milliseconds, and on a busy machine it is not always seen
         with Box(Contents(HARNESS)) as box:
-            found = box.rung, box.why
+            found = box.rung.name, box.why
         if hit:
             break
     assert hit
@@ -157,7 +175,7 @@ def test_a_plain_user_has_the_same_walls() -> None:
     assert all(line.endswith(f" {PLAIN_UID} True") for line in lines)
 
 
-def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, rungs: dict[str, Rung]) -> None:
+def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, rungs: dict[str, Tried]) -> None:
     """A Python that has no package of its own, and finds them by PYTHONPATH."""
     import numpy as np
 
@@ -167,7 +185,7 @@ def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, rungs:
     out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=environment)
     assert out.returncode == 0, out.stderr
     held = [line.split()[0] for line in out.stdout.splitlines() if line.endswith(" True")]
-    assert held == [name for name, rung in rungs.items() if rung.usable and name != "none"]
+    assert held == [name for name, tried in rungs.items() if tried.usable and tried.rung.walled]
 
 
 def _can_be_used_by_all(program: Path) -> bool:
@@ -176,7 +194,7 @@ def _can_be_used_by_all(program: Path) -> bool:
 
 
 def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.sandbox.smoke", box.rung]
+    command = [sys.executable, "-m", "tests.sandbox.smoke", box.rung.name]
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=environment) as lingering:
         assert lingering.stdout is not None
@@ -186,5 +204,5 @@ def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path
         ended, _, _ = select.select([pidfd], [], [], 10)
         os.close(pidfd)
         assert ended
-    if box.rung != "none":
+    if box.rung.walled:
         assert list(tmp_path.iterdir()) == []

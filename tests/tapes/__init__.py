@@ -17,6 +17,7 @@ import numpy as np
 
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.sandbox.box import Box, Worker
+from grader.sandbox.rungs import named
 from grader.sandbox.wire import Frame
 
 _KINDS = {kind.__name__: kind for kind in (Crashed, Malformed)}
@@ -103,6 +104,10 @@ class RecordedWorker(_Line):
     def cpu_s(self) -> float:
         return self._worker.cpu_s
 
+    @property
+    def wall_s(self) -> float:
+        return self._worker.wall_s
+
     def ask(
         self,
         op: str,
@@ -135,7 +140,7 @@ class RecordedWorker(_Line):
 class PlayedWorker(_Line):
     """A worker that is only a tape."""
 
-    cpu_s = 0.0
+    cpu_s = wall_s = 0.0
 
     def ask(
         self,
@@ -159,11 +164,11 @@ class RecordingBox:
     """A box that keeps what its workers answer."""
 
     def __init__(self, box: Box) -> None:
-        self._box, self.rung, self.tape = box, box.rung, Tape(box.rung)
+        self._box, self.rung, self.tape = box, box.rung, Tape(box.rung.name)
 
     def begin(self) -> Tape:
         """An empty tape, for the next submission."""
-        self.tape = Tape(self.rung)
+        self.tape = Tape(self.rung.name)
         return self.tape
 
     def worker(self) -> RecordedWorker:
@@ -177,7 +182,7 @@ class PlayingBox:
     """A box without a process: `tape` is what it plays."""
 
     def __init__(self, rung: str) -> None:
-        self.rung, self.tape = rung, Tape(rung)
+        self.rung, self.tape = named(rung), Tape(rung)
 
     def worker(self) -> PlayedWorker:
         return PlayedWorker(self.tape)

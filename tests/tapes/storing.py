@@ -24,7 +24,8 @@ from tests.scoreboard import Case, cases
 from tests.tapes import Played, StaleError, Tape
 
 FILE = Path(__file__).parent / "corpus.tape"
-_IN_THE_BOX = ("module level",)  # loading is what these are about, and their demos take their time
+_IN_THE_BOX = ("module level", "recast", "nothing")
+"""Loading is what the first two are about, and their demos take their time; the third has a test of its own."""
 _LENGTH = 8
 
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine.findings import Fault
+from grader.labs.imu.diagnosis.sight import Patience, looked_at
 from grader.sandbox.wire import Frame
 
 Array = NDArray[np.float64]
@@ -178,6 +180,15 @@ class Collection:
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
 
+    @cached_property
+    def filled_rows(self) -> int:
+        """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
+        assert self.acceleration is not None
+        assert self.angular_velocity is not None
+        n = min(len(self.acceleration), len(self.angular_velocity))
+        some = np.any(self.acceleration[:n] != 0, axis=1) | np.any(self.angular_velocity[:n] != 0, axis=1)
+        return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
+
     def rows(self, first: int, end: int | None = None) -> Collection:
         """A part of the same run."""
         time, acceleration, angular_velocity = (
@@ -330,19 +341,30 @@ class FilterRun:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Everything that was drawn while something ran: figure facts, the arrays they name, and the picture files."""
+    """Everything that was drawn while something ran.
+
+    Attributes
+    ----------
+    figures : facts of each, with what is seen of each curve
+    arrays : those that the facts name
+    pictures : names of the picture files
+    strange : those that show none of the figures, with the reason why they cannot be read, if they cannot
+    """
 
     figures: tuple[Mapping[str, Any], ...]
     arrays: Arrays
     pictures: tuple[str, ...]
     fault: Fault | None = None
+    strange: tuple[Mapping[str, str], ...] = ()
 
 
 def drawing_of(frame: Frame) -> Drawing:
     """What an answer tells of figures and pictures."""
+    patience = Patience()
     return Drawing(
-        tuple(frame.fields["figures"]),
+        tuple(looked_at(figure, frame.arrays, patience) for figure in frame.fields["figures"]),
         frame.arrays,
         tuple(frame.fields["pictures"]),
         Fault.of(frame.fields.get("error")),
+        tuple(frame.fields["strange"]),
     )

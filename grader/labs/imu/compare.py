@@ -55,10 +55,12 @@ def same_where_known(got: Array, expected: Array, atol: float) -> bool:
 
 
 def vector(values: Array, digits: int = 3) -> str:
-    """A vector as a student reads it: ``[ 0.412 -0.031 -9.702]``."""
-    return np.array2string(
-        np.asarray(values, float), precision=digits, suppress_small=False, floatmode="fixed", max_line_width=100
-    )
+    """A vector as a student reads it: ``[ 0.412 -0.031 -9.702]``; with powers of ten only where all of it is small or huge."""
+    array = np.asarray(values, float)
+    plain = bool(
+        np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits)
+    )  # at least two digits of the largest are left
+    return np.array2string(array, precision=digits, suppress_small=plain, floatmode="fixed", max_line_width=100)
 
 
 def told(values: Array, beside: Array) -> str:

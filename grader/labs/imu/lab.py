@@ -62,9 +62,20 @@ LAB = Lab(
     checked=_checked,
     model="textbook/assets/robot-models/mujoco/humanoid-sensors.xml",
     points_to={"visualization.comparison_plot": "LowPassFilter"},
+    calls={
+        "get_imu_readings": "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)",
+        "simulate_and_collect": "recording = simulate_and_collect(model, data, duration)",
+        "plot_imu_data": "plot_imu_data(recording)",
+        "NoisyIMU": "accel, gyro = NoisyIMU(model, data, accel_id, gyro_id, accel_noise_std, gyro_noise_std).read()",
+        "LowPassFilter": "filtered = LowPassFilter(alpha).update(measurement)",
+        "ComplementaryFilter": "roll, pitch = ComplementaryFilter(dt).update(accel, gyro)",
+        "allan_deviation": "taus, adev = allan_deviation(samples, sample_rate)",
+        "read_all_imus": "readings = read_all_imus(model, data)",
+    },
     libraries=(
         "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation",
     ),
     recorder="reference.traces",
     same_for_all=frozenset({"free_fall"}),
+    motions=("standing", "push", "tumbling"),
 )  # fmt: skip

@@ -1,8 +1,9 @@
-"""Copies of the lab model in a submission: whoever loads one means the robot that is graded with."""
+"""Copies of the lab model in a submission: code that loads one means the robot that is graded with."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 from grader.engine.traces import Traces, shipped
 
@@ -30,8 +31,13 @@ def with_graded_robot(files: Mapping[str, bytes], robot: str, copy: str | None =
     Sensor ids that are looked up in a handed-in copy are used on the model that is graded with: under a secret that one is a
     variant, with its sensors in another order. A model that differs from ours in more than white space is the student's own.
     """
-    ours = ((shipped().models["lab"] if copy is None else copy).encode()).split()
+    ours = (_lab_model() if copy is None else copy).encode().split()
     return {path: robot.encode() if _is_copy(path, content, ours) else content for path, content in files.items()}
+
+
+@cache
+def _lab_model() -> str:
+    return shipped().models["lab"]
 
 
 def _is_copy(path: str, content: bytes, ours: list[bytes]) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from grader.engine.conversation import Conversation, Missing, is_run
 from grader.engine.lab import Lab
 from grader.engine.loaded import Loaded
+from grader.engine.question import key_of
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Array, Drawing, drawing_of
@@ -35,6 +36,7 @@ class Plotting(Conversation):
         robot = self.robot = truth.robot
         furniture = {"model": robot.xml, "model_file": robot.file, "imu": robot.imu, "sheet_model": lab.model}
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
+        self.pictures = lab.pictures
         super().__init__(box, lab, own, furniture=furniture, **limits)
 
     def drawings(self) -> list[Drawing]:
@@ -42,14 +44,17 @@ class Plotting(Conversation):
         answers = (drawing_of(a.frame) if isinstance(a, Loaded) else a for a in self._answers.values())
         return [answer for answer in answers if isinstance(answer, Drawing)]
 
-    def plot(self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
-        """What `plot_imu_data` draws and saves of the given data, by the submission's own keys, else by those of the sheet.
+    def plot(
+        self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int], called: str = ""
+    ) -> Drawing:
+        """What `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
 
         If it raises, it is given what the submission's own recorder returns, with the data in it: an object of the
         submission's own, or a dictionary with labels and settings beside the numbers. If it raises again, it gets the
         sheet's recording: a key that is misspelled where the data is recorded is no fault of the plot's.
         """
-        return self.once("plot", lambda: self._plot(data, sheet, ids))
+        key = (key_of("plot", {"ids": ids}, data), key_of("plot", {}, sheet))
+        return self.known_as(called, key, lambda: self._plot(data, sheet, ids))
 
     def _plot(self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
         drawing = self._plotted(data)
@@ -117,9 +122,11 @@ class Plotting(Conversation):
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
         """The same without stand-ins: a script that fits its own broken part need not fit a sound one."""
-        if not self.broken or path in self.deadly or path.endswith(".ipynb"):
+        if not self.broken or path in self.deadly:
             return None
         with self.without_standins():
+            if path.endswith(".ipynb"):
+                return self._drawn_at_import(path)
             try:
                 return drawing_of(self.retried(lambda: self.ask("run_script", {"path": path})))
             except NoAnswer:
@@ -129,7 +136,7 @@ class Plotting(Conversation):
         """What can be seen of a handed-in picture; None where it was not handed in."""
         if name not in self.files:
             return None
-        return self.once(("picture", name), lambda: self._decode(name))
+        return self.known_as(name, ("picture", name), lambda: self._decode(name))
 
     def _decode(self, name: str) -> Mapping[str, Any]:
         content = np.frombuffer(self.files[name], dtype=np.uint8)

@@ -35,7 +35,7 @@ def from_dirt(student: Student, truth: Traces) -> Collection:
 
 def after_push(student: Student, truth: Traces) -> Collection:
     scalars = truth["push"].scalars
-    series = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth))
+    series = student.simulate(duration_s=float(scalars["duration_s"]), ids=torso_ids(truth), called="push")
     raised(series.fault, "collecting data")
     return series
 
@@ -45,7 +45,6 @@ def after_dirt(student: Student, truth: Traces) -> Collection:
     scalars = scenario.scalars
     dirty = (scenario["dirty_qpos"], scenario["dirty_qvel"], float(scenario["dirty_time"]))
     series = student.simulate(
-        "push_dirty",
         duration_s=float(scalars["duration_s"]),
         ids=torso_ids(truth),
         timestep=float(scalars["timestep"]),
@@ -116,7 +115,7 @@ def _leaning(student: Student, truth: Traces) -> Collection:
     """The push under a gravity that leans by what is drawn with the scenario: nobody has recorded this run."""
     sideways = np.asarray(truth["push_dirty"]["dirty_qvel"][:2])
     gravity = np.array([*(_LEAN * sideways / np.linalg.norm(sideways)), -9.81 - _LEAN])
-    return student.simulate("push_leaning", duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity)
+    return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity)
 
 
 def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[Array, Array] | None:
@@ -160,4 +159,4 @@ def one_row_follows(student: Student, truth: Traces) -> bool:
 
 
 def pushed_again(student: Student, truth: Traces) -> Collection:
-    return student.simulate("push_again", duration_s=_LEANING_S, ids=torso_ids(truth))
+    return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth))

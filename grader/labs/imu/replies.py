@@ -76,7 +76,9 @@ def _draws(answer: Answer, rows: int) -> None:
 
 def _filter(answer: Answer) -> None:
     cases = answer.fields["cases"]
-    kinds = record(odd=maybe(node(answer)), error=maybe(fault), input_changed=flag, output_changed=flag)
+    kinds = record(
+        output=maybe(short), odd=maybe(node(answer)), error=maybe(fault), input_changed=flag, output_changed=flag
+    )
     answer.part("cases", listed(kinds, len(cases), len(cases)))
     for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
         signal = answer.asked[asked["input"]]
@@ -102,7 +104,8 @@ def _plot(answer: Answer) -> None:
 
 def _tilt(answer: Answer) -> None:
     cases = answer.fields["cases"]
-    answer.part("cases", listed(record(odd=maybe(node(answer)), error=maybe(fault)), len(cases), len(cases)))
+    kinds = record(output=short, odd=maybe(node(answer)), error=maybe(fault))
+    answer.part("cases", listed(kinds, len(cases), len(cases)))
     for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
         _series(answer, case, len(answer.asked[asked["accel"]]), (2,))
 

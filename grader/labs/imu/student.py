@@ -6,14 +6,16 @@ own checks are over and lost, so that one fault costs once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from grader.engine.conversation import Missing
 from grader.engine.findings import Fault
+from grader.engine.question import Question, key_of
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import (
     Array,
@@ -32,7 +34,7 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class FilterCase:
-    """One filter over one signal; see `inside.questions.filter_cases` for the ways of handling."""
+    """One filter over one signal; see `box.questions.filter_cases` for the ways of handling."""
 
     signal: Array
     alpha: float | None = None
@@ -41,70 +43,38 @@ class FilterCase:
 
 
 class Student(Plotting):
-    """One submission under examination."""
+    """One submission under examination. What it is asked `called` something is what the charts of a report look up."""
 
-    def question(
-        self, key: Any, name: str, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]
-    ) -> Frame:
-        """The answer to one question about `name`, wherever it is defined; the same `key` is asked once."""
-        return self.once((op, key), lambda: self.ask(op, {"path": self.place_of(name), **fields}, arrays))
-
-    def read(self, key: str, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
+    def read(self, *, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
         """Readings of every pair of sensors (p, 2) in every state (k, nq), (k, nv) of a model."""
-        return self.once(("read", key), lambda: self._read(model, qpos, qvel, pairs))
+        becomes = partial(_readings, shape=(len(pairs), len(qpos)))
+        arrays = {"qpos": qpos, "qvel": qvel, "pairs": pairs}
+        return self.answer(Question("read", "get_imu_readings", becomes, {"model": model}, arrays))
 
-    def _read(self, model: str, qpos: Array, qvel: Array, pairs: np.ndarray) -> Readings:
-        path = self.place_of("get_imu_readings")
-        frame = self.ask("read", {"path": path, "model": model}, {"qpos": qpos, "qvel": qvel, "pairs": pairs})
-        calls = [as_reading(node, frame.arrays) for node in frame.fields["calls"]]
-        later = [as_reading(node, frame.arrays) for node in frame.fields["later"]]
-        shape = (len(pairs), len(qpos))
-        oddities = tuple(dict.fromkeys(call.oddity for call in calls if call.oddity))
-        return Readings(
-            accel=_grid([call.accel for call in calls], shape),
-            gyro=_grid([call.gyro for call in calls], shape),
-            later_accel=_grid([call.accel for call in later], shape[:1]),
-            later_gyro=_grid([call.gyro for call in later], shape[:1]),
-            oddities=oddities,
-            disturbance=frame.arrays["disturbance"],
-            fault=Fault.of(frame.fields.get("error")),
-        )
-
-    def simulate(self, key: str, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
-                 dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None) -> Collection:  # fmt: skip
+    def simulate(self, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
+                 dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None,
+                 called: str = "") -> Collection:  # fmt: skip
         """What `simulate_and_collect` returns on the robot, handed over in a dirty state if one is given.
 
         With `gravity` (3,), the model that is handed over has that one.
         """
-        return self.once(("simulate", key), lambda: self._simulate(duration_s, ids, timestep, dirty, gravity))
-
-    def _simulate(
-        self, duration_s: float, ids: tuple[int, int], timestep: float | None, dirty: tuple[Array, Array, float] | None,
-        gravity: Array | None,
-    ) -> Collection:  # fmt: skip
-        path = self.place_of("simulate_and_collect")
         fields = {
-            "path": path, "model": self.robot.xml, "duration_s": duration_s, "timestep": timestep,
+            "model": self.robot.xml, "duration_s": duration_s, "timestep": timestep,
             "accel_id": ids[0], "gyro_id": ids[1], "time_s": dirty[2] if dirty else 0.0,
         }  # fmt: skip
         arrays = {"qpos": dirty[0], "qvel": dirty[1]} if dirty else {}
-        frame = self.ask("simulate", fields, arrays if gravity is None else {**arrays, "gravity": gravity})
-        fault = Fault.of(frame.fields.get("error"))
-        changed = tuple(frame.fields["changed"])
-        if fault is not None:
-            return Collection(None, None, None, changed=changed, fault=fault)
-        collected = as_collection(frame.fields["value"], frame.arrays)
-        return replace(collected, changed=changed, first_step=_believable(frame.arrays))
+        arrays |= {} if gravity is None else {"gravity": gravity}
+        return self.answer(Question("simulate", "simulate_and_collect", _collected, fields, arrays), called)
 
     def replay(self, course: Mapping[str, Array], steps: int) -> Array | None:
         """All sensors (steps, n) of the robot in a run that goes as it is said to, simulated in a worker of its own.
 
         None where it cannot be simulated: what is said came out of a student's process, and may be anything.
         """
-        return self.once(("replay", steps, *_bytes(course)), lambda: self._replay(course, steps))
-
-    def _replay(self, course: Mapping[str, Array], steps: int) -> Array | None:
         fields = {"model": self.robot.xml, "steps": steps}
+        return self.once(key_of("replay", fields, course), lambda: self._replay(fields, course))
+
+    def _replay(self, fields: Mapping[str, Any], course: Mapping[str, Array]) -> Array | None:
         try:
             frame = self.retried(lambda: self.ask_aside("replay", fields, course))
         except NoAnswer:
@@ -114,31 +84,22 @@ class Student(Plotting):
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
         """What the submission's own reader (steps, 6) reads after each step of such a run; None where it cannot."""
-        return self.once(("read_along", steps, *_bytes(course)), lambda: self._read_along(course, steps, ids))
-
-    def _read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
+        fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
+        question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
-            fields = {
-                "path": self.place_of("get_imu_readings"), "model": self.robot.xml, "steps": steps,
-                "accel_id": ids[0], "gyro_id": ids[1],
-            }  # fmt: skip
-            rows = self.ask("read_along", fields, course).arrays["rows"]
+            rows = self.answer(question)
         except (Missing, NoAnswer):
             return None
         return rows if len(rows) == steps and np.isfinite(rows).all() else None
 
-    def noise(self, key: str, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: tuple[float, float],
-              biases: tuple[Array, Array] | None) -> NoiseRun:  # fmt: skip
+    def noise(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: tuple[float, float],
+              biases: tuple[Array, Array] | None, called: str = "") -> NoiseRun:  # fmt: skip
         """Many reads of one `NoisyIMU` in one state after the other."""
-        return self.once(("noise", key), lambda: self._noise(qpos, qvel, ids, reads, stds, biases))
-
-    def _noise(
-        self, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: tuple[float, float],
-        biases: tuple[Array, Array] | None,
-    ) -> NoiseRun:  # fmt: skip
-        fields = self._noise_fields(ids, reads, stds)
         given = {"accel_bias": biases[0], "gyro_bias": biases[1]} if biases else {}
-        return _noise_run(self.ask("noise", fields, {"qpos": qpos, "qvel": qvel, **given}))
+        arrays = {"qpos": qpos, "qvel": qvel, **given}
+        return self.answer(
+            Question("noise", "NoisyIMU", _noise_run, self._noise_fields(ids, reads, stds), arrays), called
+        )
 
     def noise_twins(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: Sequence[tuple[float, float]],
                     biases: Array) -> NoiseRun:  # fmt: skip
@@ -146,36 +107,22 @@ class Student(Plotting):
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]
         arrays = {"qpos": qpos[:1], "qvel": qvel[:1], "biases": biases}
-        return self.once("noise_twins", lambda: _noise_run(self.ask("noise_twins", fields, arrays)))
+        return self.answer(Question("noise_twins", "NoisyIMU", _noise_run, fields, arrays))
 
     def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, reads: int,
                      stds: tuple[float, float]) -> NoiseRun:  # fmt: skip
         """A few reads of many `NoisyIMU` that were given no bias: (instances, reads, 3)."""
-        fields = self._noise_fields
-        return self.once(
-            ("default_bias", stds),
-            lambda: _noise_run(
-                self.ask(
-                    "default_bias",
-                    fields(ids, reads, stds) | {"instances": instances},
-                    {"qpos": qpos, "qvel": qvel},
-                )
-            ),
-        )
+        fields = self._noise_fields(ids, reads, stds) | {"instances": instances}
+        return self.answer(Question("default_bias", "NoisyIMU", _noise_run, fields, {"qpos": qpos, "qvel": qvel}))
 
     def _noise_fields(self, ids: tuple[int, int], reads: int, stds: tuple[float, float]) -> dict[str, Any]:
-        path = self.place_of("NoisyIMU")
         return {
-            "path": path, "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1], "reads": reads,
+            "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1], "reads": reads,
             "accel_noise_std": stds[0], "gyro_noise_std": stds[1],
         }  # fmt: skip
 
-    def filter(self, key: str, cases: Sequence[FilterCase]) -> list[FilterRun]:
+    def filter(self, cases: Sequence[FilterCase], called: str = "") -> list[FilterRun]:
         """What `LowPassFilter` makes of each case."""
-        return self.once(("filter", key), lambda: self._filter(cases))
-
-    def _filter(self, cases: Sequence[FilterCase]) -> list[FilterRun]:
-        path = self.place_of("LowPassFilter")
         arrays: dict[str, np.ndarray] = {}
         rows = []
         for number, case in enumerate(cases):
@@ -185,12 +132,31 @@ class Student(Plotting):
                 initial = f"i{number}"
                 arrays[initial] = case.initial
             rows.append({"input": f"s{number}", "alpha": case.alpha, "initial": initial, "handling": case.handling})
-        frame = self.ask("filter", {"path": path, "cases": rows}, arrays)
-        return [_filter_run(answer, frame) for answer in frame.fields["cases"]]
+        return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
 
 
-def _bytes(arrays: Mapping[str, Array]) -> Iterator[bytes]:
-    return (array.tobytes() for array in arrays.values())
+def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
+    calls = [as_reading(node, frame.arrays) for node in frame.fields["calls"]]
+    later = [as_reading(node, frame.arrays) for node in frame.fields["later"]]
+    oddities = tuple(dict.fromkeys(call.oddity for call in calls if call.oddity))
+    return Readings(
+        accel=_grid([call.accel for call in calls], shape),
+        gyro=_grid([call.gyro for call in calls], shape),
+        later_accel=_grid([call.accel for call in later], shape[:1]),
+        later_gyro=_grid([call.gyro for call in later], shape[:1]),
+        oddities=oddities,
+        disturbance=frame.arrays["disturbance"],
+        fault=Fault.of(frame.fields.get("error")),
+    )
+
+
+def _collected(frame: Frame) -> Collection:
+    fault = Fault.of(frame.fields.get("error"))
+    changed = tuple(frame.fields["changed"])
+    if fault is not None:
+        return Collection(None, None, None, changed=changed, fault=fault)
+    collected = as_collection(frame.fields["value"], frame.arrays)
+    return replace(collected, changed=changed, first_step=_believable(frame.arrays))
 
 
 def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
@@ -199,7 +165,7 @@ def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
     claim = {name: arrays[f"first_{name}"] for name in names if f"first_{name}" in arrays}
     sound = len(claim) == len(names) and all(np.isfinite(value).all() for value in claim.values())
     sound = sound and len({len(claim[name]) for name in names if name.startswith("set_")}) == 1
-    return claim if sound and 1e-6 <= claim["timestep"][0] <= 1.0 else {}
+    return claim if sound and 1e-6 <= claim["timestep"][0] <= 1.0 and claim["steps"][0] >= 0 else {}
 
 
 def _grid(vectors: Sequence[Array | None], shape: tuple[int, ...]) -> Array:
@@ -218,6 +184,10 @@ def _noise_run(frame: Frame) -> NoiseRun:
         odd=as_reading(odd, frame.arrays).oddity if odd else None,
         fault=Fault.of(frame.fields.get("error")),
     )
+
+
+def _filter_runs(frame: Frame) -> list[FilterRun]:
+    return [_filter_run(answer, frame) for answer in frame.fields["cases"]]
 
 
 def _filter_run(answer: Mapping[str, Any], frame: Frame) -> FilterRun:

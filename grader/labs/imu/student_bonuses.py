@@ -1,19 +1,22 @@
 """Questions about the sheet's extensions, and what came back, as plain arrays.
 
-An extension is asked about only where its name is defined somewhere: whoever hands in none pays no time.
+An extension is asked about only where its name is defined somewhere: a submission without one costs no time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from grader.engine.findings import Fault
+from grader.engine.question import Question
 from grader.labs.imu.answers import Array, Arrays, Node, Reading, as_reading, numbers, shape_in_words
 from grader.labs.imu.student import Student
+from grader.sandbox.wire import Frame
 
 # --- the complementary filter --------------------------------------------------------------------------------------------
 
@@ -36,12 +39,15 @@ class TiltRun:
     fault: Fault | None
 
 
-def tilt(student: Student, key: str, cases: Sequence[TiltCase]) -> list[TiltRun]:
+def tilt(student: Student, cases: Sequence[TiltCase]) -> list[TiltRun]:
     """Run a new `ComplementaryFilter` over each case."""
     arrays = {f"a{i}": case.acceleration for i, case in enumerate(cases)}
     arrays |= {f"g{i}": case.angular_velocity for i, case in enumerate(cases)}
     rows = [{"dt": case.dt, "accel": f"a{i}", "gyro": f"g{i}"} for i, case in enumerate(cases)]
-    frame = student.question(key, "ComplementaryFilter", "tilt", {"cases": rows}, arrays)
+    return student.answer(Question("tilt", "ComplementaryFilter", _tilt_runs, {"cases": rows}, arrays))
+
+
+def _tilt_runs(frame: Frame) -> list[TiltRun]:
     return [_tilt_run(answer, frame.arrays) for answer in frame.fields["cases"]]
 
 
@@ -63,12 +69,16 @@ class AllanRun:
     fault: Fault | None
 
 
-def allan(student: Student, key: str, samples: Array, sample_rate_hz: float) -> AllanRun:
+def allan(student: Student, samples: Array, sample_rate_hz: float) -> AllanRun:
     """What `allan_deviation` returns for samples (n,) or (n, 3)."""
+    becomes = partial(_allan_run, columns=1 if samples.ndim == 1 else samples.shape[1])
     fields = {"sample_rate_hz": sample_rate_hz}
-    frame = student.question(key, "allan_deviation", "allan", fields, {"samples": samples})
+    return student.answer(Question("allan", "allan_deviation", becomes, fields, {"samples": samples}))
+
+
+def _allan_run(frame: Frame, columns: int) -> AllanRun:
     node = frame.fields["value"]
-    taus, adev = _curve(node, frame.arrays, 1 if samples.ndim == 1 else samples.shape[1])
+    taus, adev = _curve(node, frame.arrays, columns)
     return AllanRun(taus, adev, shape_in_words(node, frame.arrays), Fault.of(frame.fields.get("error")))
 
 
@@ -112,9 +122,14 @@ class ImuReadings:
     fault: Fault | None
 
 
-def imus(student: Student, key: str, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
+def imus(student: Student, *, model: str, qpos: Array, qvel: Array) -> ImuReadings:
     """Readings of all IMUs of a model in states (k, nq), (k, nv)."""
-    frame = student.question(key, "read_all_imus", "imus", {"model": model}, {"qpos": qpos, "qvel": qvel})
+    return student.answer(
+        Question("imus", "read_all_imus", _imu_readings, {"model": model}, {"qpos": qpos, "qvel": qvel})
+    )
+
+
+def _imu_readings(frame: Frame) -> ImuReadings:
     calls = tuple(_by_place(node, frame.arrays) for node in frame.fields["calls"])
     shape = shape_in_words(frame.fields["calls"][0], frame.arrays) if calls else "nothing"
     fault = Fault.of(frame.fields.get("error"))
@@ -165,7 +180,10 @@ def live(
     fields = {
         "model": model, "accel_id": ids[0], "gyro_id": ids[1], "duration_s": duration_s, "timestep": timestep, "push": push
     }  # fmt: skip
-    frame = student.question("live", "live_plot", "live", fields, {})
+    return student.answer(Question("live", "live_plot", _live_run, fields))
+
+
+def _live_run(frame: Frame) -> LiveRun:
     answer = frame.fields
     curves = [SeenCurve(c["moment"], c["label"], frame.arrays[c["x"]], frame.arrays[c["y"]]) for c in answer["curves"]]
     fault = Fault.of(answer.get("error"))

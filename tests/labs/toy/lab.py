@@ -11,6 +11,7 @@ from grader.engine.conversation import Conversation
 from grader.engine.evidence import Chart
 from grader.engine.findings import Fault, raised
 from grader.engine.lab import Lab, Part
+from grader.engine.question import Question
 from grader.engine.replies import Answer, checked, maybe, node
 from grader.engine.traces import Scenario, Traces
 from grader.sandbox.wire import Frame
@@ -24,10 +25,7 @@ class Student(Conversation):
 
     def call(self, name: str, values: np.ndarray) -> np.ndarray | None:
         """What the function makes of an array; None where no array of numbers came."""
-        return self.once((name, values.tobytes()), lambda: self._call(name, values))
-
-    def _call(self, name: str, values: np.ndarray) -> np.ndarray | None:
-        frame = self.ask("call", {"path": self.place_of(name), "name": name}, {"values": values})
+        frame = self.answer(Question("call", name, lambda frame: frame, {"name": name}, {"values": values}))
         raised(Fault.of(frame.fields.get("error")), f"calling {name}")
         value = frame.fields["value"]
         return frame.arrays[value["key"]] if value and "key" in value else None

@@ -49,13 +49,13 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     watch = _Watch(data, fields["duration_s"])
     screen = Screen(watch.seen, watch.done)
     answer: dict[str, Any] = {"returned": False}
-    figures.RECORDER.take()
+    figures.RECORDER.take(loading.STATE.folder)
     with examined(answer), screen.standing(), watch.counting_steps():
         value = call_collector(function, model, data, fields["duration_s"], ids)
         screen.show_animations_left()
         answer["returned"] = True
         del value  # an animation that was handed back lives until here
-    figures.RECORDER.take(with_open=False)
+    figures.RECORDER.take(loading.STATE.folder, with_open=False)
     return watch.reply(answer)
 
 

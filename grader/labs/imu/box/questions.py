@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import faults, figures, loading, world
+from grader.harness import faults, figures, loading, saved, world
 from grader.harness.values import Packer
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
@@ -363,8 +363,8 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     arrays : what is plotted; a number is an array of no dimension
     """
     function = loading.find("plot_imu_data", fields["path"])
-    figures.RECORDER.take()
-    for name in figures.written_pictures(loading.STATE.folder):
+    figures.RECORDER.take(loading.STATE.folder)
+    for name in saved.written_pictures(loading.STATE.folder):
         Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
     answer: dict[str, Any] = {}
     given: Any = {
@@ -372,8 +372,8 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     }
     with examined(answer):
         function(_recorded(fields["recorder"], given) if fields["recorder"] else given)
-    seen, facts = figures.RECORDER.take()
-    return answer | {"figures": seen, "pictures": figures.written_pictures(loading.STATE.folder)}, facts
+    seen, facts = figures.RECORDER.take(loading.STATE.folder)
+    return answer | seen, facts
 
 
 def _recorded(recorder: dict[str, Any], series: dict[str, Any]) -> Any:

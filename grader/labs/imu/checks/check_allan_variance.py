@@ -59,7 +59,7 @@ def check_matches_definition(student: Student, truth: Traces) -> None:
     """The deviation is the root of half the mean square difference of neighbouring averages"""
     records, rate = _records(student, truth), _rate(truth)
     if diagnosis.unit_of_times(records, rate):
-        return  # whatever the unit of its averaging times: that is charged by itself
+        return  # whatever the unit of its averaging times: another check charges that
     taus, curve, samples = next(r for r in records if not diagnosis.fits(diagnosis.in_seconds(r[0], rate), *r[1:]))
     size = int(np.clip(diagnosis.in_seconds(taus, rate)[0], 1, len(samples) // 2))
     ratio = curve[0] / diagnosis.overlapping(samples, size)
@@ -101,12 +101,12 @@ def check_shows_kinds_of_noise(student: Student, truth: Traces) -> None:
 def check_takes_three_axes(student: Student, truth: Traces) -> None:
     """Samples of three axes, (n, 3), give a curve for each axis"""
     samples = truth["allan"]["axes"]
-    run = allan(student, "axes", samples, _rate(truth))
+    run = allan(student, samples, _rate(truth))
     raised(run.fault, "computing the Allan deviation of samples (n, 3)")
     if run.taus is None or run.adev is None:
         raise Lost("deviations of shape (k, 3) for samples of shape (n, 3)", run.shape)
     known = run.adev[np.isfinite(run.adev).all(axis=1)]
-    alone = [allan(student, f"axis {axis}", samples[:, axis], _rate(truth)) for axis in range(3)]
+    alone = [allan(student, samples[:, axis], _rate(truth)) for axis in range(3)]
     for axis, single in enumerate(alone):
         taus, curve = _curve(single)
         same = diagnosis.thinned(np.arange(len(known), dtype=float), known[:, axis])[1]
@@ -122,7 +122,7 @@ def _rate(truth: Traces) -> float:
 
 
 def _run(student: Student, truth: Traces, kind: str) -> AllanRun:
-    return allan(student, kind, truth["allan"][kind], _rate(truth))
+    return allan(student, truth["allan"][kind], _rate(truth))
 
 
 def _records(student: Student, truth: Traces) -> list[diagnosis.Record]:

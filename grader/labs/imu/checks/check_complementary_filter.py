@@ -68,7 +68,7 @@ def check_beats_gyroscope_alone(student: Student, truth: Traces) -> None:
 @check("complementary_filter.beats_accelerometer_alone")
 def check_beats_accelerometer_alone(student: Student, truth: Traces) -> None:
     """Where the sensor is shaken, the filter does not take the shaking for a tilt"""
-    turned = [run.output for run in tilt(student, "turns", [TiltCase(tilting.DT, *s) for s in tilting.probes()[:2]])]
+    turned = [run.output for run in tilt(student, [TiltCase(tilting.DT, *s) for s in tilting.probes()[:2]])]
     if tilting.ignores_gyroscope(turned):
         raise Lost(
             "angles that follow a turn at once", "angles that take no notice of the gyroscope", mistakes=["accel-only"]
@@ -89,7 +89,7 @@ _SINGLE = {"gyro_alone_rms": "the gyroscope alone", "accel_alone_rms": "the acce
 def _beats(student: Student, truth: Traces, name: str, single: str, factor: float) -> None:
     ride = truth[name]
     case = TiltCase(float(ride.scalars["dt"]), ride["acceleration"], ride["angular_velocity"])
-    (run,) = tilt(student, name, [case])  # each ride by itself: a slow filter has its time for each
+    (run,) = tilt(student, [case])  # each ride by itself: a slow filter has its time for each
     error = _rms(_output(run), ride)
     alone = float(truth[name].scalars[single])
     if not error * factor <= alone:
@@ -117,7 +117,7 @@ def _at_rest(student: Student, truth: Traces) -> list[TiltRun]:
     for forces, shove in zip(tilted, start["shove"], strict=True):
         forces[:5] += shove
     still = [tilting.at_rest(np.zeros(2), 100), *tilted]
-    return tilt(student, "at rest", [TiltCase(dt, forces, np.zeros_like(forces)) for forces in still])
+    return tilt(student, [TiltCase(dt, forces, np.zeros_like(forces)) for forces in still])
 
 
 def _output(run: TiltRun) -> Array:
@@ -130,7 +130,7 @@ def _output(run: TiltRun) -> Array:
 def _mistakes(student: Student) -> list[str]:
     """What the filter's response to single changes shows; asked only where points are lost."""
     cases = [TiltCase(tilting.DT, *signals) for signals in tilting.probes()]
-    seen = tilting.response([run.output for run in tilt(student, "probes", cases)])
+    seen = tilting.response([run.output for run in tilt(student, cases)])
     return tilting.mistakes(seen) if seen else []
 
 

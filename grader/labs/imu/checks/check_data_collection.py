@@ -34,6 +34,8 @@ from ..recordings import (
 )
 from ..student import Student
 
+_ROWS = "data_collection.matches_truth"
+"""This charges what other checks see as well."""
 _SAME_START = 1e-9
 _TIME_ATOL = 1e-6
 """s. Adding a time step 5,000 times errs by 1e-12 s, and single precision by 1e-7 s at 3 s."""
@@ -93,6 +95,16 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         hint=""
         if mistakes
         else "Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).",
+        belongs_to=_ROWS if _are_too_many(student, truth) else "",
+    )
+
+
+def _are_too_many(student: Student, truth: Traces) -> bool:
+    """Whether as many rows as there are steps are filled, and those behind them never: matches_truth charges these."""
+    pairs = ((pushed(student, truth), "push"), (from_dirt(student, truth), "push_dirty"))
+    return all(
+        complete(series) and abs(series.filled_rows - Worlds.of(truth[name]).steps) <= 1 < length(series)
+        for series, name in pairs
     )
 
 
@@ -118,7 +130,7 @@ def check_time_axis(student: Student, truth: Traces) -> None:
     if series.time is None:
         raise Skipped("time stamps, which the returned value does not hold")
     story, worlds = story_of(student, truth, "push", series)
-    filled = diagnosis.filled_rows(series) if complete(series) else None
+    filled = series.filled_rows if complete(series) else None
     time = series.time[:filled] if filled else series.time
     if not np.isfinite(time).all():
         raise Lost("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
@@ -168,7 +180,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     series = pushed(student, truth)
     has_rows(series)
     story, worlds = story_of(student, truth, "push", series)
-    filled, n = diagnosis.filled_rows(series), length(series)
+    filled, n = series.filled_rows, length(series)
     if story is None:
         _rows_differ(series, worlds)
     assert story is not None

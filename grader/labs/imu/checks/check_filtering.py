@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Size, Skipped, raised
+from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array, same, vector
@@ -16,14 +16,17 @@ from grader.labs.imu.diagnosis import filtering as diagnosis
 from grader.labs.imu.digits import told_apart
 from grader.labs.imu.student import FilterCase, Student
 
+_RECURSION, _OWN_STATE = "filtering.follows_recursion", "filtering.instances_independent"
+"""These charge what other checks see as well: a filter that obeys the recursion passes constants, noise and signals as it does."""
 _DEFAULT_ALPHA = 0.1
 _ALPHA = 0.2
-_LATE = 10
-"""Samples at the end of 60: a state that was taken over from another instance is forgotten by then, 0.7^50 = 2e-8 of it."""
 _NO_LIMITS = (-np.inf, np.inf)
 _SLOW_PERIOD = 200  # samples; the sheet's filter with alpha 0.2 lags by 4 of them
 _LARGEST_NOISE_GAIN = 0.95
 """Of the variance. The sheet's filter leaves alpha / (2 - alpha) = 0.11 for alpha 0.2, averaging two samples 0.5; no filter 1."""
+_LEAST_SHARE = 0.5
+"""Of the output's deviation that swings as a slow input does: a linear filter of any kind has 1, numbers of chance have 0."""
+_NOTHING_LEFT = 1e-3
 _LARGEST_SIGNAL_ERROR = 0.5
 """Of the signal's spread. The sheet's filter errs by 0.13 at this period; one that loses the signal by 1."""
 
@@ -123,6 +126,22 @@ def filters(student: Student, truth: Traces) -> None:
         )
     if not any(np.ptp(y[1:], axis=0).any() for _, y in runs):
         raise Skipped("a filter whose output follows the measurements: it stays the same, whatever goes in")
+    _, run = _cases(student, truth).slow
+    if diagnosis.share_of_signal(_output(run), _SLOW_PERIOD) < _LEAST_SHARE and not _grain(student, truth):
+        raise Skipped("a filter whose output follows the measurements: a slow motion is not seen in what comes out")
+
+
+def lets_constants_through(student: Student, truth: Traces) -> None:
+    """Of a constant something comes out: a high-pass filter keeps what a low-pass filter takes away.
+
+    Where the recursion holds elsewhere the filter is no high-pass: what it makes of a constant is a fault of its own.
+    """
+    filters(student, truth)
+    if all(diagnosis.obeys(x, _output(run), alpha, 1 - alpha) for alpha, x, run in _plain(student, truth)):
+        return
+    signal, run = _cases(student, truth).constant
+    if np.abs(_output(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[-1]).max():
+        raise Skipped("a filter that lets the signal through: of a constant nothing comes out")
 
 
 @check("filtering.starts_from_first_measurement", lab_step=6, needs=filters)
@@ -133,25 +152,24 @@ def check_starts_from_first_measurement(student: Student, truth: Traces) -> None
     if _cases(student, truth).nothing_at_first:
         got = f"{run.odd or 'nothing'} from the first update(), vectors from the next ones"
         raise Lost(vector(x[0]), got, mistakes=["wrong-return-type"], off=Size("no vector from the first update()"))
-    if _named(student, truth) == ["high-pass"]:
-        return  # what it lets through of the first measurement is part of that fault
-    first = _within(x[0], _limits(student, truth))
-    if not same(y[0], first, outputs.ATOL + _grain(student, truth)) and not _scaled(x, y):
-        if _shares_state(student, truth):
-            return  # it starts where its neighbour ended, which instances_independent charges
+    if not same(y[0], x[0], outputs.ATOL):
         zero = same(y[0], alpha * x[0], outputs.ATOL) or same(y[0], (1 - alpha) * x[0], outputs.ATOL) or not y[0].any()
-        stuck = not np.ptp(y, axis=0).any()
-        mistakes = ["output-stuck"] if stuck else ["zero-initial-state"] if zero or _from_zero(x, y) else []
+        high_pass = _named(student, truth) == ["high-pass"]  # what it lets through at first is part of that fault
+        mistakes = ["zero-initial-state"] if (zero or _from_zero(x, y)) and not high_pass else []
         expected, got = told_apart(x[0], y[0])
-        raise Lost(expected, got, mistakes=mistakes, off=_off(y[0], x[0]), hint="" if mistakes else _FIRST)
+        raise Lost(
+            expected,
+            got,
+            mistakes=mistakes,
+            off=_off(y[0], x[0]),
+            hint="" if mistakes else _FIRST,
+            belongs_to="" if mistakes else _OWN_STATE if _shares_state(student, truth) else _RECURSION,
+        )
     _follows_initial_value(student, truth)
 
 
-def _scaled(x: Array, y: Array) -> bool:
-    """Whether the first output is right for a recursion that is wrong, which follows_recursion charges."""
-    found = diagnosis.recursion_of(x, y)
-    gain = sum(found) if found is not None else 0.0
-    return abs(gain) > 1e-6 and abs(gain - 1) > 1e-6 and same(y[0], gain * x[0], outputs.ATOL)
+def _starts_at(y: Array, *places: Array) -> bool:
+    return any(same(y[0], place, outputs.ATOL) for place in places)
 
 
 def _from_zero(x: Array, y: Array) -> bool:
@@ -163,13 +181,11 @@ def _follows_initial_value(student: Student, truth: Traces) -> None:
     cases = _cases(student, truth)
     x, run, alpha, initial = *cases.from_initial, cases.initial_alpha, cases.initial
     y = _output(run)
-    found = diagnosis.recursion_of(x, y)
-    if found is None or _shares_state(student, truth):
-        return  # another filter, or one that starts from its neighbour's state: charged elsewhere
-    if abs(found[1]) < outputs.ATOL or same(y[0], found[0] * x[0] + found[1] * initial, outputs.ATOL):
-        return
     wanted = alpha * x[0] + (1 - alpha) * initial
-    ignored = same(y[0], x[0], outputs.ATOL) or same(y[0], found[0] * x[0], outputs.ATOL)
+    if same(y[0], wanted, outputs.ATOL):
+        return
+    found = diagnosis.recursion_of(x, y)
+    ignored = found is not None and abs(found[1]) > outputs.ATOL and _starts_at(y, x[0], found[0] * x[0])
     expected, got = told_apart(wanted, y[0])
     raise Lost(
         f"{expected} from the measurement {vector(x[0])} after the initial value {vector(initial)}, alpha {alpha:g}",
@@ -178,64 +194,57 @@ def _follows_initial_value(student: Student, truth: Traces) -> None:
         mistakes=["initial-value-ignored"] if ignored else [],
         keeps=0.5,
         hint="" if ignored else _INITIAL,
+        belongs_to=_OWN_STATE if _shares_state(student, truth) else "" if ignored else _RECURSION,
     )
 
 
-@check("filtering.passes_constant", lab_step=6, needs=filters)
+@check("filtering.passes_constant", lab_step=6, needs=lets_constants_through)
 def check_passes_constant(student: Student, truth: Traces) -> None:
     """A constant input comes out as itself"""
     signal, run = _cases(student, truth).constant
     y = _output(run)
-    # A state that is rounded stops where alpha times the rest is rounded away.
-    rounding = _grain(student, truth) / _ALPHA
-    if not same(y[-1], _within(signal[-1], _limits(student, truth)), 1e-3 + rounding):
+    if not same(y[-1], signal[-1], 1e-3):
         expected, got = told_apart(signal[-1], y[-1])
-        mistakes = _gain_mistakes(student, truth)
+        mistakes = _named(student, truth)
         raise Lost(
             f"{expected}, the constant itself",
             f"{got} after {len(y)} samples",
             off=_off(y[-1], signal[-1]),
             mistakes=mistakes,
             hint="" if mistakes else _SUM,
+            belongs_to=_RECURSION,
         )
-
-
-def _gain_mistakes(student: Student, truth: Traces) -> list[str]:
-    runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
-    named = diagnosis.mistakes(runs)
-    return named if named else ["gain-not-one"] if all(diagnosis.recursion_of(x, y) for _, x, y in runs) else []
 
 
 @check("filtering.reduces_noise", lab_step=6, needs=filters)
 def check_reduces_noise(student: Student, truth: Traces) -> None:
     """Noise comes out smaller than it went in"""
     x, run = _cases(student, truth).noise
-    grain = _grain(student, truth)
-    if not np.ptp(_output(run), axis=0).any() and not grain:
-        raise Skipped("an output that changes with the measurement")
-    gain, rounding = diagnosis.noise_gain(x, _output(run)), grain / float(np.std(x, axis=0).min())
-    if not np.sqrt(gain) < np.sqrt(_LARGEST_NOISE_GAIN) + rounding:
+    gain = diagnosis.noise_gain(x, _output(run))
+    if not gain < _LARGEST_NOISE_GAIN:
         mistakes = _named(student, truth)
         raise Lost(
             "a noise variance below that of the input",
             f"{gain:.2f} times that of the input (alpha 0.2)",
             mistakes=mistakes,
             hint="" if mistakes else _SMALL,
+            belongs_to=_RECURSION,
         )
 
 
-@check("filtering.preserves_signal", lab_step=6, needs=filters)
+@check("filtering.preserves_signal", lab_step=6, needs=lets_constants_through)
 def check_preserves_signal(student: Student, truth: Traces) -> None:
     """A slow motion comes through the filter"""
     x, run = _cases(student, truth).slow
     error = diagnosis.signal_error(x, _output(run))
-    if not error < _LARGEST_SIGNAL_ERROR + _grain(student, truth) / float(np.std(x, axis=0).min()):
+    if not error < _LARGEST_SIGNAL_ERROR:
         mistakes = _named(student, truth)
         raise Lost(
             "an output that follows a slow input",
             f"an output that misses it by {error:.2f} of its spread",
             mistakes=mistakes,
             hint="" if mistakes else _SLOW,
+            belongs_to=_RECURSION,
         )
 
 
@@ -251,12 +260,14 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
     if not np.ptp(alone, axis=0).any() and not same(alone[0], cases.plain[0][1][0], outputs.ATOL):
         raise Skipped("an output that depends on the measurements")
     if _shares_state(student, truth):
-        settled = same(_output(cases.again)[-_LATE:], alone[-_LATE:], outputs.ATOL)
+        settled = outputs.settles(_output(cases.again) - alone)
+        aliased = [] if outputs.settles(_output(cases.spoilt_output) - alone) else ["aliased-output"]
         raise Lost(
             "the same output beside a second filter as alone",
             "another output",
-            mistakes=["shared-state"] if settled else [],
+            mistakes=["shared-state", *aliased] if settled else [],
             hint="" if settled else _OWN,
+            belongs_to="" if settled else _RECURSION,
         )
     if not same(_output(cases.spoilt_output), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that came out"
@@ -300,10 +311,6 @@ def _narrowest(plain: list[tuple[float, Array, FilterRun]]) -> tuple[float, floa
     return min(low for low, _ in known), max(high for _, high in known)
 
 
-def _within(values: Array, limits: tuple[float, float]) -> Array:
-    return np.asarray(np.clip(values, *limits))
-
-
 def _shares_state(student: Student, truth: Traces) -> bool:
     cases = _cases(student, truth)
     return not same(_output(cases.beside), _output(cases.alone), outputs.ATOL)
@@ -337,6 +344,10 @@ class _Cases:
 
 
 def _cases(student: Student, truth: Traces) -> _Cases:
+    return student.once("filter cases", lambda: _run(student, truth))
+
+
+def _run(student: Student, truth: Traces) -> _Cases:
     scenario = truth["filter"]
     signal, alphas, initial = scenario["input"], [float(a) for a in scenario["alpha"]], scenario["initial"]
     short = signal[:60]
@@ -356,7 +367,7 @@ def _cases(student: Student, truth: Traces) -> _Cases:
             for handling in ("plain", "beside", "spoil_input", "spoil_output", "plain")
         ),
     ]
-    runs = student.filter("cases", cases)
+    runs = student.filter(cases, called="filter")
     series = [_from_first_vector(case.signal, run) for case, run in zip(cases, runs, strict=True)]
     plain = [(alpha, *pair) for alpha, pair in zip((*alphas, _DEFAULT_ALPHA), series, strict=False)]
     of_noise, of_slow, of_constant, from_initial, alone, beside, spoilt_input, spoilt_output, again = series[
@@ -402,5 +413,5 @@ def _output(run: FilterRun) -> Array:
         raise Skipped("an output")
     if not np.isfinite(run.output).all():
         mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Lost("an array of three numbers from update()", run.odd or "NaN or infinity", mistakes=[mistake])
+        raise Unusable("an array of three numbers from update()", run.odd or "NaN or infinity", mistakes=[mistake])
     return run.output

@@ -139,7 +139,7 @@ def _worlds(student: Student, truth: Traces) -> tuple[_World, _World]:
 
 def _world(student: Student, truth: Traces, scenario: Scenario, places: tuple[str, ...]) -> _World:
     qpos, qvel = scenario["qpos"][:_STATES], scenario["qvel"][:_STATES]
-    got = imus(student, scenario.name, model=truth.models[scenario.model or ""], qpos=qpos, qvel=qvel)
+    got = imus(student, model=truth.models[scenario.model or ""], qpos=qpos, qvel=qvel)
     return _World(scenario, places, got)
 
 

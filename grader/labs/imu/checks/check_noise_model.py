@@ -23,6 +23,12 @@ _ROUGHLY = 0.3
 """600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
 _TRUTH_OF_ARRAY = "truth value of an array"
 """What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
+_SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
+    "noise_model.noise_size",
+    "noise_model.given_bias",
+    "noise_model.white_and_gaussian",
+)
+"""These charge what other checks see as well."""
 _UNITS = ("m/s²", "rad/s")
 _NAMES = ("accel", "gyro")
 _SIZE = (
@@ -69,7 +75,17 @@ def check_noise_size(student: Student, truth: Traces) -> None:
         mistakes=mistakes,
         keeps=0.5 if any(right) else 0.0,
         hint="" if mistakes else _SIZE,
+        belongs_to=_LAW_CHECK if _law_explains(student, truth, [i for i, is_ in enumerate(right) if not is_]) else "",
     )
+
+
+def _law_explains(student: Student, truth: Traces, wrong: list[int]) -> bool:
+    """Whether the noise goes with the size that is asked for, and only has another law, which white_and_gaussian charges."""
+    sensors = runs.steady(student, truth)
+    if not all(diagnosis.one_signed(sensors[i]) or not laws.is_normal(sensors[i]) for i in wrong):
+        return False
+    twins = runs.from_one_seed(student, truth)
+    return twins is not None and all(twins[i].scales() for i in wrong)
 
 
 def _size_in_words(facts: Facts) -> str:
@@ -178,8 +194,9 @@ def _is_taken(fault: Fault | None) -> None:
     if fault is not None and _TRUTH_OF_ARRAY in fault.message:
         raise Lost(
             "a bias given as an array of three that is used as it is",
-            f"an exception{f' at {fault.where}' if fault.where else ''}: an array was tested for truth, and has none",
-            off=Size("an exception: an array was tested for truth, and has none"),
+            f"an exception{f' at {fault.where}' if fault.where else ''}: the bias, an array, was asked whether it is true or false",
+            off=Size("an exception: the bias, an array, was asked whether it is true or false"),
+            fault=fault,
             mistakes=["bias-argument-ignored"],
         )
     raised(fault, "reading the noisy IMU with given biases")
@@ -213,17 +230,29 @@ def check_default_bias(student: Student, truth: Traces) -> None:
                 continue
             mistake = "no-bias" if diagnosis.bias_mistakes(sensors) == ["no-bias"] else "bias-not-random"
             keeps = 0.0 if mistake == "no-bias" else 0.5
-            raise Lost(f"a random {name} bias for each instance", "none", mistakes=[mistake], keeps=keeps)
+            raise Lost(
+                f"a random {name} bias for each instance",
+                "none",
+                mistakes=[mistake],
+                keeps=keeps,
+                belongs_to=_GIVEN_CHECK if mistake == "no-bias" and not all(f.still for f in sensors) else "",
+            )
         if np.ptp(mean[1:], axis=0).max() <= diagnosis.EXACT and not noisy:
             got = f"{vector(mean[1])} for each of {len(mean)} instances"
             reseeded = all(f.still for f in sensors) and diagnosis.size_mistakes(
                 sensors, runs.given_again(student, truth), silent
             )
             mistakes = reseeded or ["bias-not-random"]
-            raise Lost(f"another {name} bias for each instance", got, mistakes=mistakes, keeps=0.5)
+            raise Lost(
+                f"another {name} bias for each instance",
+                got,
+                mistakes=mistakes,
+                keeps=0.5,
+                belongs_to=_SIZE_CHECK if reseeded else "",
+            )
         if np.ptp(mean, axis=1).max() <= diagnosis.TRUTH_ATOL:
             got = f"{vector(mean[0])}: the same on each axis"
-            raise Lost(f"a {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
+            raise Lost(f"one {name} bias of its own on each axis", got, mistakes=["bias-shared"], keeps=0.5)
     if any(none):
         return
     ratio = biases[1].mean(axis=1) / biases[0].mean(axis=1)
@@ -249,6 +278,7 @@ def _stays(drifting: list[bool], biases: list[Array], silent: list[Facts]) -> No
         f"one {_NAMES[which]} bias for all reads",
         f"one that drifts, by up to {moved:.3g} {_UNITS[which]} over {runs.MANY} reads without noise",
         mistakes=["bias-drifts"],
+        belongs_to=_GIVEN_CHECK,
     )
 
 
@@ -257,14 +287,14 @@ def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     if moves.max() <= diagnosis.EXACT * max(1.0, np.abs(bias).max()) or noisy:
         return
     row = int(np.argmax(moves.max(axis=1)))
-    wanted = f"a {name} bias that stays the same from read to read"
+    wanted = f"one {name} bias that stays the same from read to read"
     got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
     if np.abs(bias[:, 1:]).max() <= diagnosis.TRUTH_ATOL:
-        raise Lost(wanted, got, mistakes=["bias-drifts"])
+        raise Lost(wanted, got, mistakes=["bias-drifts"], belongs_to=_GIVEN_CHECK)
     if np.ptp(bias[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT:  # the first read was before the next one was made
         got += ", and from every other one that was made meanwhile"
         raise Lost(wanted, got, mistakes=["bias-shared"], keeps=0.5)
-    raise Lost(wanted, got, mistakes=["bias-redrawn"])
+    raise Lost(wanted, got, mistakes=["bias-redrawn"], belongs_to=_GIVEN_CHECK)
 
 
 @check("noise_model.white_and_gaussian", lab_step=5)
@@ -288,11 +318,9 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
                 f"none beyond {most / facts.std:.2f} standard deviations in {facts.residual.size} values",
                 mistakes=["noise-clipped"],
             )
-        values = facts.standardised[:, facts.standardised.any(axis=0)]  # an axis without noise is charged by noise_size
-        low, high = st.geary_bounds(values.size)
-        ratio = st.geary(values.ravel())
-        if not low <= ratio <= high:
-            got = f"{ratio:.3f} over {values.size} values"
+        if not laws.is_normal(facts):
+            values = laws.living(facts)
+            got = f"{st.geary(values):.3f} over {values.size} values"
             wanted = f"{name} noise with a ratio of mean deviation to standard deviation of 0.798, as a normal law has"
             raise Lost(wanted, got, mistakes=["not-gaussian"])
     _is_centred(student, truth, raw)

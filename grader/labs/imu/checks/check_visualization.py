@@ -4,62 +4,60 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import PurePath
 
 import numpy as np
 
 from grader.engine.conversation import Missing
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Raised, Skipped, raised
+from grader.engine.findings import A_PERSON_MAY, Fault, Lost, Skipped, raised
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
 from grader.ground.text import printable
-from grader.labs.imu.answers import KEYS, Array, Drawing
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.checks import handed_in
+from grader.labs.imu.checks.plot_runs import (
+    CHANNELS,
+    Plot,
+    candidates,
+    drawing_or_fault,
+    drawn_plot,
+    has_curves,
+    limits_fit,
+    plot_of,
+    share,
+)
 from grader.labs.imu.diagnosis import comparing, labels, plots
-from grader.labs.imu.diagnosis.plots import Facts, Panel
-from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.diagnosis.plots import Channel, Facts, Panel
+from grader.labs.imu.diagnosis.sight import Sight
 from grader.labs.imu.student import Student
 
-_PICTURE = "imu_data.png"
 _COMPARISON = "filtered_imu.png"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
 _NONE_AS_GIVEN = (
     "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
 )
+_OTHER_FORMS = ("pdf", "svg", "svgz", "eps", "ps", "pgf")
 _SENSOR_WORDS = ("acceleration", "angular velocity")
 
 
-@dataclass(frozen=True)
-class _Plot:
-    """The figure under judgement, its panels, and what else was drawn."""
-
-    figure: Facts
-    panels: list[Panel]
-    drawing: Drawing
-
-    @property
-    def main_panels(self) -> list[Panel]:
-        """The panels that need words of their own: all but the insets."""
-        return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
-
-    def of_sensor(self, sensor: int) -> list[Panel]:
-        """The sensor's own panels; where it has none, those that it shares."""
-        own = [panel for panel in self.panels if panel.mainly == {sensor}]
-        return own or [panel for panel in self.panels if sensor in panel.sensors]
-
-
 def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, Traces], None]:
-    """What is missing from a plot that was broken off by an exception is the exception's fault, and told as that."""
+    """What is missing from a plot that an exception broke off is the exception's fault, and the finding says so."""
 
     @functools.wraps(judge)
     def judged(student: Student, truth: Traces) -> None:
         try:
             judge(student, truth)
-        except (Lost, Skipped):
-            raised(_drawing(student, truth).fault, "plotting IMU data")
+        except (Lost, Skipped, Missing):
+            if handed_in.counts(student, truth):
+                raise Lost(
+                    "code that draws and saves the plot",
+                    f"{handed_in.PICTURE}, which shows both sensors, and no code that draws it",
+                    mistakes=["plot-not-saved"],
+                    keeps=0.5,
+                ) from None
+            raised(drawing_or_fault(student, truth).fault, "plotting IMU data")
             raise
 
     return judged
@@ -69,19 +67,22 @@ def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, 
 @_to_the_end
 def check_saves_image(student: Student, truth: Traces) -> None:
     """plot_imu_data saves a readable picture of the plot"""
-    drawing = _drawing(student, truth)
-    saved = [f for f in drawing.figures if f["event"] == "saved"]
+    drawing = drawing_or_fault(student, truth)
     full = _saved_curves(drawing)
     if not full and drawing.figures:
-        looks = {_look(figure) for figure in drawing.figures if _curves(figure)}
+        looks = {_look(figure) for figure in drawing.figures if has_curves(figure)}
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
-        _not_saved(student, drawing, saved)
+        return _not_saved(student, truth, drawing)
+    _nothing_is_overwritten(candidates(student, truth, drawing))
     width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
         raise Lost(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
+    if all(f["format"] in _OTHER_FORMS for f in full):
+        hint = "The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4)."
+        raise Lost("a PNG picture", f"a picture as {full[0]['format'].upper()} alone", keeps=0.8, hint=hint)
 
 
 def _look(figure: Facts) -> tuple[tuple[str, str, int], ...]:
@@ -90,26 +91,54 @@ def _look(figure: Facts) -> tuple[tuple[str, str, int], ...]:
 
 
 def _saved_curves(drawing: Drawing) -> list[Facts]:
-    return [f for f in drawing.figures if f["event"] == "saved" and _curves(f)]
+    return [f for f in drawing.figures if f["event"] == "saved" and has_curves(f)]
 
 
-def _not_saved(student: Student, drawing: Drawing, saved: list[Facts]) -> None:
-    if saved:
-        raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
-    if _picture_shows_something(student, _PICTURE) and not drawing.figures:
-        student.note(
-            f"{_PICTURE} was handed in, and no code draws it: whoever looks at it may give more for what it shows"
+def _nothing_is_overwritten(drawn: list[Plot]) -> None:
+    """What a figure showed that is in no file at the end is lost to the reader."""
+    standing, gone = (
+        {channel for plot in drawn if plot.figure["event"] == event for channel in plot.drawn}
+        for event in ("saved", "overwritten")
+    )
+    if gone - standing:
+        path = next(plot.figure["path"] for plot in drawn if plot.figure["event"] == "overwritten")
+        missing = " and ".join(_SENSOR_WORDS[s] for s in (0, 1) if s in {sensor for sensor, _ in gone - standing})
+        raise Lost(
+            "each figure in a picture file of its own",
+            f"{_shown(path or handed_in.PICTURE)}, saved a second time, without the {missing}",
+            mistakes=["picture-overwritten"],
+            keeps=0.5,
         )
-        return  # nothing draws it, and it is there to be seen
-    drawn = "a figure that is drawn and never saved" if any(map(_curves, drawing.figures)) else "no figure"
-    raise Lost(f"a saved picture, {_PICTURE}", drawn, mistakes=["plot-not-saved"])
+
+
+def _not_saved(student: Student, truth: Traces, drawing: Drawing) -> None:
+    events = {figure["event"] for figure in drawing.figures if has_curves(figure)}
+    broken = next((picture for picture in drawing.strange if picture["reason"]), None)
+    if events & {"overwritten", "forgotten"} and broken is not None:
+        hint = "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
+        raise Lost("a picture that can be read", f"{_shown(broken['path'])}, which no program can open", hint=hint)
+    if "overwritten" in events:
+        hint = "Save the figure last, under a name that nothing else is written to afterwards (Step 4)."
+        got = "a file in which the figure no longer stands at the end"
+        raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
+    if any(figure["event"] == "saved" for figure in drawing.figures):
+        raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
+    if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
+        if not handed_in.counts(student, truth):
+            student.note(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
+        got = f"{handed_in.PICTURE}, which no code draws, and on which the recording was not recognised"
+        raise Lost("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
+    drawn = "a figure that is drawn and never saved" if events else "no figure"
+    if "forgotten" in events:
+        drawn = "a figure that is saved to memory, and never written to a file"
+    raise Lost(f"a saved picture, {handed_in.PICTURE}", drawn, mistakes=["plot-not-saved"])
 
 
 @check("visualization.two_labelled_panels", lab_step=4)
 @_to_the_end
 def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     """Acceleration and angular velocity have a panel each, which says what it shows"""
-    plot = _plot(student, truth)
+    plot = plot_of(student, truth)
     if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
         raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
     unlabelled = []
@@ -127,7 +156,7 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
         raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
 
 
-def _misnaming(plot: _Plot, panel: Panel, sensor: int) -> list[str]:
+def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
     """What is written on a panel of this sensor and speaks of the other one alone."""
     texts = [panel.facts["title"], panel.facts["ylabel"]]
     if not _shown_elsewhere(plot, 1 - sensor, panel):
@@ -148,12 +177,12 @@ def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
     raise Lost(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
 
 
-def _shown_elsewhere(plot: _Plot, sensor: int, panel: Panel) -> bool:
+def _shown_elsewhere(plot: Plot, sensor: int, panel: Panel) -> bool:
     """Whether another panel shows the sensor that this one claims; if none does, the wrong data is drawn, not the wrong panel."""
     return any(other is not panel and sensor in other.sensors for other in plot.panels)
 
 
-def _is_named(plot: _Plot, sensor: int) -> bool:
+def _is_named(plot: Plot, sensor: int) -> bool:
     """Whether a reader can tell which sensor it is; missing labels and titles are charged by their own checks."""
     panels = plot.of_sensor(sensor)
     if not panels or any(sensor in labels.claims(p.words) for p in panels):
@@ -174,27 +203,60 @@ def _is_named(plot: _Plot, sensor: int) -> bool:
 @_to_the_end
 def check_curves_match_data(student: Student, truth: Traces) -> None:
     """Six curves show the six channels of the data against time"""
-    plot = _plot(student, truth)
-    shown = {(s.sensor, s.axis) for panel in plot.panels for s in panel.shown}
-    strange = [curve for panel in plot.panels for curve in panel.strange]
+    plot = drawn_plot(student, truth)
+    cut_off = {} if limits_fit(student, truth, plot) else plot.cut_off()
+    shown = plot.drawn - set(cut_off)
     if len(shown) < 6:
-        missing = ", ".join(f"{_SENSOR_WORDS[s]} {'xyz'[a]}" for s in (0, 1) for a in range(3) if (s, a) not in shown)
-        twice = sum(len(panel.shown) for panel in plot.panels) > len(shown)
-        wrong = bool(strange) or twice
-        got = f"no curve that shows {missing}" + (f"; {len(strange)} that show something else" if strange else "")
-        mistake = "wrong-data-plotted" if wrong else "curves-missing"
-        raise Lost(
-            "six curves, one for each channel of the data",
-            got,
-            mistakes=[mistake],
-            keeps=len(shown) / 6 if shown else 0.0,
-            hint="" if shown or not strange else _NONE_AS_GIVEN,
-        )
+        _some_are_missing(plot, cut_off)
     _axis_is_time(plot)
     _scale_is_labelled(plot)
 
 
-def _axis_is_time(plot: _Plot) -> None:
+def _some_are_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> None:
+    shown = plot.drawn - set(cut_off)
+    strange = [curve for panel in plot.panels for curve in panel.strange]
+    missing = set(CHANNELS) - plot.drawn - plot.hidden
+    got, mistakes = [], []
+    if missing:
+        twice = sum(len(panel.shown) for panel in plot.panels) > len(plot.drawn)
+        got.append(
+            f"no curve that shows {_named(missing)}" + (f"; {len(strange)} that show something else" if strange else "")
+        )
+        mistakes.append("wrong-data-plotted" if strange or twice else "curves-missing")
+    if plot.hidden:
+        got.append(
+            f"{_named(plot.hidden)} in the code and not in the picture: covered, clipped, or in the colour of what is behind"
+        )
+        mistakes.append("curves-not-seen")
+    if cut_off:
+        got.append(_outside(cut_off))
+        mistakes.append("curves-not-seen")
+    raise Lost(
+        "six curves, one for each channel of the data",
+        "; ".join(got),
+        mistakes=list(dict.fromkeys(mistakes)),
+        keeps=len(shown) / 6 if shown else 0.0,
+        hint="" if plot.drawn or plot.hidden or not strange else _NONE_AS_GIVEN,
+    )
+
+
+def _named(channels: Iterable[Channel]) -> str:
+    of_sensors = [(_SENSOR_WORDS[s], ["xyz"[axis] for sensor, axis in sorted(channels) if sensor == s]) for s in (0, 1)]
+    return " and ".join(f"{word} {', '.join(axes)}" for word, axes in of_sensors if axes)
+
+
+def _outside(cut_off: Mapping[Channel, Sight]) -> str:
+    """Which part of the curves lies outside the limits: that of the channel that loses most."""
+    inside = min((sight.inside for sight in cut_off.values()), key=lambda mask: float(mask.mean()))
+    if not inside.any():
+        return f"{_named(cut_off)} outside the limits of the axes"
+    first, last = np.flatnonzero(inside)[[0, -1]]
+    ends = f"the last {99 - last} % of the time" if first < 5 and last < 95 else f"{share(~inside)} % of the time"
+    ends = f"the first {first} % of the time" if first >= 5 and last >= 95 else ends
+    return f"{ends} of {_named(cut_off)} outside the limits of the axes"
+
+
+def _axis_is_time(plot: Plot) -> None:
     kinds = {s.x for panel in plot.panels for s in panel.shown}
     if "index" in kinds:
         raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
@@ -209,12 +271,12 @@ def _axis_is_time(plot: _Plot) -> None:
         )
 
 
-def _own_ticks(plot: _Plot) -> bool:
+def _own_ticks(plot: Plot) -> bool:
     """Whether the numbers beside the time axis may be others than those that are drawn."""
     return any(panel.facts.get("own_ticks") is True for panel in plot.panels)
 
 
-def _scale_is_labelled(plot: _Plot) -> None:
+def _scale_is_labelled(plot: Plot) -> None:
     for panel in plot.panels:
         said = (
             labels.unit_of(panel.facts["ylabel"])
@@ -237,7 +299,7 @@ def _scale_is_labelled(plot: _Plot) -> None:
 @_to_the_end
 def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
     """The axes are labelled, with units"""
-    plot = _plot(student, truth)
+    plot = plot_of(student, truth)
     lost: list[tuple[str, str]] = []
     for sensor in (0, 1):
         panels = plot.of_sensor(sensor)
@@ -245,7 +307,7 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
         named = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
         beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"]) + named
         elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
-        if panels and elsewhere.isdisjoint(written):  # a label of the other sensor is charged as the panel's name
+        if panels and elsewhere.isdisjoint(written):  # the other sensor's label: another check charges that name
             lost += _label_problem(written, beside, sensor)
     if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
         lost += _time_problem(plot)
@@ -270,7 +332,7 @@ def _label_problem(texts: list[str], beside: list[str], sensor: int) -> list[tup
     return [("no-units", f"“{_shown(written[0])}” without a unit of {what} on its y axis")]
 
 
-def _time_problem(plot: _Plot) -> list[tuple[str, str]]:
+def _time_problem(plot: Plot) -> list[tuple[str, str]]:
     written = [label for label in _x_labels(plot) if label.strip()]
     if not written:
         return [("no-axis-labels", "no label on the time axis")]
@@ -283,7 +345,7 @@ def _time_problem(plot: _Plot) -> list[tuple[str, str]]:
     return []
 
 
-def _x_labels(plot: _Plot) -> list[str]:
+def _x_labels(plot: Plot) -> list[str]:
     return [panel.facts["xlabel"] for panel in plot.panels] + [plot.figure["xlabel"], *plot.figure["texts"]]
 
 
@@ -291,25 +353,27 @@ def _x_labels(plot: _Plot) -> list[str]:
 @_to_the_end
 def check_legend_names_curves(student: Student, truth: Traces) -> None:
     """A legend, or text beside the curves, tells the curves of a panel apart"""
-    plot = _plot(student, truth)
+    plot = plot_of(student, truth)
     crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
-        names = plots.names_of(panel, plot.figure, plot.drawing.arrays)
-        told = [name for name in names if name]
-        if len(told) < len(names) or len(set(told)) < len(told):
+        named = list(zip(panel.shown, plots.names_of(panel, plot.figure, plot.drawing.arrays), strict=True))
+        told = {(name, shown.channel) for shown, name in named if name}
+        if {channel for _, channel in told} < panel.channels or len({name for name, _ in told}) < len(panel.channels):
             nameless.append(panel)
             continue
-        if len({(s.sensor, s.axis) for s in panel.shown}) < len(panel.shown):
-            continue  # one channel drawn twice: the curve is wrong, not its name
-        for shown, name in zip(panel.shown, told, strict=True):
+        if len(told) > len(panel.channels):
+            continue  # one channel under several names: the curve is wrong, not its name
+        for name, (_, axis) in sorted(told):
             said = labels.axis_of(name)
-            if said is not None and said != shown.axis:
-                got = f"“{_shown(name)}” beside the curve of {'xyz'[shown.axis]}"
+            if said is not None and said != axis:
+                got = f"“{_shown(name)}” beside the curve of {'xyz'[axis]}"
                 raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
     if nameless:
         keeps = 0.5 if len(nameless) < len(crowded) else 0.0
-        got = "curves without a name" + ("" if len(nameless) == len(crowded) else " in one of the panels")
+        got = "curves that no legend and no text names" + (
+            "" if len(nameless) == len(crowded) else " in one of the panels"
+        )
         raise Lost("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
 
 
@@ -317,7 +381,7 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
 @_to_the_end
 def check_titles(student: Student, truth: Traces) -> None:
     """The panels, or the figure, have a title"""
-    plot = _plot(student, truth)
+    plot = plot_of(student, truth)
     places = {
         tuple(axes["position"]) for axes in plot.figure["axes"] if axes["title"].strip()
     }  # twin axes share a title
@@ -340,23 +404,35 @@ def check_titles(student: Student, truth: Traces) -> None:
     )
 
 
+_FILTER = "filtering.follows_recursion"
+_NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
+"""What a file cannot be read with: nobody knows what it would draw, and what it defines is charged where it is missed."""
+_DRAW_NOISE = (
+    "Read NoisyIMU in the loop, filter that and draw both: without noise nobody sees what a filter does (Step 6)."
+)
+_MEND_SCRIPT = "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
+
+
 @check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
-    drawn = broken_off = False
+    drawn = unread = False
+    broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
-        broken_off = broken_off or drawing.fault is not None
+        broken_off = broken_off or drawing.fault
+        unread = unread or (drawing.fault is not None and drawing.fault.type in _NO_PYTHON)
         seen = seen or next((_curves_in_words(f, drawing) for f in drawing.figures if _is_meant(f, drawing)), "")
         pairs = [(f, _compared(student, f, drawing)) for f in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
         saved = [of_it for figure, of_it in compared if figure["event"] == "saved"]
         if saved:
             _names_are_right(saved)
+            _noise_is_shown(saved, student)
             return
         drawn = drawn or bool(compared)
     if drawn:
-        if _picture_shows_something(student, _COMPARISON):
+        if handed_in.shows_something(student, _COMPARISON):
             return
         raise Lost(
             "a saved picture of raw and filtered data",
@@ -364,17 +440,26 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             mistakes=["comparison-missing"],
             keeps=0.5,
         )
-    if _picture_shows_something(student, _COMPARISON):
+    if handed_in.shows_something(student, _COMPARISON):
         why = f"and code that draws {seen}" if seen else "which no code of the submission draws"
         if broken_off:
             why = "and code that stops with an exception before it is drawn"
         got = f"{_COMPARISON}, {why}"
         raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
     got = seen or f"no code that draws it and no readable {_COMPARISON}"
+    if broken_off is not None and broken_off.where:
+        got += f"; the code stops with {broken_off.type} at {broken_off.where}"
     mistakes = (
         [] if broken_off else ["comparison-missing"]
     )  # an exception came first: what the script would draw is not known
-    raise Lost("a picture with the raw and the filtered series in it", got, mistakes=mistakes)
+    raise Lost(
+        "a picture with the raw and the filtered series in it",
+        got,
+        mistakes=mistakes,
+        hint=_MEND_SCRIPT if broken_off else "",
+        fault=broken_off,
+        belongs_to=_FILTER if unread else "",
+    )
 
 
 def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[comparing.Compared]:
@@ -393,6 +478,10 @@ def _is_meant(figure: Facts, drawing: Drawing) -> bool:
 
 def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
     series = comparing.series_drawn(figure, drawing.arrays)
+    unseen = comparing.unseen(figure, drawing.arrays)
+    if len(series) > 1 and unseen and not all(np.array_equal(one, series[0]) for one in series):
+        named = f" “{_shown(unseen[0])}”" if unseen[0] else ""
+        return f"a plot on which the curve{named} cannot be seen"
     if len(series) < 2:
         return "a plot with one curve alone" if series else "a plot without a curve"
     if all(np.array_equal(one, series[0]) for one in series):
@@ -407,63 +496,14 @@ def _names_are_right(saved: list[list[comparing.Compared]]) -> None:
         raise Lost("each curve under its own name", got, mistakes=["legend-order-wrong"], keeps=0.5)
 
 
+def _noise_is_shown(saved: list[list[comparing.Compared]], student: Student) -> None:
+    """A filter takes noise away; where `NoisyIMU` adds none, that has been charged already."""
+    if "NoisyIMU" in student.broken or any(pair.noisy for of_it in saved for pair in of_it):
+        return
+    raise Lost("raw data with noise in it", "a raw curve without noise", keeps=0.5, hint=_DRAW_NOISE)
+
+
 # --- what the checks share -----------------------------------------------------------------------------------------------
-
-
-def _series(truth: Traces) -> Mapping[str, Array]:
-    return {key: truth["tumbling"][key] for key in KEYS}
-
-
-def _drawing(student: Student, truth: Traces) -> Drawing:
-    drawing = student.plot(data=_data(student, truth), sheet=_series(truth), ids=torso_ids(truth))
-    if drawing.fault is not None and not drawing.figures:
-        raised(drawing.fault, "plotting IMU data")
-    return drawing
-
-
-def _data(student: Student, truth: Traces) -> dict[str, Array]:
-    """The true series under the names under which the submission itself records them, with what else it records."""
-    scalars, series = truth["push"].scalars, _series(truth)
-    try:
-        own = student.simulate("push", duration_s=float(scalars["duration_s"]), ids=torso_ids(truth))
-    except (NoAnswer, Missing, Raised):
-        return dict(series)
-    if any(name.isdigit() for name in own.keys.values()):
-        return dict(series)
-    return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
-
-
-def _plot(student: Student, truth: Traces) -> _Plot:
-    drawing = _drawing(student, truth)
-    saved = [f for f in drawing.figures if f["event"] == "saved"]
-    together = (
-        [plots.joined(saved)] if len(saved) > 1 else []
-    )  # a picture for each sensor; of equal ones the first counts
-    drawn = (*drawing.figures, *together)
-    panels = student.once("panels", lambda: [plots.panels(f, drawing.arrays, _series(truth)) for f in drawn])
-    candidates = [_Plot(f, its, drawing) for f, its in zip(drawn, panels, strict=True)]
-    best = max(candidates, key=_showing, default=None)
-    if best is None or not best.panels:
-        raise Skipped("a figure with curves in it")
-    return best
-
-
-def _showing(plot: _Plot) -> tuple[int, bool]:
-    channels = {(s.sensor, s.axis) for panel in plot.panels for s in panel.shown}
-    return len(channels), plot.figure["event"] == "saved"
-
-
-def _curves(figure: Facts) -> bool:
-    return any(
-        curve["visible"] and curve["n"] > 3 for axes in figure["axes"] if axes["visible"] for curve in axes["curves"]
-    )
-
-
-def _picture_shows_something(student: Student, name: str) -> bool:
-    picture = student.picture(name)
-    return (
-        picture is not None and bool(picture["readable"]) and picture["ink"] > 0.005 and min(picture["size_px"]) >= 150
-    )
 
 
 def _shown(text: str) -> str:

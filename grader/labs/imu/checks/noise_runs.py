@@ -1,4 +1,4 @@
-"""The reads of a submission's `NoisyIMU` that its checks judge: each question is asked once, and told as facts of each sensor."""
+"""What the checks of the noise model ask a `NoisyIMU`, each question once, as facts about each sensor."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from grader.engine.findings import Lost, raised
+from grader.engine.findings import Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
@@ -37,7 +37,9 @@ def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
     raised(run.fault, "reading the noisy IMU")
     if not _is_whole(run):
         mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Lost("a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake])
+        raise Unusable(
+            "a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake]
+        )
     return _exchanged(run) if returns_exchanged(student, truth) else run
 
 
@@ -88,13 +90,13 @@ def asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun
     }
     reads, stds, biases = settings[key]
     run = student.noise(
-        key if given else f"{key}, without biases",
         qpos=scenario["qpos"],
         qvel=scenario["qvel"],
         ids=torso_ids(truth),
         reads=reads,
         stds=stds,
         biases=biases if given else None,
+        called="noise" if given and key == "given" else "",
     )
     return asked(student, truth, "almost silent", given=given) if run.fault and key == "silent" else run
 

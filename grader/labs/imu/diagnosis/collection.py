@@ -144,7 +144,7 @@ class Story:
 
     @property
     def of_claim(self) -> bool:
-        """Whether the run went as it was claimed, which is told by the claim alone."""
+        """Whether the run went as it was claimed, as the claim alone tells."""
         return self.world in (CLAIMED_WORLD, OWN_WORLD)
 
     @property
@@ -160,15 +160,6 @@ class Story:
     @property
     def oddness(self) -> int:
         return (self.world != TRUE_WORLD) + (self.lag != 0) + (self.skip != 1) + self.exchanged + self.aliased
-
-
-def filled_rows(series: Collection) -> int:
-    """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
-    assert series.acceleration is not None
-    assert series.angular_velocity is not None
-    n = min(len(series.acceleration), len(series.angular_velocity))
-    some = np.any(series.acceleration[:n] != 0, axis=1) | np.any(series.angular_velocity[:n] != 0, axis=1)
-    return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
@@ -237,7 +228,7 @@ def _stories(series: Collection, worlds: Worlds) -> Iterator[Story]:
 
 def _strides(series: Collection, worlds: Worlds) -> set[int]:
     """How many steps there may be between two rows: by the stamps, by the number of rows, or as people like it."""
-    n = filled_rows(series)
+    n = series.filled_rows
     likely = {2, 3, 4, 5, 10, 20, 50, 100, *((round(worlds.steps / n), -(-worlds.steps // n)) if n else ())}
     if series.time is not None and len(series.time) > 1:
         apart = float(np.median(np.diff(series.time))) / worlds.timestep
@@ -274,7 +265,7 @@ def tells(story: Story, series: Collection, worlds: Worlds) -> bool:
     if story.exchanged:
         accel, gyro = gyro, accel
     true_accel, true_gyro = worlds.series[story.world]
-    rows, wanted = _rows(story, len(accel) if story.altered else filled_rows(series), len(true_accel))
+    rows, wanted = _rows(story, len(accel) if story.altered else series.filled_rows, len(true_accel))
     if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * story.skip))):
         return False
     if story.altered == SENSORS:

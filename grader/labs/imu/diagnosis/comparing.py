@@ -14,18 +14,26 @@ from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, Facts, is_reference, 
 
 Index = NDArray[np.intp]
 
+_SEEN = 0.05
+"""Of a curve: a comparison may be a detail, and one that shows nothing is none."""
 _MOST_POINTS = 20_000
 """Of a curve are compared, its last: eight times what the lab records."""
 _MOST_PAIRS = 1000
 """Of a figure are compared: those of six channels with five filtered versions of each."""
+_TURNS = 0.25
+"""Share of neighbouring second differences that change sign, of a series with noise in it. White noise has 0.73, the lab's own
+noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
+_ROUNDING = 1e-5
+"""Of the largest value: second differences below that are of digits that were cut off."""
 
 
 @dataclass(frozen=True)
 class Compared:
-    """A curve and a smoother version of it, with the names that they carry."""
+    """A curve and a smoother version of it, with the names that they carry, and whether there is noise in the curve."""
 
     raw: str
     smooth: str
+    noisy: bool
 
     @property
     def exchanged(self) -> bool:
@@ -38,7 +46,7 @@ class Compared:
 
 def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
     """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
-    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)]
+    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _seen_curves(axes, arrays)]
     pairs = (
         (above, raw, below, smooth)
         for above, raw in drawn
@@ -46,7 +54,7 @@ def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
         if raw is not smooth and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
     )
     return [
-        Compared(_name_on(above, raw), _name_on(below, smooth))
+        Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw, arrays)[1]))
         for above, raw, below, smooth in islice(pairs, _MOST_PAIRS)
         if _is_smoothed(*_at_the_same_points(_last_points(raw, arrays), _last_points(smooth, arrays)))
     ]
@@ -59,10 +67,16 @@ def _last_points(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
 
 def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
     """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
-    names = [
-        _name_on(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _long_curves(axes, arrays)
-    ]
-    return [Compared(raw, smooth) for raw in names for smooth in names if says_raw(raw) and says_smooth(smooth)]
+    named = [
+        (_name_on(axes, curve), curve)
+        for axes in figure["axes"] if axes["visible"]
+        for curve in _seen_curves(axes, arrays)
+    ]  # fmt: skip
+    return [
+        Compared(raw, smooth, _has_noise(_last_points(curve, arrays)[1]))
+        for raw, curve in named if says_raw(raw)
+        for smooth, _ in named if says_smooth(smooth)
+    ]  # fmt: skip
 
 
 def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
@@ -70,12 +84,30 @@ def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
     return [points_of(c, arrays)[1] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
 
 
+def unseen(figure: Facts, arrays: Arrays) -> list[str]:
+    """The names of the curves that are drawn, and that nobody sees."""
+    return [
+        _name_on(axes, curve)
+        for axes in figure["axes"]
+        for curve in _long_curves(axes, arrays)
+        if not (axes["visible"] and _is_seen(curve))
+    ]
+
+
 def _name_on(axes: Facts, curve: Facts) -> str:
     return name_of(curve, axes["legend"] or (), axes["texts"]) or ""
 
 
+def _seen_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
+    return [curve for curve in _long_curves(axes, arrays) if _is_seen(curve)]
+
+
+def _is_seen(curve: Facts) -> bool:
+    return bool(curve["visible"] and curve["sight"].seen.mean() >= _SEEN)
+
+
 def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
-    drawn = [c for c in axes["curves"] if c["visible"] and c["kind"] != "nothing"]
+    drawn = [c for c in axes["curves"] if c["kind"] != "nothing"]
     long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
     return [c for c in long if len(points_of(c, arrays)[1]) >= FEWEST_POINTS]
 
@@ -99,6 +131,13 @@ def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
     if len(raw) < FEWEST_POINTS or np.std(np.diff(smooth[::step])) > 0.8 * np.std(np.diff(raw[::step])):
         return False
     return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
+
+
+def _has_noise(raw: Array) -> bool:
+    """Whether a series goes up and down from value to value, by however little."""
+    bends = np.diff(raw, 2)
+    bends = bends[np.abs(bends) > _ROUNDING * np.abs(raw).max()]
+    return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
 def _follows(raw: Array, smooth: Array, window: int) -> bool:

@@ -131,3 +131,21 @@ def signal_error(x: Array, y: Array) -> float:
     """RMS of output minus a slow input, in units of the input's own spread, second half of the series."""
     half = len(x) // 2
     return float(np.sqrt(np.mean((y[half:] - x[half:]) ** 2)) / np.sqrt(np.mean(np.var(x[half:], axis=0))))
+
+
+def share_of_signal(y: Array, period: int) -> float:
+    """The share of the output's deviation from a straight line that swings with a period, at whatever size and lag.
+
+    Second half of the series; of the axis that has most of it, and 0 where the output stays the same.
+    """
+    late = y[len(y) // 2 :]
+    phase = 2 * np.pi * np.arange(len(late)) / period
+    line, waves = np.stack([np.ones_like(phase), phase], axis=1), np.stack([np.sin(phase), np.cos(phase)], axis=1)
+    whole, rest = _rest(late, line), _rest(late, np.concatenate([line, waves], axis=1))
+    return float(np.max(1 - rest[whole > ATOL] / whole[whole > ATOL], initial=0.0))
+
+
+def _rest(y: Array, columns: Array) -> Array:
+    """The standard deviation of each axis that no sum of the columns explains."""
+    weights, *_ = np.linalg.lstsq(columns, y, rcond=None)
+    return np.asarray(np.std(y - columns @ weights, axis=0))

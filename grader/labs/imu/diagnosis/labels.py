@@ -19,12 +19,22 @@ _LOOKALIKES = str.maketrans("º⁄", "°/")
 """What is written for a degree and for a stroke, and would become a letter and stay what it is."""
 
 
+_KINDS = {
+    "acceleration", "angular_velocity", "hints", "axes", "raw", "filtered", "metre", "radian", "degree", "second", "per", "squared",
+    "seconds", "milliseconds", "samples", "labels",
+}  # fmt: skip
+
+
 @cache
 def languages() -> Mapping[str, Mapping[str, Any]]:
     """The words of every language, by its code."""
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (Path(__file__).parents[1] / "languages.yaml").read_text(encoding="utf-8")
     blocks: Mapping[str, Mapping[str, Any]] = yaml.load(text, Loader=loader)
+    for code, block in blocks.items():
+        assert block.keys() == _KINDS, (
+            f"languages.yaml: {code} lacks, or has for itself, {', '.join(_KINDS ^ block.keys())}"
+        )
     return blocks
 
 

@@ -1,4 +1,4 @@
-"""Noise that is not white and normal, and biases that do not stay: told apart, so that each is charged where it belongs.
+"""Noise that is not white and normal, and biases that do not stay: which is which, so that the right check charges each.
 
 A bias that drifts shows where there is no noise, or in the first reads of many instances; differences of neighbouring reads
 then tell the noise as if the bias stood still. A read that depends on the one before shows in the correlation of reads; noise
@@ -20,6 +20,8 @@ _SMOOTH = 0.5
 """Of von Neumann's ratio, which is 1 for white noise (± 0.04 for 600 values) and below 0.2 for a walk of 100 reads."""
 _CREEPS = 0.3
 """Of the spread between instances: a bias drawn anew on every read moves by 1.4 of it from one read to the next."""
+_UNLIKE_UNIFORM = 0.9
+"""Standard deviations. A normal law that is drawn anew beyond a narrower bound is a uniform one, as far as moments tell."""
 _CUT = 2.9
 """Standard deviations. 7,500 sound values stay within with a probability of (1 - 0.0037)^7500 = 7e-13."""
 
@@ -84,7 +86,7 @@ def clipped(facts: Facts) -> bool:
     A bound shows where nothing goes beyond `_CUT`, or where the largest deviation comes again, to the last digit.
     """
     cut = float(np.abs(facts.centred).max()) / facts.std
-    if facts.still or not (0.1 < cut < _CUT or _repeats_extremes(facts)):
+    if facts.still or not (_UNLIKE_UNIFORM < cut < _CUT or _repeats_extremes(facts)):
         return False
     spread, mean = facts.pooled_spread / facts.std, float(np.abs(facts.centred).mean()) / facts.std
     return any(abs(spread / s - 1) < 0.04 and abs(mean / spread - m / s) < 0.012 for s, m in st.limited_moments(cut))
@@ -104,3 +106,17 @@ def density(sensors: Sequence[Facts], timestep: float) -> bool:
     """Whether both sensors' noise is as far off as a density taken for a standard deviation is: by the root of rate or step."""
     ratios = [facts.pooled_spread / facts.std for facts in sensors]
     return any(all(abs(r / root - 1) < 0.07 for r in ratios) for root in (timestep**0.5, timestep**-0.5))
+
+
+def living(facts: Facts) -> Array:
+    """The standardised noise of the axes that have any."""
+    return np.asarray(facts.standardised[:, facts.standardised.any(axis=0)].ravel())
+
+
+def is_normal(facts: Facts) -> bool:
+    """Whether mean deviation and standard deviation are as far apart as a normal law has them; still axes aside."""
+    values = living(facts)
+    if facts.still or not values.size:
+        return True
+    low, high = st.geary_bounds(values.size)
+    return bool(low <= st.geary(values) <= high)

@@ -23,6 +23,8 @@ _MATCH = 1e-3
 """Of the channel's range. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more."""
 
 Facts = Mapping[str, Any]
+Channel = tuple[int, int]
+"""Sensor 0 or 1, axis 0 to 2."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,23 @@ class Shown:
     x: str
     curve: Facts
 
+    @property
+    def channel(self) -> Channel:
+        return self.sensor, self.axis
+
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes with what it shows: known channels and curves that show none."""
+    """One set of axes with what it shows: known channels, curves that show none, and channels whose curves nobody sees."""
 
     facts: Facts
     shown: tuple[Shown, ...]
     strange: tuple[Facts, ...]
+    hidden: tuple[Shown, ...] = ()
+
+    @property
+    def channels(self) -> set[Channel]:
+        return {s.channel for s in self.shown}
 
     @property
     def sensors(self) -> set[int]:
@@ -85,28 +96,32 @@ def joined(figures: Sequence[Facts]) -> Facts:
 
 
 def panels(figure: Facts, arrays: Arrays, series: Mapping[str, Array]) -> list[Panel]:
-    """The visible axes that hold at least one curve of data."""
+    """The axes that hold at least one curve of data."""
     found = []
     for axes in figure["axes"]:
         if axes["visible"]:
             panel = _panel(axes, arrays, series)
-            if panel.shown or panel.strange:
+            if panel.shown or panel.strange or panel.hidden:
                 found.append(panel)
     return found
 
 
 def _panel(axes: Facts, arrays: Arrays, series: Mapping[str, Array]) -> Panel:
-    shown, strange = [], []
+    shown: list[Shown] = []
+    hidden: list[Shown] = []
+    strange = []
     for curve in axes["curves"]:
-        if not curve["visible"] or curve["kind"] == "nothing":
+        if curve["kind"] == "nothing":
             continue
         x, y = arrays[curve["x"]], arrays[curve["y"]]
         match = _channel(x, y, series)
         if match is not None:
-            shown.append(Shown(*match, curve))
-        elif not is_reference(x, y):
+            (shown if curve["visible"] else hidden).append(Shown(*match, curve))
+        elif curve["visible"] and not is_reference(x, y):
             strange.append(curve)
-    return Panel(axes, tuple(shown), tuple(strange))
+    seen = {match.channel for match in shown}  # one channel drawn twice hides itself
+    shown += [match for match in hidden if match.channel in seen]
+    return Panel(axes, tuple(shown), tuple(strange), tuple(match for match in hidden if match.channel not in seen))
 
 
 def is_reference(x: Array, y: Array) -> bool:

@@ -6,6 +6,7 @@ Each candidate predicts what a reader with that mistake returns; place and value
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -83,7 +84,8 @@ def explain(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
     """
     if _fits(accel, gyro, _SOUND, scene):
         return _SOUND
-    fitting = [e for e in _candidates() if _fits(accel, gyro, e, scene)]
+    read = functools.cache(lambda place: place(scene))  # a hundred candidates read at each of the places
+    fitting = [e for e in _candidates() if _matches(accel, gyro, *e.value(scene, *read(e.place)))]
     if not fitting:
         return None
     fewest = min(len(e.mistakes) for e in fitting)
@@ -92,7 +94,10 @@ def explain(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
 
 
 def _fits(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) -> bool:
-    expected_accel, expected_gyro = explanation.predict(scene)
+    return _matches(accel, gyro, *explanation.predict(scene))
+
+
+def _matches(accel: Array, gyro: Array, expected_accel: Array, expected_gyro: Array) -> bool:
     return same_where_known(accel, expected_accel, ATOL) and same_where_known(gyro, expected_gyro, ATOL)
 
 
@@ -160,7 +165,7 @@ def _candidates() -> Iterator[Explanation]:
         yield Explanation(place_mistake, names, place, value)
     for (names, value), decimals in itertools.product(values, range(4)):
         if names and names != ("precision-lost",):
-            yield Explanation(None, (*names, "precision-lost"), _at(0, 0), _rounded(value, decimals))
+            yield Explanation(None, (*names, "precision-lost"), _SOUND.place, _rounded(value, decimals))
 
 
 # --- places --------------------------------------------------------------------------------------------------------------

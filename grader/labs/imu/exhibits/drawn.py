@@ -17,6 +17,7 @@ from grader.labs.imu.exhibits.points import curve, thinned
 _FIGURES = 3
 _PANELS = 6
 _CURVES = 12
+_FED = "A test recording was fed in, so the curves are not those of your own simulation."
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 Facts = Mapping[str, Any]
@@ -42,7 +43,7 @@ def _chart(figure: Facts, panels: tuple[Panel, ...], *, by_function: bool) -> Ch
     return Chart(
         "visualization",
         f"{who}: {title}" if title else who,
-        f"{saved}; set here from what the grader read of it and judges.",
+        f"{saved}; set here from what the grader read of it and judges.{' ' + _FED if by_function else ''}",
         panels,
     )
 
@@ -66,7 +67,8 @@ def _panel(axes: Facts, figure: Facts, arrays: Mapping[str, Array]) -> Panel:
 
 def _reach(axes: Facts, arrays: Mapping[str, Array]) -> Array:
     """First and last x of the curves that are more than a straight line."""
-    ends = [arrays[each["x"]][[0, -1]] for each in axes["curves"] if each["visible"] and each["n"] > 2]
+    shown = [arrays[each["x"]] for each in axes["curves"] if each["visible"]]
+    ends = [x[[0, -1]] for x in shown if len(x) > 2]
     return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
 
 

@@ -28,7 +28,8 @@ def chart(series: Collection | None, truth: Scenario) -> Chart | None:
     if not known:
         return None
     sizes = " and ".join(size for _, size in known if size)
-    said = f"Largest difference: {sizes}." if sizes else "They agree."
+    within = f"{ATOL_ACCELERATION:g} m/s² and {ATOL_RATE:g} rad/s"
+    said = f"Largest difference: {sizes}." if sizes else f"They agree within {within}."
     caption = (
         f"Your rows in colour, the truth as the wide pale line of the same colour beneath them, row by row. {said}"
     )
@@ -56,6 +57,8 @@ def _sensor(
             *(curve(axis, axis, at, got[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
         ),
     )
+    if worst[row] <= tolerance:
+        return [traces], ""  # a flat line shows nothing that the caption does not say
     residual = Panel(
         f"{name}: yours minus the truth",
         "Time (s)",
@@ -63,4 +66,4 @@ def _sensor(
         tuple(curve(axis, axis, at, error[rows, i]) for i, axis in enumerate(_AXES)),  # type: ignore[arg-type]
         spread=2 * tolerance,
     )
-    return [traces, residual], f"{worst[row]:.2g} {unit} at {time[row]:.3g} s" if worst[row] > tolerance else ""
+    return [traces, residual], f"{worst[row]:.2g} {unit} at {time[row]:.3g} s"

@@ -1,25 +1,73 @@
-"""Reading what a class handed in, in a process that can be ended: what is read is hostile, and a class must go on."""
+"""Reading what was handed in, in a process that can be ended: what is read is hostile, and who asked for it must go on."""
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import sys
 import threading
+import warnings
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import TracebackType
+from typing import Any, Protocol
 
-from grader.course.pool import begin_process, interrupts_ignored, started_beside_no_student
+from grader.engine.processes import begin_process, starting_ours
 from grader.ground.errors import RequestError
-from grader.intake import Submission
-from grader.intake.submission import unread
-from grader.platforms.classes import Entry
+from grader.intake import Submission, read_submission
+from grader.intake.names import safe_id
+from grader.intake.submission import original_name, unread
 
 WITHIN_S = 60.0
 """Twenty times what the largest archive takes that is opened at all."""
 _ATTEMPTS = 2
 MEMORY_BYTES = 4 << 30
+_LEAVES_WITHIN_S = 0.2
 _ENDED_WITHIN_S = 5.0
+
+
+class Readable(Protocol):
+    """A submission that is still to be read: it travels to the process that reads it."""
+
+    @property
+    def id(self) -> str: ...
+
+    @property
+    def name(self) -> str: ...
+
+    def read(self) -> Submission: ...
+
+
+@dataclass(frozen=True)
+class Alone:
+    """A submission that is in no class."""
+
+    path: Path
+    required: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        return original_name(self.path)
+
+    @property
+    def id(self) -> str:
+        return safe_id(self.name)
+
+    def read(self) -> Submission:
+        return read_submission(self.path, self.required)
+
+
+def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
+    """`read_submission` in a process that can be ended.
+
+    Where there is no Linux a new process imports everything anew, there is no box, and who asks is the author: it is read here.
+    """
+    if sys.platform != "linux":
+        return Alone(path, required).read()
+    with Reader() as reader:
+        return reader.read(Alone(path, required))
 
 
 class Reader:
@@ -43,7 +91,7 @@ class Reader:
     ) -> None:
         self._end()
 
-    def read(self, entry: Entry) -> Submission:
+    def read(self, entry: Readable) -> Submission:
         """Read a submission; where that comes to no end twice, it is one that cannot be read.
 
         Raises
@@ -63,8 +111,8 @@ class Reader:
             entry.id, entry.name, answer or f"What was handed in could not be read within {self._within_s:g} s."
         )
 
-    def _answer(self, entry: Entry) -> Submission | RequestError | str | None:
-        """What the process says; None where it did not come to an end with it, or was killed, whoever did that."""
+    def _answer(self, entry: Readable) -> Submission | RequestError | str | None:
+        """What the process says; None where it did not come to an end with it, or something killed it."""
         line = self._line or self._start()
         try:
             line.send(entry)
@@ -77,23 +125,33 @@ class Reader:
         return None
 
     def _start(self) -> Connection:
-        context = multiprocessing.get_context("spawn")
+        context = _context()
         self._line, theirs = context.Pipe()
         in_main = threading.current_thread() is threading.main_thread()
-        self._process = context.Process(
-            target=_serve, args=(theirs, self._memory_bytes, os.getcwd(), in_main), daemon=True
-        )
-        with interrupts_ignored(), started_beside_no_student(), theirs:
-            self._process.start()
+        process = context.Process(target=_serve, args=(theirs, self._memory_bytes, os.getcwd(), in_main), daemon=True)
+        with starting_ours(), theirs, warnings.catch_warnings():
+            warnings.simplefilter(
+                "ignore", DeprecationWarning
+            )  # of idle threads of numpy's, which nothing here waits for
+            process.start()
+        self._process = process
         return self._line
 
     def _end(self) -> None:
         if self._line is not None:
             self._line.close()
         if self._process is not None:
-            self._process.kill()
-            self._process.join(_ENDED_WITHIN_S)
+            self._process.join(_LEAVES_WITHIN_S)  # it reads that the line is closed; one that is busy does not
+            if self._process.is_alive():
+                self._process.kill()
+                self._process.join(_ENDED_WITHIN_S)
         self._line = self._process = None
+
+
+def _context() -> Any:
+    """A copy of this process takes milliseconds; it is made where no other thread could be caught in the midst of its work."""
+    alone = sys.platform == "linux" and threading.active_count() == 1
+    return multiprocessing.get_context("fork" if alone else "spawn")
 
 
 def _serve(line: Connection, memory_bytes: int, folder: str, in_main: bool) -> None:
@@ -104,7 +162,7 @@ def _serve(line: Connection, memory_bytes: int, folder: str, in_main: bool) -> N
             line.send(_read(line.recv()))
 
 
-def _read(entry: Entry) -> Submission | RequestError | str:
+def _read(entry: Readable) -> Submission | RequestError | str:
     """A submission, or why there is none."""
     try:
         return entry.read()

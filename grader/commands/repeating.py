@@ -1,0 +1,78 @@
+"""A check of one submission once more, as a program beside its trace file."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from grader.engine import traces
+from grader.engine.examination import Judgement, session
+from grader.engine.lab_box import open_box_for
+from grader.engine.rubric import Rubric
+from grader.ground.errors import RequestError
+from grader.ground.files import write_whole
+from grader.ground.text import printable
+from grader.intake import Submission, read_submission
+from grader.labs.imu.repeating import Asked, Recorder, Watched, program
+
+
+def write(rubric: Rubric, check_id: str, path: Path, out: Path, rung: str | None = None) -> Path:
+    """Examine the submission, and write what the check asked of it.
+
+    Returns
+    -------
+    The program; the arrays that it reads lie beside it.
+
+    Raises
+    ------
+    RequestError
+        If there is no such check, or nothing that could be asked again.
+    """
+    if check_id not in (weight.id for weight in rubric.checks):
+        raise RequestError(f"{printable(check_id)}: there is no such check; imugrade explain lists them")
+    if not path.is_dir():
+        raise RequestError(f"{printable(str(path), 500)} is no folder; unpack it, so that Python finds the files in it")
+    submission = read_submission(path, rubric.lab.files)
+    student, judgements = examined(rubric, submission, rung)
+    questions = [each for each in student.questions(check_id) if str(each.fields["path"]).endswith(".py")]
+    if not questions:
+        raise RequestError(f"{check_id} asked nothing of a .py file here that could be asked again")
+    told = judgements[check_id].told
+    said = told.message if told and told.message else "All of it is earned."
+    folder = os.path.relpath(path / submission.folder, out)
+    return put(out, program(check_id, said, questions, folder), questions, {rubric.lab.model: student.robot.xml})
+
+
+def put(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, str]) -> Path:
+    """The program, the arrays that it reads, and the files that it finds beside it."""
+    write_whole(out / "repro.npz", _archive(questions))
+    for name, content in {**beside, "repro.py": text}.items():
+        write_whole(out / name, content)
+    return out / "repro.py"
+
+
+def examined(
+    rubric: Rubric, submission: Submission, rung: str | None = None
+) -> tuple[Recorder, Mapping[str, Judgement]]:
+    """The whole submission on the public scenarios, as `imugrade check` examines it."""
+    truth = traces.obtain(None, None, rubric.model)
+    limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
+    lab = rubric.lab
+    with open_box_for(lab, submission.files, rung) as box:
+        student = Recorder(box, lab, submission.files, truth=truth, above=submission.above, **limits)
+        examination = Watched(lab, student, truth, None)
+        try:
+            session(lab, rubric.own_checks).run(examination)
+        finally:
+            student.close()
+    return student, examination.judgements
+
+
+def _archive(questions: Sequence[Asked]) -> bytes:
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **{name: array for each in questions for name, array in each.kept.items()})  # type: ignore[arg-type] # numpy's stub takes the arrays for its own option
+    return stream.getvalue()

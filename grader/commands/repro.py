@@ -1,0 +1,47 @@
+"""`imugrade repro`: what a check asked, as a program that needs nothing of ours."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grader.commands import completion
+from grader.commands.common import RubricOption, RungOption
+
+
+def repro(
+    check: Annotated[
+        str, typer.Argument(metavar="CHECK", help="Its id, as a report names it.", autocompletion=completion.checks)
+    ],
+    path: Annotated[
+        Path, typer.Argument(metavar="PATH", help="A folder; the working folder by default.", show_default=False)
+    ] = Path(),
+    *,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="DIR", help="Where it goes; PATH/.imugrade, which is not handed in."),
+    ] = None,
+    rubric: RubricOption = None,
+    rung: RungOption = None,
+) -> int:
+    """Write a program that calls your own code on the same public input as a check did.
+
+    It is repro.py, with the input in repro.npz beside it, and needs NumPy, MuJoCo and your files: run it, change it, put a
+    break point in it.
+
+    \b
+    Example:
+      imugrade repro sensor_access.follows_address
+      python .imugrade/repro.py
+    """
+    from grader.commands import history, repeating  # noqa: PLC0415
+    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    folder = history.made(path) if out is None else out
+    written = repeating.write(rubrics.load(LAB, rubric), check, path, folder, rung)
+    print(f"{written} written; run it with: python {os.path.relpath(written)}")
+    return 0

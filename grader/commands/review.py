@@ -1,0 +1,48 @@
+"""`imugrade review`: the review desk over a graded class."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grader.commands.common import RubricOption, login
+from grader.ground.errors import RequestError
+
+
+def review(
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
+    *,
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, metavar="N", help="On which port; by default one that is free.")
+    ] = 0,
+    rubric: RubricOption = None,
+    read_in: Annotated[
+        list[Path] | None,
+        typer.Option("--appeals", metavar="FILE", help="Appeals to read in: .json, .csv with a column `appeal`, .txt."),
+    ] = None,
+    author: Annotated[
+        str | None, typer.Option("--author", metavar="NAME", help="Who decides; by default who is logged in.")
+    ] = None,
+) -> int:
+    """Look at a graded class in a browser: what needs a look, code beside reports, points by hand, appeals.
+
+    It runs on this machine alone, until Ctrl-C. Open the address that it prints.
+
+    \b
+    Example:
+      imugrade review out
+    """
+    try:
+        from grader.desk import appeals, classbook, serving  # noqa: PLC0415
+    except ModuleNotFoundError as missing:
+        raise RequestError(f"review needs {missing.name}, which comes with: pip install 'imugrade[desk]'") from missing
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    with closing(classbook.Classbook(LAB, out, rubric)) as book:
+        for file in read_in or ():
+            print(f"{file}: {appeals.read_in(book, file)}")
+        serving.serve(book, author or login(), port, lambda address: print(address, flush=True))
+    return 0

@@ -1,0 +1,144 @@
+"""All who lost points by the same, or whose code is alike: one decision for all of them, and the decisions that were made."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.course.adjusting import Wish, said, undone_decision
+from grader.course.record import Store
+from grader.engine.results import CheckResult, Result
+from grader.engine.rubric_nodes import guess_at
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.people.standing import Adjustment, Standing
+from grader.report import words
+
+MISTAKE, CHECK, SAME, ALIKE = "mistake", "check", "same", "alike"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Who has something in common. `checks` are the lost ones that it is about, by id with their titles."""
+
+    kind: str
+    key: str
+    title: str
+    ids: tuple[str, ...]
+    checks: Mapping[str, str]
+
+    @property
+    def what(self) -> str:
+        """What a decision on it is on."""
+        kind = {MISTAKE: "mistake", CHECK: "lost", SAME: "the same lost checks", ALIKE: "alike"}[self.kind]
+        return printable(f"{kind}: {self.title}", 200)
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One decision on several: what on, what was said, and for how many of them it still is the last word."""
+
+    number: int
+    what: str
+    said: str
+    author: str
+    at: str
+    comment: str
+    made: int
+    in_force: int
+
+
+def groups(standings: Mapping[str, Standing]) -> list[Group]:
+    """Mistakes by how many made them, then checks, then those who lost exactly the same ones; each with two members or more."""
+    mistakes: dict[str, dict[str, list[CheckResult]]] = {}
+    checks: dict[str, dict[str, list[CheckResult]]] = {}
+    same: dict[tuple[str, ...], dict[str, list[CheckResult]]] = {}
+    for id_, standing in standings.items():
+        lost = _lost(standing.result)
+        for check in lost:
+            checks.setdefault(check.id, {})[id_] = [check]
+            for mistake in check.misconceptions:
+                mistakes.setdefault(mistake, {}).setdefault(id_, []).append(check)
+        if len(lost) > 1:
+            same.setdefault(tuple(check.id for check in lost), {})[id_] = lost
+    found = [
+        *(_group(MISTAKE, id_, words.misconception(id_), members) for id_, members in mistakes.items()),
+        *(_group(CHECK, id_, _titles(members), members) for id_, members in checks.items()),
+        *(_group(SAME, _digest(ids), f"{len(ids)} checks: {', '.join(ids)}", members) for ids, members in same.items()),
+    ]
+    order = (MISTAKE, CHECK, SAME)
+    several = [group for group in found if len(group.ids) > 1]
+    return sorted(several, key=lambda group: (order.index(group.kind), -len(group.ids), group.title))
+
+
+def alike(ids: Sequence[str]) -> Group:
+    """Those who handed in the same files, or whose code is alike."""
+    return Group(ALIKE, _digest(ids), f"{ids[0]} and {len(ids) - 1} more", tuple(ids), {})
+
+
+def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
+    """What a decision on all who made a mistake or lost a check is on, and their ids.
+
+    Raises
+    ------
+    RequestError
+        If nobody did, or one alone.
+    """
+    with Store.existing(out) as store:
+        found = groups(store.standings())
+    named = {group.key: group for group in found if group.kind in (MISTAKE, CHECK)}
+    if name not in named:
+        raise RequestError(f"--having {printable(name)}: no two submissions have that in common{guess_at(name, named)}")
+    return named[name].what, named[name].ids
+
+
+def taken_back(out: Path, number: int) -> list[Wish]:
+    """The wishes that take a decision on several back."""
+    with Store.existing(out) as store:
+        return undone_decision(store, number)
+
+
+def decisions(store: Store, standings: Mapping[str, Standing]) -> list[Decision]:
+    """Every one that was made, the latest first."""
+    made: dict[int, list[Adjustment]] = {}
+    for _, each in store.history():
+        if each.decision:
+            made.setdefault(each.decision, []).append(each)
+    in_force = [each.decision for standing in standings.values() for each in standing.adjustments]
+    what = store.decisions()
+    found = [
+        Decision(
+            number,
+            what.get(number, ""),
+            f"{rows[0].criterion} {said(rows[0])}",
+            rows[0].author,
+            rows[0].at,
+            rows[0].comment,
+            len(rows),
+            in_force.count(number),
+        )
+        for number, rows in made.items()
+    ]
+    return found[::-1]
+
+
+def _lost(result: Result) -> list[CheckResult]:
+    if result.status in ("empty", "unreadable"):
+        return []  # nothing was asked of them
+    rows = (check for criterion in result.criteria for check in criterion.checks)
+    return [check for check in rows if check.points is not None and check.points < check.max_points]
+
+
+def _group(kind: str, key: str, title: str, members: Mapping[str, Sequence[CheckResult]]) -> Group:
+    checks = {check.id: printable(check.title, 300) for lost in members.values() for check in lost}
+    return Group(kind, key, title, tuple(members), checks)
+
+
+def _titles(members: Mapping[str, Sequence[CheckResult]]) -> str:
+    return next(printable(lost[0].title, 300) for lost in members.values())
+
+
+def _digest(ids: Iterable[str]) -> str:
+    return hashlib.sha256(" ".join(ids).encode()).hexdigest()[:16]

@@ -1,0 +1,59 @@
+"""The files of a submission as they were handed in, kept in the record within bounds: for people who look at marks later."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from grader.intake.names import is_code
+
+LARGEST = 1_000_000
+"""Bytes of one file. The longest honest program has a twentieth of it, and a picture a tenth."""
+TOGETHER = 4_000_000
+MOST = 200
+_HEAD = struct.Struct("<I")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What was handed in: `files` as they were, by path, and sizes of `others`, which were left out."""
+
+    files: Mapping[str, bytes]
+    others: Mapping[str, int]
+    more: int = 0
+
+
+NOTHING_KEPT = Kept({}, {})
+
+
+def pack(files: Mapping[str, bytes]) -> bytes:
+    """For the record: code first, then the rest, small before large, as far as the bounds go."""
+    chosen: dict[str, bytes] = {}
+    left = TOGETHER
+    for path, content in sorted(files.items(), key=lambda item: (not is_code(item[0]), len(item[1]), item[0])):
+        if len(content) <= min(LARGEST, left) and len(chosen) < MOST:
+            chosen[path] = content
+            left -= len(content)
+    others = sorted((path, len(content)) for path, content in files.items() if path not in chosen)
+    sizes = [(path, len(content)) for path, content in chosen.items()]
+    head = json.dumps({"files": sizes, "others": others[:MOST], "more": max(0, len(others) - MOST)}).encode()
+    return zlib.compress(b"".join((_HEAD.pack(len(head)), head, *chosen.values())), 1)
+
+
+def unpack(record: bytes) -> Kept:
+    """The inverse of `pack`."""
+    if not record:
+        return NOTHING_KEPT
+    data = zlib.decompress(record)
+    (length,) = _HEAD.unpack_from(data)
+    head = json.loads(data[_HEAD.size : _HEAD.size + length])
+    return Kept(dict(_cut(data, _HEAD.size + length, head["files"])), dict(head["others"]), head["more"])
+
+
+def _cut(data: bytes, start: int, sizes: list[tuple[str, int]]) -> Iterator[tuple[str, bytes]]:
+    for path, size in sizes:
+        yield path, data[start : start + size]
+        start += size

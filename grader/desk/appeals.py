@@ -1,0 +1,185 @@
+"""Appeals: what students say against their marks, read from text, JSON or a table, and set beside the check that it is about."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from starlette.responses import RedirectResponse, Response
+
+from grader.course.adjusting import targets
+from grader.course.record import Appeal
+from grader.desk.asking import MOST_BYTES, Ask
+from grader.desk.classbook import Classbook, now
+from grader.desk.overviews import framed
+from grader.engine.rubric_nodes import guess_at
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.people.identity import Directory, Row
+from grader.people.standing import TOTAL, Standing
+
+LONGEST = 8000
+_MOST = 2000
+_WHO = (
+    "submission",
+    "id",
+    "student",
+    "student id",
+    "sid",
+    "username",
+    "login",
+    "email",
+    "e-mail",
+    "email address",
+    "name",
+)
+_ABOUT = ("check", "criterion", "about")
+_TEXT = ("appeal", "text", "message", "reason", "comment")
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """One appeal as it came: whom it says that it is from, about what, and its words."""
+
+    who: str
+    about: str
+    text: str
+    place: str
+
+
+def show(book: Classbook, ask: Ask) -> Response:
+    appeals = book.appeals()
+    standings = book.standings()
+    about = dict.fromkeys(target for standing in standings.values() for target in targets(standing))
+    return framed(
+        book,
+        ask,
+        "appeals.html.j2",
+        open=[each for each in appeals if not each.answered and each.id in standings],
+        answered=[each for each in reversed(appeals) if each.answered and each.id in standings],
+        about=about,
+        told=ask.text("told"),
+    )
+
+
+def add(book: Classbook, ask: Ask) -> Response:
+    """Record what was dropped in: text of one student, a JSON file, or a table of many."""
+    dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
+    new = book.store.keep_appeals(placed(dropped, book.standings()))
+    return RedirectResponse(f"/appeals?told={new}+of+{len(dropped)}+appeals+are+new", 303)
+
+
+def read_in(book: Classbook, path: Path) -> str:
+    """Read the appeals of a file; a line on what came of it."""
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+        text = data.decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RequestError(
+            f"--appeals {printable(str(path), 500)}: cannot be read; give a text, .json or .csv in UTF-8"
+        ) from error
+    if len(data) > MOST_BYTES:
+        raise RequestError(f"--appeals {printable(str(path), 500)}: is larger than {MOST_BYTES // 1_000_000} MB")
+    dropped = list(read(text, path.stem, ""))
+    new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.standings())))
+    return f"{new} of {len(dropped)} appeals are new"
+
+
+def read(text: str, who: str, about: str) -> Iterator[Dropped]:
+    """The appeals in a text, whichever form it has.
+
+    Parameters
+    ----------
+    text
+        A JSON object or a list of them, a table with a column for people and one called `appeal`, or plain words.
+    who, about
+        What counts where the text does not say.
+
+    Raises
+    ------
+    RequestError
+        If there is none in it.
+    """
+    if not text.strip():
+        raise RequestError("The appeal is empty: nothing was recorded")
+    records = _json(text) or _table(text)
+    if records is None:
+        yield _bounded(Dropped(who, about, text.strip(), "the appeal"))
+        return
+    for place, record in records[:_MOST]:
+        said = {str(key).strip().casefold(): str(value).strip() for key, value in record.items() if value is not None}
+        found = _first(said, _TEXT)
+        if found:
+            yield _bounded(Dropped(_first(said, _WHO) or who, _first(said, _ABOUT) or about, found, place))
+
+
+def placed(dropped: Sequence[Dropped], standings: Mapping[str, Standing]) -> list[Appeal]:
+    """Each with the submission that it is from and the check that it is about.
+
+    Raises
+    ------
+    RequestError
+        With a line for each that is from nobody, or about nothing.
+    """
+    directory = Directory({id_: standing.people for id_, standing in standings.items()})
+    appeals, problems = [], []
+    for each in dropped:
+        asked = (Row(numbers=(each.who,)), Row(email=each.who), Row(name=each.who))
+        match = next(filter(None, map(directory.find, asked)), None) if each.who else None
+        if match is None or match.id not in standings:
+            problems.append(
+                f"{each.place}: nobody is called {printable(each.who) or 'nothing'}{guess_at(each.who, standings)}"
+            )
+        elif each.about and each.about not in (known := targets(standings[match.id])):
+            problems.append(f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")
+        else:
+            appeals.append(Appeal(match.id, each.about, each.text, now()))
+    if problems:
+        raise RequestError("\n".join(problems[:20]))
+    return appeals
+
+
+def target(appeal: Appeal) -> str:
+    """Where its answer goes: to the check that it is about, or to the submission as a whole."""
+    return appeal.about or TOTAL
+
+
+def _bounded(dropped: Dropped) -> Dropped:
+    if len(dropped.text) > LONGEST:
+        raise RequestError(f"{dropped.place}: is longer than {LONGEST} characters")
+    return dropped
+
+
+def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
+    if text.lstrip()[:1] not in ("{", "["):
+        return None
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        return None  # words that begin with a bracket
+    records = data if isinstance(data, list) else [data]
+    if not all(isinstance(record, dict) for record in records):
+        return None
+    return [(f"appeal {number}", record) for number, record in enumerate(records, 1)]
+
+
+def _table(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
+    """Rows of a CSV whose first line names people and words; anything else is no table."""
+    head = text.lstrip("\ufeff").partition("\n")[0]
+    table = csv.DictReader(io.StringIO(text.lstrip("\ufeff"), newline=""), delimiter=max(",;\t", key=head.count))
+    try:
+        titles = {title.strip().casefold() for title in table.fieldnames or ()}
+        if not titles.intersection(_WHO) or not titles.intersection(_TEXT):
+            return None
+        return [(f"line {table.line_num}", {str(k): v for k, v in row.items()}) for row in table]
+    except csv.Error:
+        return None
+
+
+def _first(said: Mapping[str, str], names: Sequence[str]) -> str:
+    return next((said[name] for name in names if said.get(name)), "")

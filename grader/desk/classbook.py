@@ -1,0 +1,212 @@
+"""The class as the desk sees it: the record, read once and again when it has changed, and the files of OUT kept in step with it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any, TypeVar
+
+from grader.course.adjusting import Made, Wish, decide
+from grader.course.kept import Kept, unpack
+from grader.course.publishing import publish, publish_class
+from grader.course.record import Appeal, Store, Tick
+from grader.course.remarking import remark
+from grader.desk.cliques import Clique, cliques
+from grader.engine.fingerprint import of_the_sheet
+from grader.engine.lab import Lab
+from grader.engine.rubric import Rubric, load
+from grader.people.standing import Adjustment, Standing
+from grader.report.similarity import Pair, own_hashes, pairs
+
+T = TypeVar("T")
+_MOST_PAIRS = 20_000
+"""Two hundred copies of one file are as many pairs, and one line."""
+
+
+@dataclass(frozen=True)
+class Alikes:
+    """Who is alike: the groups, and all pairs below them."""
+
+    cliques: tuple[Clique, ...] = ()
+    pairs: tuple[Pair, ...] = ()
+    more: bool = False
+
+
+class Classbook:
+    """The record behind the desk. Everything is done on one thread, so that one connection and one memory of it serve all.
+
+    Parameters
+    ----------
+    out
+        What `imugrade grade` wrote.
+    rubric
+        What it was graded by; None is the shipped one.
+    """
+
+    def __init__(self, lab: Lab, out: Path, rubric: Path | None = None) -> None:
+        self.lab, self.out = lab, out
+        self.rubric, self.rubric_path = load(lab, rubric), rubric
+        self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
+        self._store = self.on_thread(lambda: Store.existing(out))
+        self._seen = self._last = -1
+        self._marked: dict[str, Standing] = {}
+        self._made: dict[str, tuple[object, Any]] = {}
+        self._alikes: Alikes | None = None
+        self._publisher = _Publisher(lab, out, self._keep_digest)
+
+    def _keep_digest(self, id_: str, digest: str) -> None:
+        self.on_thread(lambda: self._store.keep_page_digest(id_, digest))
+
+    def on_thread(self, do: Callable[[], T]) -> T:
+        return self.thread.submit(do).result()
+
+    def close(self) -> None:
+        """Write what is still to be written, and let go of the record."""
+        self._publisher.close()
+        self.on_thread(self._store.close)
+        self.thread.shutdown()
+
+    # ---- what is there ----
+
+    def standings(self) -> dict[str, Standing]:
+        """Everybody, by id: results are read again only when somebody else has written; points by hand always."""
+        seen = self._store.changes()
+        if seen != self._seen:
+            self._marked, self._seen, self._alikes = self._store.standings(), seen, None
+            self._last = self.last_number()
+        elif self._last != (last := self.last_number()):
+            adjustments, self._last = self._store.adjustments(), last
+            self._marked = {id_: replace(s, adjustments=adjustments.get(id_, ())) for id_, s in self._marked.items()}
+        return self._marked
+
+    def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
+        """What follows from the facts; what was made of the same ones before is given again."""
+        known = self._made.get(name)
+        if known is None or known[0] != facts:
+            known = self._made[name] = (facts, make())
+        made: T = known[1]
+        return made
+
+    def alikes(self) -> Alikes:
+        self.standings()
+        if self._alikes is None:
+            prints = {id_: hashes for id_, hashes in self._store.fingerprints().items() if id_ in self._marked}
+            found = pairs(prints, of_the_sheet(self.lab), _MOST_PAIRS)
+            self._alikes = Alikes(tuple(cliques(found)), tuple(found), len(found) == _MOST_PAIRS)
+        return self._alikes
+
+    def shared(self, first: str, second: str) -> frozenset[int]:
+        """The hashes that two have in common beyond what the lab gives and half of the class has."""
+        own = own_hashes(self._store.fingerprints(), of_the_sheet(self.lab))
+        return own.get(first, frozenset()) & own.get(second, frozenset())
+
+    def kept(self, standing: Standing) -> Kept:
+        return unpack(self._store.files(str(standing.result.provenance.get("submission_sha256", ""))))
+
+    @property
+    def store(self) -> Store:
+        return self._store
+
+    def history(self, id_: str) -> list[Adjustment]:
+        return [each for who, each in self._store.history() if who == id_]
+
+    def last_number(self) -> int:
+        """The number of the last adjustment that there is: what somebody who looks now has seen."""
+        return self._store.last_adjustment()
+
+    # ---- what people say ----
+
+    def decide(self, wishes: Sequence[Wish], author: str, seen: int | None, what: str = "") -> list[Made]:
+        """As `adjusting.decide`; the files of OUT follow."""
+        made = decide(self._store, self.standings(), wishes, author, seen=seen, what=what)
+        self._publisher.changed(each.id for each in made if each.fresh)
+        return made
+
+    def tick(self, looked: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
+        self._store.tick([Tick(*key, done, author, now()) for key in looked])
+
+    def mark_by(self, rubric: Rubric) -> None:
+        """Mark the class anew by another rubric, from what is on record."""
+        remark(self.out, self._store, rubric)
+        self.rubric, self._seen = rubric, -1
+        self._publisher.changed(id_ for id_, _ in self._store.history())  # it may have been at work on them meanwhile
+
+    def appeals(self) -> list[Appeal]:
+        return self._store.appeals()
+
+    def settled(self) -> None:
+        """Wait until the files of OUT are as the record says."""
+        self._publisher.settled()
+
+    @property
+    def trouble(self) -> str:
+        """Why files of OUT could not be written; "" if they could."""
+        return self._publisher.trouble
+
+
+def now() -> str:
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
+
+
+class _Beside(Store):
+    """A connection of its own for reading; what it keeps the desk's own one writes, which then knows that nobody else has."""
+
+    def __init__(self, out: Path, keep: Callable[[str, str], None]) -> None:
+        super().__init__(out)
+        self._keep = keep
+
+    def keep_page_digest(self, id_: str, digest: str) -> None:
+        self._keep(id_, digest)
+
+
+class _Publisher:
+    """Writes pages in the background: whoever decides does not wait for the page of a class of two thousand."""
+
+    def __init__(self, lab: Lab, out: Path, keep: Callable[[str, str], None]) -> None:
+        self._lab, self._out, self._keep = lab, out, keep
+        self._ids: set[str] = set()
+        self._lock = threading.Condition()
+        self._busy = self._closed = False
+        self.trouble = ""
+        self._thread = threading.Thread(target=self._run, name="publisher")
+        self._thread.start()
+
+    def changed(self, ids: Iterable[str]) -> None:
+        with self._lock:
+            self._ids.update(ids)
+            self._lock.notify_all()
+
+    def settled(self) -> None:
+        with self._lock:
+            self._lock.wait_for(lambda: not self._ids and not self._busy)
+
+    def close(self) -> None:
+        with self._lock:
+            self._closed = True
+            self._lock.notify_all()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while True:
+            with self._lock:
+                self._busy = False
+                self._lock.notify_all()
+                self._lock.wait_for(lambda: self._ids or self._closed)
+                if not self._ids:
+                    return
+                ids, self._ids, self._busy = self._ids, set(), True
+            try:
+                self._publish(ids)
+                self.trouble = ""
+            except Exception as problem:  # the decisions are on record; what could not be written is said on every page
+                self.trouble = f"The files of {self._out} could not be written: {problem}"
+
+    def _publish(self, ids: set[str]) -> None:
+        with _Beside(self._out, self._keep) as store:
+            standings = publish_class(self._out, store, self._lab)
+            for id_ in sorted(ids):
+                publish(self._out, standings[id_], store, self._lab)

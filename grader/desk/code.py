@@ -1,0 +1,152 @@
+"""Files as they were handed in, ready to be read: lines of escaped, coloured text, and never more than a page can hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup, escape
+from pygments.lexers.python import PythonLexer
+from pygments.token import STANDARD_TYPES, Token, _TokenType
+
+from grader.course.kept import Kept
+from grader.engine.fingerprint import cells
+from grader.engine.results import CheckResult
+from grader.ground.text import printable
+
+MOST_LINES = 1500
+LONGEST_LINE = 500
+_COLOURED = 100_000
+"""Characters of a file that are coloured; a longer one is shown plain."""
+_SHOWN = 300_000
+_TEXTS = (".py", ".ipynb", ".txt", ".md", ".csv", ".json", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".xml")
+_PICTURE = b"\x89PNG\r\n\x1a\n"
+_WIDEST = 5000  # pixels: a browser unpacks a picture whole
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line; `named` if a finding names it."""
+
+    number: int
+    text: Markup
+    named: bool = False
+
+
+@dataclass(frozen=True)
+class Listing:
+    """One file; `more` lines of it are not shown."""
+
+    path: str
+    anchor: str
+    lines: tuple[Line, ...]
+    more: int = 0
+    size: int = 0
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture by its place among the files; `why` says why it is not shown."""
+
+    path: str
+    place: int
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """All that was handed in: what can be read, pictures, and the rest by name and size."""
+
+    listings: tuple[Listing, ...]
+    pictures: tuple[Picture, ...]
+    others: tuple[tuple[str, str], ...]
+    more: int
+
+    def anchor(self, path: str) -> str:
+        return next((each.anchor for each in self.listings if each.path == path), "")
+
+
+def shelf(kept: Kept, named: Mapping[str, set[int]]) -> Shelf:
+    """Set out what was kept.
+
+    Parameters
+    ----------
+    kept
+        The files.
+    named
+        Lines that a finding names, by file.
+    """
+    paths = list(kept.files)
+    texts = [path for path in paths if path.lower().endswith(_TEXTS)]
+    pictures = [path for path in paths if kept.files[path].startswith(_PICTURE)]
+    rest = {path: len(kept.files[path]) for path in paths if path not in texts and path not in pictures}
+    return Shelf(
+        tuple(_listing(f"file-{paths.index(path)}", path, kept.files[path], named.get(path, set())) for path in texts),
+        tuple(Picture(printable(path), paths.index(path), unshowable(kept.files[path])) for path in pictures),
+        tuple((printable(path), f"{size:,} bytes") for path, size in {**rest, **kept.others}.items()),
+        kept.more,
+    )
+
+
+def unshowable(content: bytes) -> str:
+    """Why a picture is not handed to the browser; "" if it is."""
+    if not content.startswith(_PICTURE) or content[12:16] != b"IHDR":
+        return "it is no PNG"
+    width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
+    if not (0 < width <= _WIDEST and 0 < height <= _WIDEST):
+        return f"it is said to have {width} × {height} pixels"
+    return ""
+
+
+def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str, set[int]]:
+    """The lines that checks name, of each of these files."""
+    named = [check.where for check in checks if check.where is not None]
+    return {path: {each.line for each in named if each.file == path and each.line is not None} for path in paths}
+
+
+def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
+    """Where the functions and classes of these names are defined: file and line."""
+    if not names:
+        return
+    wanted = re.compile(rf"^[ \t]*(?:async )?(?:def|class)[ \t]+(?:{'|'.join(map(re.escape, names))})\b", re.MULTILINE)
+    for path, content in kept.files.items():
+        if path.lower().endswith((".py", ".ipynb")):
+            text = source(path, content)
+            yield from ((path, text.count("\n", 0, found.start()) + 1) for found in wanted.finditer(text))
+
+
+def source(path: str, content: bytes) -> str:
+    """The text of a file; of a notebook the code of its cells."""
+    text = content.decode("utf-8", "replace").removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    return cells(text) if path.lower().endswith(".ipynb") else text
+
+
+def _listing(anchor: str, path: str, content: bytes, named: set[int]) -> Listing:
+    whole = source(path, content)
+    lines = coloured(path, whole)
+    shown = tuple(Line(number, text, number in named) for number, text in enumerate(lines[:MOST_LINES], 1))
+    return Listing(path, anchor, shown, max(0, whole.count("\n") + 1 - len(shown)), len(content))
+
+
+def coloured(path: str, text: str) -> list[Markup]:
+    """Every line as escaped text with spans that say what it is; without them where that takes too long."""
+    text = "\n".join(
+        printable(line, LONGEST_LINE, newlines=True) for line in text[:_SHOWN].split("\n")[: MOST_LINES + 1]
+    )
+    if not path.lower().endswith((".py", ".ipynb")) or len(text) > _COLOURED:
+        return [escape(line) for line in text.split("\n")]
+    lines = [Markup()]
+    for kind, value in PythonLexer(stripnl=False, ensurenl=False).get_tokens(text):
+        first, *others = value.split("\n")
+        lines[-1] += _span(kind, first)
+        lines += [_span(kind, other) for other in others]
+    return lines
+
+
+def _span(kind: _TokenType, text: str) -> Markup:
+    """The classes are the short ones that Pygments gives its tokens."""
+    while kind not in STANDARD_TYPES:
+        kind = kind.parent or Token
+    name = STANDARD_TYPES[kind]
+    return Markup('<span class="{}">{}</span>').format(name, text) if name and text.strip() else escape(text)

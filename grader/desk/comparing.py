@@ -1,0 +1,91 @@
+"""Who is alike, as groups in place of pairs, and the shared lines of two of them side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from dataclasses import dataclass
+
+from starlette.responses import Response
+
+from grader.course.groups import alike
+from grader.desk.asking import Ask
+from grader.desk.classbook import Classbook
+from grader.desk.code import Line, coloured, source
+from grader.desk.looks import address
+from grader.desk.overviews import framed
+from grader.engine.fingerprint import lines_with
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.people.standing import Standing
+from grader.report.similarity import Pair
+
+_AROUND = 2  # lines shown above and below shared ones
+_MOST_FILES = 20
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Lines that follow each other, after `skipped` ones without anything shared."""
+
+    skipped: int
+    lines: tuple[Line, ...]
+
+
+@dataclass(frozen=True)
+class Excerpt:
+    """What is shared of one file: `count` lines of `of`."""
+
+    path: str
+    pieces: tuple[Piece, ...]
+    count: int
+    of: int
+
+
+def show_all(book: Classbook, ask: Ask) -> Response:
+    return framed(book, ask, "alike.html.j2", alikes=book.alikes(), together=lambda ids: address(alike(ids)))
+
+
+def show(book: Classbook, ask: Ask) -> Response:
+    standings = book.standings()
+    two = [standings.get(ask.path[place]) for place in ("first", "second")]
+    first, second = two
+    if first is None or second is None or first is second:
+        raise RequestError("There is no such pair")
+    shared = book.shared(first.id, second.id)
+    pair = next((each for each in book.alikes().pairs if {each.first, each.second} == {first.id, second.id}), None)
+    sides = [(each, excerpts(book.kept(each).files, shared)) for each in (first, second)]
+    return framed(book, ask, "pair.html.j2", sides=sides, pair=pair, others=_others(book, first, second))
+
+
+def _others(book: Classbook, first: Standing, second: Standing) -> list[Pair]:
+    """The other pairs that either of them is in."""
+    ids = {first.id, second.id}
+    return [each for each in book.alikes().pairs if len({each.first, each.second} & ids) == 1]
+
+
+def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
+    """The files in which something is shared, most of it first."""
+    found = []
+    for path, content in files.items():
+        if path.lower().endswith((".py", ".ipynb")):
+            text = source(path, content)
+            lines = lines_with(text, shared)
+            if lines:
+                found.append(_excerpt(path, text, lines))
+    return sorted(found, key=lambda each: -each.count)[:_MOST_FILES]
+
+
+def _excerpt(path: str, text: str, shared: Set[int]) -> Excerpt:
+    rows = coloured(path, text)
+    wanted = sorted(
+        {near for line in shared for near in range(line - _AROUND, line + _AROUND + 1) if 1 <= near <= len(rows)}
+    )
+    pieces: list[Piece] = []
+    for number in wanted:
+        line = Line(number, rows[number - 1], number in shared)
+        last = pieces[-1].lines[-1].number if pieces else 0
+        if pieces and last == number - 1:
+            pieces[-1] = Piece(pieces[-1].skipped, (*pieces[-1].lines, line))
+        else:
+            pieces.append(Piece(number - last - 1, (line,)))
+    return Excerpt(printable(path), tuple(pieces), len(shared), text.count("\n") + 1)

@@ -1,0 +1,154 @@
+"""What would it cost: other weights, other points, a price for a mistake, a cap; the class moves before anything is saved."""
+
+from __future__ import annotations
+
+import statistics
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import yaml
+from starlette.responses import RedirectResponse, Response
+
+from grader.course import remarking
+from grader.desk.asking import Ask
+from grader.desk.classbook import Classbook, now
+from grader.desk.overviews import framed
+from grader.engine import rubric as rubrics
+from grader.engine.rubric import Rubric
+from grader.ground.errors import RequestError
+from grader.ground.files import write_whole
+from grader.people.standing import Standing
+from grader.report import overview, words
+
+_SHOWN = 50
+_HEAD = "# Made at the review desk on {when} from {source}, which holds the reasons.\n"
+
+
+@dataclass(frozen=True)
+class Move:
+    """One who would have other points."""
+
+    standing: Standing
+    before: float | None
+    after: float | None
+
+    @property
+    def by(self) -> float:
+        return round((self.after or 0.0) - (self.before or 0.0), 2)
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """How the class would stand: who moves, the farthest first, and both distributions."""
+
+    moves: tuple[Move, ...]
+    more: int
+    of: int
+    means: tuple[str, str]
+    bars: tuple[list[overview.Bar], list[overview.Bar]]
+
+
+def show(book: Classbook, ask: Ask) -> Response:
+    return _page(book, ask, told=ask.text("told"))
+
+
+def save(book: Classbook, ask: Ask) -> Response:
+    """Write the changed rubric beside the class, and with `mark` mark the class by it."""
+    changed, text = _changed(book, ask)
+    target = book.out / f"rubric-{now()[:19].replace(':', '')}.yaml"
+    write_whole(target, text)
+    told = f"Saved as {target}"
+    if ask.text("do") == "mark":
+        book.mark_by(changed)
+        told += ", and the class is marked by it"
+    return RedirectResponse(f"/cost?told={quote(told)}", 303)
+
+
+def _page(book: Classbook, ask: Ask, told: str) -> Response:
+    standings = book.standings()
+    base = book.rubric
+    problem, outlook, changed = "", None, base
+    try:
+        changed, _ = _changed(book, ask)
+        if changed.sha256 != base.sha256:
+            outlook = _outlook(standings, remarking.under(standings, changed))
+    except RequestError as error:
+        problem = str(error)
+    made = Counter(id_ for each in standings.values() for id_ in each.result.misconceptions)
+    digests = {str(each.result.provenance.get("rubric_sha256")) for each in standings.values()}
+    return framed(
+        book,
+        ask,
+        "cost.html.j2",
+        rubric=base,
+        given=lambda name, value: ask.text(name) or value,
+        mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
+        prices=base.mistakes,
+        outlook=outlook,
+        problem=problem,
+        other=digests != {base.sha256},
+        told=told,
+        query=ask.query,
+    )
+
+
+def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
+    """The rubric with what was entered, and its text.
+
+    Raises
+    ------
+    RubricError
+        With all that is wrong with it.
+    """
+    path = book.rubric_path or rubrics.shipped(book.lab)
+    data: dict[str, Any] = yaml.safe_load(path.read_bytes())
+    fields = {name: values[0].strip() for name, values in {**ask.query, **ask.form}.items() if values[0].strip()}
+    for part in [*data["criteria"], *data["extensions"]]:
+        if f"points:{part['id']}" in fields:
+            part["points"] = _number(fields[f"points:{part['id']}"])
+        for name in part.get("checks") or {}:
+            key = f"weight:{part['id']}.{name}"
+            if key in fields:
+                part["checks"][name] = _number(fields[key])
+    if "cap" in fields and isinstance(data.get("extra_credit"), dict):
+        data["extra_credit"]["cap"] = _number(fields["cap"])
+    priced = {name.removeprefix("price:"): _number(text) for name, text in fields.items() if name.startswith("price:")}
+    if priced:
+        data["mistakes"] = {**(data.get("mistakes") or {}), **priced}
+    model = data.get("model") or {}
+    if model.get("path"):
+        model["path"] = str((path.parent / model["path"]).absolute())
+    source = str(path) if book.rubric_path else "the shipped rubric.yaml"
+    body = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120)
+    text = _HEAD.format(when=now(), source=source) + body
+    return rubrics.parse(book.lab, text.encode(), source="what was entered", folder=Path()), text
+
+
+def _number(text: str) -> float | int | str:
+    """A number where it is one; whatever else is for the rubric's own reader to refuse."""
+    try:
+        value = float(text.replace(",", "."))
+    except ValueError:
+        return text
+    return int(value) if value.is_integer() else value
+
+
+def _outlook(before: Mapping[str, Standing], after: Mapping[str, Standing]) -> Outlook:
+    moves = [
+        Move(each, before[id_].final, each.final) for id_, each in after.items() if before[id_].final != each.final
+    ]
+    moves.sort(key=lambda move: (-abs(move.by), move.standing.id))
+    top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
+    scores = [[each.final for each in side.values() if each.final is not None] for side in (before, after)]
+    means = [words.number(round(statistics.fmean(side), 1)) if side else "–" for side in scores]
+    return Outlook(
+        tuple(moves[:_SHOWN]),
+        max(0, len(moves) - _SHOWN),
+        len(after),
+        (means[0], means[1]),
+        (overview.bars(scores[0], top), overview.bars(scores[1], top)),
+    )

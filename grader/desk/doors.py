@@ -1,0 +1,112 @@
+"""Who may come in: this machine alone, with the token of the first address and then a cookie; writes from our own pages alone.
+
+The pages show hostile text, so the browser is told to run no script but ours, to send nothing elsewhere and to guess no types.
+"""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass, field
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import PlainTextResponse, RedirectResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+ENTRANCE = "/enter"
+POLICY = (
+    "default-src 'none'; style-src 'self'; script-src 'self'; img-src 'self' data:; form-action 'self'; "
+    "base-uri 'none'; frame-ancestors 'none'"
+)
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "same-origin",  # with `no-referrer` a browser sends no Origin with our own forms
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+
+
+@dataclass(frozen=True)
+class Keys:
+    """The token of the first address, and what the cookie holds from then on: neither tells the other."""
+
+    port: int
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
+    cookie: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
+
+    @property
+    def first_address(self) -> str:
+        return f"http://127.0.0.1:{self.port}{ENTRANCE}?token={self.token}"
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        return f"127.0.0.1:{self.port}", f"localhost:{self.port}"
+
+    @property
+    def cookie_name(self) -> str:
+        """Cookies do not know ports: two desks on one machine must not share one."""
+        return f"imugrade-desk-{self.port}"
+
+
+class Doors:
+    """What stands in front of the application, as ASGI."""
+
+    def __init__(self, app: ASGIApp, keys: Keys) -> None:
+        self._app, self._keys = app, keys
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            return
+        refusal = self._refusal(scope)
+        if refusal is not None:
+            await refusal(scope, receive, _with_headers(send))
+        elif scope["path"] == ENTRANCE:
+            await self._entered(scope)(scope, receive, _with_headers(send))
+        else:
+            await self._app(scope, receive, _with_headers(send))
+
+    def _refusal(self, scope: Scope) -> Response | None:
+        headers = Headers(scope=scope)
+        if headers.get("host") not in self._keys.hosts:
+            return PlainTextResponse("This desk answers to its own address alone.", 421)
+        if scope["method"] not in ("GET", "HEAD", "POST"):
+            return PlainTextResponse("There is no such way to ask.", 405, {"Allow": "GET, HEAD, POST"})
+        if scope["method"] == "POST" and headers.get("origin") != f"http://{headers['host']}":
+            return PlainTextResponse("Only a page of this desk may change something.", 403)
+        if scope["path"] != ENTRANCE and not self._knows(headers):
+            return PlainTextResponse("Open the whole address that `imugrade review` printed.", 403)
+        return None
+
+    def _knows(self, headers: Headers) -> bool:
+        try:
+            found = SimpleCookie(headers.get("cookie", "")[:4096]).get(self._keys.cookie_name)
+        except CookieError:
+            return False
+        return found is not None and _same(found.value, self._keys.cookie)
+
+    def _entered(self, scope: Scope) -> Response:
+        given = parse_qs(scope["query_string"][:512].decode("latin-1")).get("token", [""])[0]
+        if not _same(given, self._keys.token):
+            return PlainTextResponse("That is not the address that `imugrade review` printed.", 403)
+        answer = RedirectResponse("/", 303)
+        answer.set_cookie(self._keys.cookie_name, self._keys.cookie, httponly=True, samesite="strict")
+        return answer
+
+
+def _same(given: str, wanted: str) -> bool:
+    return secrets.compare_digest(given.encode(), wanted.encode())
+
+
+def _with_headers(send: Send) -> Send:
+    async def sent(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in HEADERS.items():
+                headers[name] = value
+        await send(message)
+
+    return sent

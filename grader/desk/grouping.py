@@ -1,0 +1,76 @@
+"""The pages of groups: one decision for all who have something in common, taken back in one go."""
+
+from __future__ import annotations
+
+import itertools
+
+from starlette.responses import RedirectResponse, Response
+
+from grader.course import adjusting
+from grader.course.adjusting import Wish
+from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
+from grader.desk.asking import Ask
+from grader.desk.classbook import Classbook
+from grader.desk.looks import address
+from grader.desk.overviews import all_looks, framed
+from grader.ground.errors import RequestError
+from grader.people.standing import BONUS, TOTAL
+
+
+def show_all(book: Classbook, ask: Ask) -> Response:
+    found = groups(book.standings())
+    kinds = {MISTAKE: "The same mistake", CHECK: "The same lost check", SAME: "Exactly the same lost checks"}
+    listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
+    return framed(
+        book, ask, "groups.html.j2", address=address, listed=listed, decisions=decisions(book.store, book.standings())
+    )
+
+
+def show(book: Classbook, ask: Ask) -> Response:
+    group = _one(book, ask)
+    standings = book.standings()
+    members = [standings[id_] for id_ in group.ids]
+    criteria = dict.fromkeys(c.id for s in members for c in s.result.criteria)
+    targets = [*group.checks, *criteria, TOTAL, BONUS] if group.checks else [TOTAL, BONUS, *criteria]
+    return framed(
+        book,
+        ask,
+        "group.html.j2",
+        group=group,
+        address=address,
+        members=members,
+        targets=targets,
+        covering=adjusting.covering,
+        checks_of=lambda standing: {c.id: c for part in standing.result.criteria for c in part.checks},
+        seen=book.last_number(),
+        decisions=[each for each in decisions(book.store, standings) if each.what == group.what],
+    )
+
+
+def decide(book: Classbook, ask: Ask) -> Response:
+    """One decision for those of a group that were chosen."""
+    group = _one(book, ask)
+    chosen = [id_ for id_ in group.ids if id_ in set(ask.all("id"))]
+    points, comment = ask.text("points").replace(",", "."), ask.text("comment")
+    if not chosen or not comment:
+        raise RequestError("Choose at least one of them and say why: nothing was recorded")
+    wishes = [Wish(id_, ask.text("target"), points, comment, place=id_, alone=not points) for id_ in chosen]
+    book.decide(wishes, ask.author, ask.number("seen"), group.what)
+    return RedirectResponse(f"{address(group)}#decisions", 303)
+
+
+def take_back(book: Classbook, ask: Ask) -> Response:
+    """All of one decision that is still the last word."""
+    wishes = adjusting.undone_decision(book.store, ask.number("number") or 0)
+    book.decide(wishes, ask.author, ask.number("seen"))
+    return RedirectResponse("/groups#decisions", 303)
+
+
+def _one(book: Classbook, ask: Ask) -> Group:
+    wanted = (ask.path["kind"], ask.path["key"])
+    together = (alike(each.ids) for each in all_looks(book) if each.others)
+    every = itertools.chain(groups(book.standings()), together)
+    found = next((group for group in every if (group.kind, group.key) == wanted), None)
+    if found is None:
+        raise RequestError("There is no such group: the record has changed, or nobody else is in it any more")
+    return found

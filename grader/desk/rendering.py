@@ -1,0 +1,52 @@
+"""From what is known to HTML: one environment, everything escaped, the styles of the reports."""
+
+from __future__ import annotations
+
+from functools import cache
+from urllib.parse import quote
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from starlette.responses import HTMLResponse
+
+from grader.ground.package_data import beside
+from grader.ground.text import printable
+from grader.people.standing import Standing
+from grader.report import words
+
+STATIC = {
+    "report.css": (beside("grader.report", "templates/style.css"), "text/css"),
+    "desk.css": (beside(__package__, "static/desk.css"), "text/css"),
+    "desk.js": (beside(__package__, "static/desk.js"), "text/javascript"),
+}
+
+
+def page(template: str, code: int = 200, /, **values: object) -> HTMLResponse:
+    return HTMLResponse(environment().get_template(template).render(**values), code)
+
+
+@cache
+def environment() -> Environment:
+    made = Environment(
+        loader=FileSystemLoader([beside(__package__, "templates"), beside("grader.report", "templates")]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {"points": points, "safe_text": safe_text, "address": address, "person": words.person}
+    made.filters["instant"] = words.instant
+    return made
+
+
+def points(value: float | None) -> str:
+    return "–" if value is None else words.number(value)
+
+
+def safe_text(value: str, limit: int = 2000) -> str:
+    """Text of strangers, without controls; jinja escapes it."""
+    return printable(value, limit, newlines=True)
+
+
+def address(value: Standing | str) -> str:
+    """Where a submission's page is."""
+    return f"/submission/{quote(value if isinstance(value, str) else value.id, safe='')}"

@@ -1,0 +1,67 @@
+"""The desk as a server: on this machine alone, until it is stopped."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+
+import uvicorn
+
+from grader.desk.app import application
+from grader.desk.classbook import Classbook
+from grader.desk.doors import Keys
+from grader.ground.errors import RequestError
+
+_LOOPBACK = "127.0.0.1"
+_AT_ONCE = 64
+
+
+def open_socket(port: int) -> socket.socket:
+    """A socket that this machine alone can reach; port 0 takes any that is free.
+
+    Raises
+    ------
+    RequestError
+        If the port is taken.
+    """
+    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        made.bind((_LOOPBACK, port))
+        made.listen(_AT_ONCE)  # who opens the address at once waits, and is not turned away
+    except OSError as error:
+        made.close()
+        raise RequestError(f"--port {port}: {error.strerror}; choose another, or none for any that is free") from error
+    return made
+
+
+def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
+    config = uvicorn.Config(
+        application(book, keys, author),
+        log_level="warning",
+        access_log=False,
+        lifespan="off",
+        server_header=False,
+        proxy_headers=False,
+        ws="none",
+        limit_concurrency=_AT_ONCE,
+        timeout_graceful_shutdown=2,
+    )
+    return uvicorn.Server(config)
+
+
+def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
+    """Serve until interrupted; `announce` is told the first address.
+
+    Raises
+    ------
+    RequestError
+        If the port is taken.
+    """
+    with open_socket(port) as listening:
+        keys = Keys(listening.getsockname()[1])
+        made = server(book, keys, author)
+        with suppress(KeyboardInterrupt):  # the way to end it
+            announce(keys.first_address)
+            made.run(sockets=[listening])

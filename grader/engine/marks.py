@@ -1,0 +1,67 @@
+"""Points from outcomes: what was found out is a fact, what it is worth is arithmetic, and another rubric needs no box."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result
+from grader.engine.rubric import CheckWeight, Rubric
+
+
+def marked(found: Result, rubric: Rubric) -> Result:
+    """What was found out, in the points of a rubric: the parts that were examined, in the rubric's order.
+
+    Parameters
+    ----------
+    found
+        With `keeps` in every check that was judged. Its own points count for nothing.
+    rubric
+        One that asks the same (`fits`).
+    """
+    rows = {check.id: check for part in found.parts for check in part.checks}
+    criteria = {criterion.id for criterion in found.criteria}
+    attempted = {extension.id: extension.attempted for extension in found.extensions}
+
+    def checks(weights: tuple[CheckWeight, ...]) -> tuple[CheckResult, ...]:
+        return tuple(_row(rows[weight.id], weight, rubric.mistakes) for weight in weights)
+
+    return replace(
+        found,
+        criteria=tuple(
+            CriterionResult(c.id, c.title, c.points, checks(c.checks)) for c in rubric.criteria if c.id in criteria
+        ),
+        extensions=tuple(
+            ExtensionResult(e.id, attempted[e.id], e.points, checks(e.checks) if attempted[e.id] else ())
+            for e in rubric.extensions
+            if e.id in attempted
+        ),
+        extra_credit_cap=rubric.extra_credit_cap,
+        provenance={**found.provenance, "rubric_sha256": rubric.sha256},
+        asked_sha256=rubric.asked_sha256,
+    )
+
+
+def fits(found: Result, rubric: Rubric) -> bool:
+    """Whether a result on record can be marked by this rubric: it was asked the same, about the checks that stand there."""
+    if found.asked_sha256 != rubric.asked_sha256:
+        return False
+    asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
+    listed = {part.id: {check.id for check in part.checks} for part in rubric.parts}
+    whole = asked.keys() >= {criterion.id for criterion in rubric.criteria}
+    return whole and all(listed.get(id_) == checks for id_, checks in asked.items())
+
+
+def _row(found: CheckResult, weight: CheckWeight, prices: Mapping[str, float]) -> CheckResult:
+    worth = {"points": _points(found, weight.max_points, prices), "max_points": weight.max_points}
+    return CheckResult(**{**vars(found), **worth})  # half the time of `replace`, which a class of thousands waits for
+
+
+def _points(found: CheckResult, most: float, prices: Mapping[str, float]) -> float | None:
+    """The share that is kept; where all mistakes that are named have a price, what their prices leave."""
+    if found.keeps is None:
+        return None
+    named = found.misconceptions
+    if named and all(mistake in prices for mistake in named):
+        return round(max(0.0, most - sum(prices[mistake] for mistake in named)), 2)
+    return round(most * found.keeps, 2)

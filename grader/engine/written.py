@@ -1,0 +1,42 @@
+"""What the checks are called and say, as their source has it: to read that, no check and nothing that it needs is imported."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from grader.engine.lab import Lab
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a check is: its id, the sentence that a student reads, and the step of the sheet that it belongs to."""
+
+    id: str
+    title: str
+    lab_step: int | None
+
+    @property
+    def criterion(self) -> str:
+        return self.id.split(".")[0]
+
+
+def title_of(docstring: str) -> str:
+    """The sentence that a student reads."""
+    return " ".join(docstring.strip().split("\n\n")[0].split()).rstrip(".")
+
+
+def checks_of(lab: Lab) -> Mapping[str, Check]:
+    """Every check of a lab, by id."""
+    sources = sorted((lab.folder / "checks").glob("check_*.py"))
+    return {check.id: check for path in sources for check in _checks_in(path.read_text(encoding="utf-8"))}
+
+
+def _checks_in(source: str) -> Iterator[Check]:
+    for function in (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)):
+        for call in function.decorator_list:
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "check":
+                steps = [word.value for word in call.keywords if word.arg == "lab_step"]
+                step = ast.literal_eval(steps[0]) if steps else None
+                yield Check(ast.literal_eval(call.args[0]), title_of(ast.get_docstring(function) or ""), step)

@@ -1,0 +1,61 @@
+"""What the arguments of `pytest --imugrade` mean: the path of a submission, and names of criteria, checks or files in it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+
+_CODE = (".py", ".ipynb")
+
+
+@dataclass(frozen=True)
+class Name:
+    """What one argument names: a file, or everything in it below these names."""
+
+    file: Path | None
+    names: tuple[str, ...]
+
+    def holds(self, file: Path, *names: str) -> bool:
+        return (self.file is None or self.file == file) and names[: len(self.names)] == self.names
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The submission, and the names of what is asked for in it; without any, all."""
+
+    path: Path
+    named: tuple[Name, ...]
+
+    def wants(self, file: Path, criterion: str, check: str) -> bool:
+        return not self.named or any(each.holds(file, criterion, check) for each in self.named)
+
+
+def asked_for(arguments: Sequence[str], criteria: Collection[str]) -> Asked:
+    """Sort the arguments.
+
+    ``sensor_access`` and ``sensor_access::follows_address`` are names, and so is what pytest and editors call a test:
+    ``imu_reader.py::sensor_access::follows_address``. Any other argument is the path.
+
+    Raises
+    ------
+    RequestError
+        Where more than one submission is named.
+    """
+    named = {argument: name for argument in arguments if (name := _name(argument, criteria)) is not None}
+    paths = [argument for argument in arguments if argument not in named]
+    if len(paths) > 1:
+        raise RequestError(f"one submission at a time: {' '.join(printable(path) for path in paths)}")
+    return Asked(Path(paths[0] if paths else "."), tuple(named.values()))
+
+
+def _name(argument: str, criteria: Collection[str]) -> Name | None:
+    head, *rest = argument.split("::")
+    if head in criteria:
+        return Name(None, (head, *rest))
+    if rest or (head.endswith(_CODE) and Path(head).is_file()):
+        return Name(Path(head).absolute(), tuple(rest))
+    return None

@@ -1,0 +1,219 @@
+"""A submission's checks as pytest's tests: found without running anything, judged by `imugrade check` in a process of its own.
+
+Nothing of the submission is imported here, and no other test is collected beside its checks.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from grader.engine import rubric as rubrics
+from grader.engine.lab import Part
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
+from grader.engine.rubric import Rubric
+from grader.front.asking import Asked, asked_for
+from grader.front.finding import Finding, NotJudgedError
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.intake import Submission, read_submission
+from grader.labs.imu.lab import LAB
+from grader.platforms.places import Place, find_places
+from grader.report import words
+
+_CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
+
+
+class Door:
+    """The pytest plugin of one run that asked for it."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        try:
+            self._asked: Asked = asked_for(config.option.file_or_dir, LAB.titles)
+            given = config.option.imugrade_rubric
+            self._rubric_path = None if given is None else Path(os.path.abspath(given))
+            self._rubric: Rubric = rubrics.load(LAB, self._rubric_path)
+            self._submission: Submission = read_submission(self._asked.path, LAB.files)
+            self._name = printable(self._submission.name, words.NAME_LIMIT)
+        except RequestError as problem:
+            raise pytest.UsageError(f"imugrade: {problem}") from None
+        if self._submission.status != "ready":
+            said = " ".join((words.STATUS[self._submission.status], *self._submission.notes))
+            raise pytest.UsageError(f"imugrade: {self._name}: {said}")
+        self.path = Path(os.path.abspath(self._asked.path))
+        self.places = find_places(LAB, self._submission, self.path, self.path)
+
+    def pytest_report_header(self) -> str:
+        return f"imugrade: {self._name}, public scenarios"
+
+    def pytest_collection(self, session: pytest.Session) -> bool | None:
+        """What was given on the command line are no paths to pytest's own tests."""
+        if session.config.pluginmanager.hasplugin("dsession"):
+            return None  # with pytest-xdist the workers collect
+        session.perform_collect([])
+        if not session.items and not session.config.option.deselect:
+            raise pytest.UsageError("imugrade: no check has such a name; `imugrade explain` lists them")
+        return True
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
+        """In the place of a folder's tests: a file for each of the student's that the lab asks for."""
+        if not isinstance(collector, pytest.Session):
+            return None
+        files: dict[Path, list[str]] = {}
+        for part in self._parts():
+            files.setdefault(self._file_of(part.names[0]), []).append(part.id)
+        nodes: list[pytest.Item | pytest.Collector] = [
+            _File.from_parent(collector, path=path, door=self, criteria=held) for path, held in files.items()
+        ]
+        return pytest.CollectReport(collector.nodeid, "passed", None, nodes)
+
+    def _parts(self) -> Iterator[Part]:
+        """The parts that have checks; a bonus that was not tried has none."""
+        for each in self._rubric.parts:
+            part = LAB.part(each.id)
+            if part and each.checks and (part in LAB.parts or part.attempted_in(self._submission.files)):
+                yield part
+
+    def _file_of(self, name: str) -> Path:
+        """The file that defines it, or that the lab expects it in; an archive or a notebook is the place of all that is in it."""
+        home, files = LAB.homes[name], self._submission.files
+        notebook = next((file for file in files if file.endswith(".ipynb")), home)
+        at = self.places.definitions.get(name, Place(self._submission.origin(home if home in files else notebook)))
+        return self.path / at.file if self.path.is_dir() else self.path
+
+    def checks(self, criterion: str, file: Path) -> Iterator[str]:
+        """The checks of a criterion that were asked for."""
+        for weight in self._rubric.checks:
+            part, _, name = weight.id.partition(".")
+            if part == criterion and self._asked.wants(file, part, name):
+                yield name
+
+    @functools.cached_property
+    def result(self) -> Result:
+        """The result of the whole submission: `imugrade check` makes it, in a process that this run cannot disturb."""
+        with tempfile.TemporaryDirectory(prefix="imugrade-") as private:
+            file = Path(private, "result.json")
+            asked = ["check", str(self.path), "--json", str(file)]
+            asked += [] if self._rubric_path is None else ["--rubric", str(self._rubric_path)]
+            ended = subprocess.run(
+                [sys.executable, *_CODE, *asked],
+                cwd=private,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                check=False,
+            )
+            if not file.is_file():
+                said = ended.stderr.decode("utf-8", "replace").strip()
+                pytest.exit(printable(said, words.TEXT_LIMIT, newlines=True), returncode=ended.returncode or 3)
+            return from_dict(json.loads(file.read_bytes()))
+
+    @functools.cached_property
+    def found(self) -> Mapping[str, CheckResult]:
+        parts: tuple[CriterionResult | ExtensionResult, ...] = (*self.result.criteria, *self.result.extensions)
+        return {check.id: check for part in parts for check in part.checks}
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """What the tests that ran are worth, by criterion; their reports say it, so it is right with workers, too."""
+        sums: dict[str, list[float]] = {}
+        for report in (each for reports in terminalreporter.stats.values() for each in reports):
+            told = dict(getattr(report, "user_properties", ()))
+            if "points" in told and report.when == "call":
+                earned = sums.setdefault(told["criterion"], [0.0, 0.0])
+                earned[0] += told["points"]
+                earned[1] += told["max_points"]
+        if not sums:
+            return
+        terminalreporter.section("imugrade")
+        titles = {part.id: part.title for part in self._rubric.parts}
+        rows = [(titles[id_], words.fraction(*sums[id_])) for id_ in titles if id_ in sums]
+        marked = {part.id for part in self._rubric.criteria} & sums.keys()
+        rows += [("Score of what ran", words.fraction(*(sum(sums[id_][end] for id_ in marked) for end in (0, 1))))]
+        width = max(len(title) for title, _ in rows)
+        for title, points in rows:
+            terminalreporter.line(f"{title.ljust(width)}  {points}")
+
+
+class _File(pytest.File):
+    """One file of the student's, with the criteria that are about it."""
+
+    def __init__(self, *, door: Door, criteria: list[str], **options: Any) -> None:
+        super().__init__(**options)
+        self._door, self._held = door, criteria
+
+    def collect(self) -> Iterator[pytest.Collector]:
+        for criterion in self._held:
+            yield _Criterion.from_parent(self, name=criterion, door=self._door)
+
+
+class _Criterion(pytest.Collector):
+    """One criterion with its checks."""
+
+    def __init__(self, *, door: Door, **options: Any) -> None:
+        super().__init__(**options)
+        self._door = door
+
+    def collect(self) -> Iterator[pytest.Item]:
+        for name in self._door.checks(self.name, self.path):
+            yield _Check.from_parent(self, name=name, door=self._door)
+
+
+class _Check(pytest.Item):
+    """One check: its test ends as the check ended."""
+
+    def __init__(self, *, door: Door, **options: Any) -> None:
+        super().__init__(**options)
+        assert self.parent is not None
+        self._door, self._criterion = door, self.parent.name
+
+    def setup(self) -> None:
+        """A check that could not be judged is an error, no failure."""
+        if self._found.outcome == "not_judged":
+            raise NotJudgedError(self._found.message)
+
+    def runtest(self) -> None:
+        check = self._found
+        self.user_properties += [
+            ("criterion", self._criterion),
+            ("points", check.points),
+            ("max_points", check.max_points),
+            ("outcome", check.outcome),
+            *(("misconception", id_) for id_ in check.misconceptions if id_ not in words.FOR_THE_INSTRUCTOR),
+        ]
+        if check.outcome == "skipped":
+            pytest.skip(printable(check.message, words.TEXT_LIMIT))
+        if check.outcome != "passed":
+            raise AssertionError(check.id)
+
+    @property
+    def _found(self) -> CheckResult:
+        return self._door.found[f"{self._criterion}.{self.name}"]
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """What a student reads, at their own line; none of our frames."""
+        if isinstance(excinfo.value, AssertionError) and excinfo.value.args == (self._found.id,):
+            return Finding(self._found, LAB, *self._where())
+        if isinstance(excinfo.value, NotJudgedError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def _where(self) -> tuple[str, int]:
+        """The line that raised, or the one where what is checked is defined."""
+        place = self._door.places.of(self._found)
+        if place is None:
+            return self.nodeid.partition("::")[0], 1
+        return os.path.relpath(self._door.path / place.file, self.config.rootpath), place.line or 1
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """The line where what is checked is defined, counted from 0."""
+        at = self._door.places.definitions.get(LAB.name_of(f"{self._criterion}.{self.name}"), Place(""))
+        return self.path, (at.line or 1) - 1, f"{self._criterion}::{self.name}"

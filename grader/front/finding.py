@@ -1,0 +1,71 @@
+"""What pytest shows of a lost check: the words of the report, then the student's own line, in the form that editors follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from grader.engine.lab import Lab
+from grader.engine.results import CheckResult, LabName
+from grader.report import causes, words
+
+_INDENT, _LABEL_WIDTH = 3, 10
+
+
+class Writer(Protocol):
+    """pytest's terminal."""
+
+    def line(self, s: str = "", **markup: bool) -> None: ...
+
+
+@dataclass(frozen=True)
+class Crash:
+    """The line of pytest's short summary, and the message of JUnit's."""
+
+    path: str
+    lineno: int
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.lineno}: {self.message}"
+
+
+class Finding:
+    """A lost check; pytest asks it to write itself.
+
+    Parameters
+    ----------
+    path, line
+        Where to point in the student's files.
+    """
+
+    def __init__(self, check: CheckResult, lab: Lab, path: str, line: int) -> None:
+        row = words.row(check, check.id.partition(".")[0], LabName(lab.label, lab.title))
+        got = next((each.text.partition("\n")[0] for each in row.lines if each.label == "Got"), row.title)
+        self.reprcrash = Crash(path, line, got)
+        self._lines = [f"{row.title}  {row.points}", *(line for each in row.lines for line in _labelled(each))]
+        read = "; ".join([row.read, *(f"imugrade explain {id_}" for id_ in causes.told_mistakes(check))]).removeprefix(
+            "; "
+        )
+        self._lines += _labelled(words.Line("Read", read)) if read else []
+        self._lines += _labelled(words.Line("Repeat", f"imugrade repro {check.id}")) if lab.call_of(check.id) else []
+        self._end = f"{path}:{line}: {row.outcome.word}"
+
+    def toterminal(self, tw: Writer) -> None:
+        for line in self._lines:
+            tw.line(line)
+        tw.line()
+        tw.line(self._end, bold=True, red=True)
+
+    def __str__(self) -> str:
+        return "\n".join((*self._lines, "", self._end))
+
+
+def _labelled(line: words.Line) -> list[str]:
+    first, *others = line.text.split("\n")
+    indent = " " * (_INDENT + _LABEL_WIDTH)
+    return [" " * _INDENT + line.label.ljust(_LABEL_WIDTH) + first, *(indent + other for other in others)]
+
+
+class NotJudgedError(Exception):
+    """A check that could not be judged, through no fault of the student's."""

@@ -1,0 +1,154 @@
+"""What the checks of the plot judge: the figure that `plot_imu_data` draws of given data, and what is seen of each channel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.engine.conversation import Missing
+from grader.engine.findings import Raised, Skipped, raised
+from grader.engine.traces import Traces
+from grader.ground.errors import NoAnswer
+from grader.labs.imu.answers import KEYS, Array, Drawing
+from grader.labs.imu.diagnosis import plots
+from grader.labs.imu.diagnosis.plots import Channel, Facts, Panel
+from grader.labs.imu.diagnosis.sight import Sight, together
+from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.student import Student
+
+CHANNELS: tuple[Channel, ...] = tuple((sensor, axis) for sensor in (0, 1) for axis in range(3))
+_ENOUGH = 0.5
+"""Of a channel's time. A plot may leave out how a recording begins; one that shows less than half is a detail of a plot."""
+
+
+@dataclass(frozen=True)
+class Plot:
+    """The figure under judgement, its panels, and what else was drawn."""
+
+    figure: Facts
+    panels: list[Panel]
+    drawing: Drawing
+
+    @property
+    def main_panels(self) -> list[Panel]:
+        """The panels that need words of their own: all but the insets."""
+        return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
+
+    def of_sensor(self, sensor: int) -> list[Panel]:
+        """The sensor's own panels; where it has none, those that it shares."""
+        own = [panel for panel in self.panels if panel.mainly == {sensor}]
+        return own or [panel for panel in self.panels if sensor in panel.sensors]
+
+    @property
+    def drawn(self) -> set[Channel]:
+        return {shown.channel for panel in self.panels for shown in panel.shown}
+
+    @property
+    def hidden(self) -> set[Channel]:
+        """The channels whose curves are drawn, and that nobody sees in any panel."""
+        return {shown.channel for panel in self.panels for shown in panel.hidden} - self.drawn
+
+    def sight(self, channel: Channel) -> Sight:
+        """What is seen of a channel in all panels together."""
+        return together(s.curve["sight"] for panel in self.panels for s in panel.shown if s.channel == channel)
+
+    def cut_off(self) -> dict[Channel, Sight]:
+        """The channels that the limits of the axes leave outside for the most part."""
+        sights = {channel: self.sight(channel) for channel in CHANNELS if channel in self.drawn}
+        return {channel: sight for channel, sight in sights.items() if sight.inside.mean() < _ENOUGH}
+
+
+def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
+    return {key: truth[run][key] for key in KEYS}
+
+
+def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
+    """What `plot_imu_data` draws of a run, given under the names under which the submission itself records it."""
+    series = series_of(truth, run)
+    return student.plot(
+        data=_data(student, truth, series),
+        sheet=series,
+        ids=torso_ids(truth),
+        called="plot" if run == "tumbling" else "",
+    )
+
+
+def _data(student: Student, truth: Traces, series: Mapping[str, Array]) -> dict[str, Array]:
+    """The true series under the submission's own names, with what else it records."""
+    try:
+        own = student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
+    except (NoAnswer, Missing, Raised):
+        return dict(series)
+    if any(name.isdigit() for name in own.keys.values()):
+        return dict(series)
+    return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
+
+
+def drawing_or_fault(student: Student, truth: Traces) -> Drawing:
+    drawing = drawing_of_data(student, truth)
+    if drawing.fault is not None and not drawing.figures:
+        raised(drawing.fault, "plotting IMU data")
+    return drawing
+
+
+def plot_of(student: Student, truth: Traces) -> Plot:
+    """The figure that shows most; Skipped where none has a curve that a reader sees."""
+    plot = drawn_plot(student, truth)
+    outside = set() if limits_fit(student, truth, plot) else set(plot.cut_off())
+    if not plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()} and not _strange(plot):
+        raise Skipped("a figure with curves that can be seen")
+    return plot
+
+
+def _strange(plot: Plot) -> bool:
+    return any(panel.strange for panel in plot.panels)
+
+
+def drawn_plot(student: Student, truth: Traces) -> Plot:
+    """The figure that shows most, whether a reader sees it or not."""
+    drawing = drawing_or_fault(student, truth)
+    best = max(candidates(student, truth, drawing), key=_showing, default=None)
+    if best is None or not best.panels:
+        raise Skipped("a figure with curves in it")
+    return best
+
+
+def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
+    """Each figure, and those that were saved as one: a picture for each sensor. Of equal ones the first counts."""
+    saved = [f for f in drawing.figures if f["event"] == "saved"]
+    ever_saved = [f for f in drawing.figures if f["event"] in ("saved", "overwritten")]
+    joined = [plots.joined(figures) for figures in (saved, ever_saved) if len(figures) > 1]
+    drawn = (*drawing.figures, *joined)
+    series = series_of(truth)
+    panels = student.once("panels", lambda: [plots.panels(f, drawing.arrays, series) for f in drawn])
+    return [Plot(figure, its, drawing) for figure, its in zip(drawn, panels, strict=True)]
+
+
+def _showing(plot: Plot) -> tuple[int, int, bool]:
+    return len(plot.drawn), len(plot.hidden), plot.figure["event"] == "saved"
+
+
+def limits_fit(student: Student, truth: Traces, plot: Plot) -> bool:
+    """Whether the limits of the axes show the recording of the lab, where they cut off the data that the plot was given here.
+
+    Limits that are written into the code are chosen for the data that the code records.
+    """
+    if not plot.cut_off():
+        return True
+    drawing = drawing_of_data(student, truth, "push")
+    curves = [
+        curve for figure in drawing.figures for axes in figure["axes"] for curve in axes["curves"]
+        if curve["n"] >= plots.FEWEST_POINTS
+    ]  # fmt: skip
+    return bool(curves) and all(curve["sight"].inside.mean() >= _ENOUGH for curve in curves)
+
+
+def has_curves(figure: Facts) -> bool:
+    return any(curve["n"] > 3 for axes in figure["axes"] if axes["visible"] for curve in axes["curves"])
+
+
+def share(mask: np.ndarray) -> int:
+    """Of a channel's time, per cent."""
+    return round(100 * float(np.mean(mask)))

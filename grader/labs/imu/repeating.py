@@ -1,0 +1,268 @@
+"""A question that a check asked, as a program of a few lines: NumPy, MuJoCo and the student's own files, nothing of the grader's.
+
+Each function here writes the lines of one kind of question; `grader.labs.imu.box` asks the same of the code in the box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from grader.engine.examination import Examination
+from grader.engine.written import Check
+from grader.labs.imu.student import Student
+
+Lines = Iterator[str]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What was asked of a student's code, with the number that names its arrays in the trace file."""
+
+    number: int
+    op: str
+    fields: Mapping[str, Any]
+    arrays: Mapping[str, np.ndarray]
+
+    def given(self, name: str) -> str:
+        """How the program finds one of the arrays."""
+        return f'given["{name}_{self.number}"]'
+
+    @property
+    def kept(self) -> dict[str, np.ndarray]:
+        """What the trace file holds of it."""
+        model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
+        return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model}.items()}
+
+    @property
+    def module(self) -> str:
+        return str(self.fields["path"]).removesuffix(".py").replace("/", ".")
+
+
+class Recorder(Student):
+    """A submission under examination, with what each check asked of it."""
+
+    now = ""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._asking: list[Any] = []
+        self._questions: dict[Any, tuple[str, Mapping[str, Any], Mapping[str, np.ndarray]]] = {}
+        self._looked_at: dict[Any, list[Any]] = {}
+
+    def once(self, key: Any, ask: Callable[[], Any]) -> Any:
+        """An answer may be made of others, which are looked at with it when it is known already."""
+        looked_at = self._looked_at.setdefault(self._asking[-1] if self._asking else self.now, [])
+        looked_at += [key] if key not in looked_at else []
+        self._asking.append(key)
+        try:
+            return super().once(key, ask)
+        finally:
+            self._asking.pop()
+
+    def ask(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray] | None = None) -> Any:
+        if self._asking and op in WRITTEN:
+            self._questions[self._asking[-1]] = (op, fields, arrays or {})
+        return super().ask(op, fields, arrays)
+
+    def questions(self, check_id: str) -> list[Asked]:
+        """What a check looked at, in that order, whoever had asked it first."""
+        keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
+        return [Asked(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
+
+    def _below(self, key: Any) -> Iterator[Any]:
+        for each in self._looked_at.get(key, ()):
+            yield each
+            yield from self._below(each)
+
+
+class Watched(Examination):
+    """An examination that says which check is asking."""
+
+    def begin(self, this: Check) -> None:
+        self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
+        super().begin(this)
+
+
+def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -> str:
+    """The whole program.
+
+    Parameters
+    ----------
+    said : what the check said, for the reader
+    questions : what it asked; all of files that Python can import
+    folder : from the program to the student's files
+    """
+    lines = [
+        f'"""{check_id} once more: your own code on the same input, which is in repro.npz beside this file.',
+        "",
+        *(line.replace("\\", "/").replace('"""', "'''") for line in said.splitlines()),
+        '"""',
+        "",
+        "import os",
+        "import sys",
+        "from pathlib import Path",
+        "",
+        *(["import mujoco"] if any("model" in each.fields for each in questions) else []),
+        "import numpy as np",
+        "",
+        "HERE = Path(__file__).resolve().parent",
+        f"sys.path.insert(0, str(HERE / {folder!r}))",
+        "os.chdir(HERE)  # the lab's model lies here where the sheet loads it, and what is saved comes here",
+        'given = np.load(HERE / "repro.npz")',
+    ]
+    for question in questions:
+        lines += ["", f"# {question.number}", f"import {question.module}", "", *WRITTEN[question.op](question)]
+    return "\n".join(lines) + "\n"
+
+
+def _simulation(question: Asked) -> Lines:
+    yield f"model = mujoco.MjModel.from_xml_string(str({question.given('model')}))"
+    yield "data = mujoco.MjData(model)"
+
+
+def _state(question: Asked) -> Lines:
+    yield f"data.qpos[:], data.qvel[:] = {question.given('qpos')}[0], {question.given('qvel')}[0]"
+    yield "mujoco.mj_forward(model, data)"
+
+
+def _read(question: Asked) -> Lines:
+    yield from _simulation(question)
+    yield f"for accel_id, gyro_id in {question.given('pairs')}.tolist():"
+    yield f"    for qpos, qvel in zip({question.given('qpos')}, {question.given('qvel')}):"
+    yield "        mujoco.mj_resetData(model, data)"
+    yield "        data.qpos[:], data.qvel[:] = qpos, qvel"
+    yield "        mujoco.mj_forward(model, data)"
+    yield f"        mine = {question.module}.get_imu_readings(model, data, accel_id, gyro_id)"
+    yield '        print(f"ids {accel_id} and {gyro_id}: yours", *mine)'
+    yield '        print("   the sensors say", data.sensor(accel_id).data, data.sensor(gyro_id).data)'
+
+
+def _simulate(question: Asked) -> Lines:
+    fields, arrays = question.fields, question.arrays
+    yield from _simulation(question)
+    if fields["timestep"]:
+        yield f"model.opt.timestep = {fields['timestep']}"
+    if "gravity" in arrays:
+        yield f"model.opt.gravity[:] = {question.given('gravity')}"
+    if "qpos" in arrays:
+        yield f"data.qpos[:], data.qvel[:] = {question.given('qpos')}, {question.given('qvel')}"
+        yield f"data.time = {fields['time_s']}"
+        yield "mujoco.mj_forward(model, data)"
+    for name in ("accel_id", "gyro_id"):
+        yield f'vars({question.module}).setdefault("{name}", {fields[name]})  # where your function reads it from its file'
+    yield f"recording = {question.module}.simulate_and_collect(model, data, {fields['duration_s']})"
+    yield "for name, series in recording.items():"
+    yield "    print(name, np.shape(series))"
+    yield "    print(np.asarray(series)[:3])"
+
+
+def _noisy(question: Asked, std: Mapping[str, Any], biases: str) -> str:
+    ids = f"{question.fields['accel_id']}, {question.fields['gyro_id']}"
+    stds = f"accel_noise_std={std['accel_noise_std']}, gyro_noise_std={std['gyro_noise_std']}"
+    return f"{question.module}.NoisyIMU(model, data, {ids}, {stds}{biases})"
+
+
+def _truth(question: Asked) -> str:
+    readings = ", ".join(f"data.sensor({question.fields[name]}).data" for name in ("accel_id", "gyro_id"))
+    return f'print("the sensors say", {readings})'
+
+
+def _noise(question: Asked) -> Lines:
+    given = {"accel_bias", "gyro_bias"} & question.arrays.keys()
+    biases = "".join(f", {name}={question.given(name)}" for name in sorted(given))
+    yield from (*_simulation(question), *_state(question))
+    yield f"imu = {_noisy(question, question.fields, biases)}"
+    yield f"reads = np.array([imu.read() for _ in range({question.fields['reads']})])  # reads, sensor, axis"
+    yield _truth(question)
+    yield 'print("yours, mean:", *reads.mean(axis=0))'
+    yield 'print("yours, standard deviation:", *reads.std(axis=0, ddof=1))'
+
+
+def _noise_twins(question: Asked) -> Lines:
+    yield from (*_simulation(question), *_state(question))
+    yield _truth(question)
+    for number, stds in enumerate(question.fields["twins"]):
+        accel, gyro = (f"{question.given('biases')}[{number}, {sensor}]" for sensor in (0, 1))
+        yield "np.random.seed(1234)"
+        yield f"imu = {_noisy(question, stds, f', accel_bias={accel}, gyro_bias={gyro}')}"
+        yield f'print("instance {number + 1}:", *np.array([imu.read() for _ in range({question.fields["reads"]})])[0])'
+
+
+def _default_bias(question: Asked) -> Lines:
+    count = question.fields["instances"]
+    yield from (*_simulation(question), *_state(question))
+    yield f"reads = np.array([{_noisy(question, question.fields, '')}.read() for _ in range({count})])"
+    yield _truth(question)
+    yield 'print("one read of each instance, mean:", *reads.mean(axis=0))'
+    yield 'print("one read of each instance, standard deviation:", *reads.std(axis=0, ddof=1))'
+
+
+_HANDLING = {
+    "plain": (),
+    "spoil_input": ("    measurement[:] = 1000  # the caller uses its array for something else",),
+    "spoil_output": ("    out[...] = 1000  # the caller uses what came out for something else",),
+    "beside": ("    other.update(100 - 3 * measurement)  # another instance lives beside it",),
+}
+
+
+def _filter(question: Asked) -> Lines:
+    for case in question.fields["cases"]:
+        options = {} if case["alpha"] is None else {"alpha": repr(case["alpha"])}
+        options |= {} if case["initial"] is None else {"initial_value": question.given(case["initial"])}
+        yield f"low_pass = {_low_pass(question, options)}"
+        if case["handling"] == "beside":
+            yield f"other = {_low_pass(question, options | {'alpha': repr(1 - case['alpha'])})}"
+        yield "mine = []"
+        yield f"for measurement in {question.given(case['input'])}.copy():"
+        yield "    out = low_pass.update(measurement)"
+        yield "    mine.append(np.array(out))"
+        yield from _HANDLING[case["handling"]]
+        yield f'print("in ", {question.given(case["input"])}[:3].tolist())'
+        yield 'print("out", [out.tolist() for out in mine[:3]])'
+
+
+def _low_pass(question: Asked, options: Mapping[str, str]) -> str:
+    return f"{question.module}.LowPassFilter({', '.join(f'{name}={value}' for name, value in options.items())})"
+
+
+def _plot(question: Asked) -> Lines:
+    series = ", ".join(f"{name!r}: {question.given(key)}" for name, key in question.fields["keys"].items())
+    yield f"{question.module}.plot_imu_data({{{series}}})  # draws and saves the picture that was judged"
+
+
+def _tilt(question: Asked) -> Lines:
+    for case in question.fields["cases"]:
+        yield f"tilt = {question.module}.ComplementaryFilter({case['dt']})"
+        series = f"zip({question.given(case['accel'])}, {question.given(case['gyro'])})"
+        yield f"mine = np.array([tilt.update(accel, gyro) for accel, gyro in {series}])"
+        yield 'print("roll and pitch, first and last:", mine[0], mine[-1])'
+
+
+def _allan(question: Asked) -> Lines:
+    rate = question.fields["sample_rate_hz"]
+    yield f"taus, adev = {question.module}.allan_deviation({question.given('samples')}, {rate})"
+    yield "print(np.column_stack([taus, adev]))"
+
+
+def _imus(question: Asked) -> Lines:
+    yield from (*_simulation(question), *_state(question))
+    yield f"for place, reading in {question.module}.read_all_imus(model, data).items():"
+    yield "    print(place, *reading)"
+
+
+WRITTEN: Mapping[str, Callable[[Asked], Lines]] = {
+    "read": _read,
+    "simulate": _simulate,
+    "noise": _noise,
+    "noise_twins": _noise_twins,
+    "default_bias": _default_bias,
+    "filter": _filter,
+    "plot": _plot,
+    "tilt": _tilt,
+    "allan": _allan,
+    "imus": _imus,
+}

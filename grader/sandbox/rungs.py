@@ -1,0 +1,101 @@
+"""The ladder of walls, best first: one record a rung. Whatever differs between rungs asks the record, and no name is compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One rung of the ladder.
+
+    Attributes
+    ----------
+    name
+        As `provenance.isolation`, `imugrade doctor` and `--rung` have it.
+    around, needs
+        Words: what is around a worker, and what a machine must allow for it.
+    walled
+        Whether there are walls at all.
+    own_root
+        Whether the box has a root of its own, in which the host's paths are not there at all.
+    own_namespaces
+        Whether each worker has namespaces and a disk of its own, which the zygote makes for it.
+    program
+        The program that raises the zygote's walls in its place; "" is none.
+    """
+
+    name: str
+    around: str
+    needs: str
+    walled: bool = True
+    own_root: bool = False
+    own_namespaces: bool = False
+    program: str = ""
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What holds whatever a submission does, and on which rungs."""
+
+    words: str
+    kept_on: Callable[[Rung], bool]
+
+
+RUNGS = (
+    Rung(
+        "full",
+        "user, mount, pid, ipc, uts and network namespaces; a read-only root with what a box shows (below) and nothing else; "
+        "its own 64 MB of disk in memory; limits; no capabilities; Landlock; a seccomp allowlist",
+        "user namespaces",
+        own_root=True,
+        own_namespaces=True,
+    ),
+    Rung(
+        "bubblewrap",
+        "the zygote in `bwrap`; around each worker limits, Landlock and the allowlist",
+        "the program `bwrap`",
+        own_root=True,
+        program="bwrap",
+    ),
+    Rung("landlock", "limits, Landlock and the allowlist, without any privilege", "Linux 5.13"),
+    Rung("none", "a fresh process with limits of time and memory", "nothing", walled=False),
+)
+UNWALLED = RUNGS[-1]
+
+
+def _everywhere(_: Rung) -> bool:
+    return True
+
+
+def _behind_walls(rung: Rung) -> bool:
+    return rung.walled
+
+
+def _under_own_root(rung: Rung) -> bool:
+    return rung.own_root
+
+
+PROMISES = (
+    Promise(
+        "The mark is decided in a process that runs no student code, from numbers that are checked there", _everywhere
+    ),
+    Promise(
+        "No answer, a malformed, late or early answer is a lost check, never a pass; a fault of the grader is never a zero",
+        _everywhere,
+    ),
+    Promise("Nothing from a submission is written unescaped: pages, CSV, XML, terminal, CI commands", _everywhere),
+    Promise("Archives and links never lead out of the submission", _everywhere),
+    Promise("A submission ends within its time, and its memory is limited per process", _everywhere),
+    Promise("It reads no hidden trace, rubric, seed, other submission or file of the host", _behind_walls),
+    Promise("It changes nothing outside its scratch folder", _behind_walls),
+    Promise("No network, no other process, nothing left running or lying about", _behind_walls),
+    Promise("It cannot tell whether a path of the host exists", _under_own_root),
+    Promise("Its disk space is limited in all", _under_own_root),
+)
+
+
+def named(name: str) -> Rung | None:
+    """The rung of that name; None if there is none."""
+    return next((rung for rung in RUNGS if rung.name == name), None)

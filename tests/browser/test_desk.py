@@ -1,0 +1,222 @@
+"""The review desk in a real browser: keyboard alone, light and dark, a phone, without scripts, and with hostile submissions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Page, expect
+
+from grader.engine.findings import Where
+from grader.people.standing import HandIn, Lateness, Person
+from tests.browser.conftest import CHROMIUM
+from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class
+from tests.test_desk import ADDRESS, HOSTILE_FILES, MISTAKE, NASTY, TITLES
+
+if CHROMIUM is None:
+    pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
+
+PHONE = {"width": 320, "height": 640}
+RAISED = {
+    "expected": "no exception",
+    "got": "TypeError at filters.py, line 2",
+    "where": Where("filters.py", 2),
+    "misconceptions": ("sensor-id-as-address",),
+}
+STUDENTS = (
+    Student("ada", files={"filters.py": FILTER * 40, "imu_data.png": PNG}, prints=tuple(range(60))),
+    Student("bob", {ADDRESS: 0.0, TITLES: 0.5}, {ADDRESS: RAISED}, {"filters.py": FILTER}, hand_in=HandIn((Person("Bob Bird"),), late=Lateness("", None))),
+    Student("cyd", {ADDRESS: 0.5}, {ADDRESS: MISTAKE}, {"filters.py": FILTER * 40}, prints=tuple(range(60))),
+    Student("evil", {ADDRESS: 0.0}, {ADDRESS: {"got": NASTY, "hint": NASTY}}, HOSTILE_FILES, name=NASTY, notes=(NASTY,)),
+    Student("open", {ADDRESS: None}, status="incomplete"),
+    Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
+)  # fmt: skip
+PAGES = (
+    "/", "/class", "/groups", "/groups/mistake/sensor-id-as-address", "/alike", "/alike/ada/cyd", "/appeals",
+    f"/cost?weight:{ADDRESS}=14", "/submission/bob", "/submission/ada", "/submission/void", "/submission/nobody",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    out = make_class(tmp_path_factory.mktemp("desk") / "out", STUDENTS, {"leftover": ["notes.txt"]})
+    with desk_over(out) as opened:
+        opened.post("/appeals", {"text": "Please look at this again.", "who": "bob", "about": ADDRESS})
+        opened.post("/submission/ada/by-hand", {"target": "bonus", "points": "1", "comment": "neat", "seen": 0})
+        yield opened
+
+
+class Visit:
+    """Somebody at the desk; what goes wrong in the browser is written down, and so is whatever leaves this machine's desk."""
+
+    def __init__(self, browser: Browser, desk: Desk) -> None:
+        self._browser, self._desk = browser, desk
+        self.troubles: list[str] = []
+
+    def open(self, path: str, **options: object) -> Page:
+        context = self._browser.new_context(**options)  # type: ignore[arg-type]
+        page = context.new_page()
+        page.on("console", lambda message: self.troubles.append(message.text))
+        page.on("pageerror", lambda error: self.troubles.append(str(error)))
+        page.on("dialog", lambda dialog: self.troubles.append(dialog.message))
+        page.on("request", lambda request: self._own(request.url))
+        page.goto(self._desk.keys.first_address)
+        page.goto(self._desk.origin + path)
+        return page
+
+    def _own(self, url: str) -> None:
+        if not url.startswith((f"{self._desk.origin}/", "data:")):
+            self.troubles.append(url)
+
+    def close(self) -> None:
+        for context in self._browser.contexts:
+            context.close()
+
+
+@pytest.fixture
+def visit(browser: Browser, desk: Desk) -> Iterator[Visit]:
+    visiting = Visit(browser, desk)
+    yield visiting
+    visiting.close()
+    assert [
+        each for each in visiting.troubles if "status of 400" not in each
+    ] == []  # a page that is asked for and not there
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_to_complain_of(visit: Visit, desk: Desk, scheme: str) -> None:
+    page = visit.open("/", color_scheme=scheme, bypass_csp=True)
+    told = []
+    for path in PAGES:
+        page.goto(desk.origin + path)
+        found = Axe().run(page).response["violations"]
+        told += [(path, each["id"], [node["html"][:160] for node in each["nodes"][:3]]) for each in found]
+    assert told == []
+
+
+def test_a_phone_needs_no_sideways_scrolling(visit: Visit, desk: Desk) -> None:
+    page = visit.open("/", viewport=PHONE, has_touch=True)
+    wide = {}
+    for path in PAGES:
+        page.goto(desk.origin + path)
+        wide[path] = page.evaluate("document.documentElement.scrollWidth")
+    assert {path: width for path, width in wide.items() if width > PHONE["width"]} == {}
+
+
+def test_a_doubtful_case_is_decided_without_a_mouse(visit: Visit, desk: Desk) -> None:
+    page = visit.open("/submission/ada")
+    page.keyboard.press("n")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
+    page.keyboard.press("b")
+    expect(page.locator(f"#by-hand-{ADDRESS.replace('.', '-')} input[name=points]")).to_be_focused()
+    page.keyboard.type("4.5")
+    page.keyboard.press("Tab")
+    page.keyboard.type("pn: the letters of a key are only letters here")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    expect(page.locator(".score")).to_contain_text("98")
+    page.keyboard.press("t")
+    expect(page.locator(".looks").first).to_contain_text("Looked at by prof")
+    page.keyboard.press("l")
+    expect(page.get_by_role("heading", level=1)).to_have_text("cyd")
+    assert desk.book.on_thread(lambda: desk.book.history("bob"))[-1].points == 4.5
+
+
+def test_a_key_that_comes_before_the_page_is_whole_waits_for_it(visit: Visit, desk: Desk) -> None:
+    page = visit.open("/submission/ada")
+    page.add_init_script(
+        "if (location.pathname === '/submission/ada') new MutationObserver((_, own) => { if (document.body) { own.disconnect();"
+        " document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 'n', bubbles: true})); } })"
+        ".observe(document, {childList: true, subtree: true});"
+    )
+    page.goto(f"{desk.origin}/submission/ada")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
+
+
+def test_the_list_is_worked_off_by_keys_and_a_form_is_recorded_and_left_by_keys(visit: Visit, desk: Desk) -> None:
+    page = visit.open("/?kind=empty")
+    page.keyboard.press("l")
+    expect(page.get_by_role("heading", level=1)).to_have_text("void")
+    page.keyboard.press("m")
+    expect(page.locator("#by-hand-total input[name=points]")).to_be_focused()
+    page.keyboard.type("7")
+    page.keyboard.press("Tab")
+    page.keyboard.type("for the attempt")
+    page.keyboard.press("Control+Enter")
+    expect(page.locator("#by-hand-total .given")).to_contain_text("7 in place of 100, by prof: for the attempt")
+    page.keyboard.press("o")
+    expect(page.locator("#by-hand-bonus input[name=points]")).to_be_focused()
+    page.keyboard.press("Escape")
+    page.keyboard.press("t")
+    expect(page.locator(".looks").first).to_contain_text("Looked at by prof")
+    page.keyboard.press("2")
+    expect(page.get_by_role("heading", level=1)).to_have_text("6 submissions")
+
+
+def test_report_and_code_stand_side_by_side_and_the_named_line_is_marked(visit: Visit) -> None:
+    page = visit.open("/submission/bob", viewport={"width": 1400, "height": 900})
+    left, right = (side.bounding_box() for side in page.locator(".side").all())
+    assert left is not None
+    assert right is not None
+    assert left["x"] + left["width"] <= right["x"]
+    expect(page.locator(".code .named")).to_have_count(1)
+    expect(page.locator(".code .named .no")).to_have_text("2")
+    page.get_by_role("link", name="filters.py, line 2").first.click()
+    expect(page.locator(".code li:target")).to_be_in_viewport()
+    colour = page.locator(".code .nc").first.evaluate("each => getComputedStyle(each).fontWeight")
+    assert int(colour) > 600
+
+
+def test_the_picture_is_shown_and_nothing_else_of_a_submission_is_fetched(visit: Visit) -> None:
+    page = visit.open("/submission/ada")
+    assert page.locator("img.handed-in").evaluate("each => each.decode().then(() => each.naturalWidth)") == 1
+    page = visit.open("/submission/evil")
+    expect(page.locator("img.handed-in")).to_have_count(1)
+
+
+def test_nothing_that_a_student_wrote_runs(visit: Visit) -> None:
+    for path in ("/class", "/submission/evil", f"/cost?weight:{ADDRESS}=14"):
+        page = visit.open(path)
+        expect(page.locator("body")).to_contain_text("<script>alert(1)</script>")
+        assert (
+            page.evaluate("document.querySelectorAll('main script, main img[onerror], main svg[onload]').length") == 0
+        )
+
+
+def test_the_policy_stops_a_script_that_is_not_ours(visit: Visit) -> None:
+    page = visit.open("/submission/evil")
+    page.evaluate(
+        "document.body.append(Object.assign(document.createElement('script'), {textContent: 'window.ran = 1'}))"
+    )
+    assert page.evaluate("window.ran") is None
+    assert "Content Security Policy" in visit.troubles.pop()
+
+
+def test_without_scripts_everything_can_still_be_decided(visit: Visit) -> None:
+    page = visit.open("/submission/cyd", java_script_enabled=False)
+    form = page.locator("#by-hand-filtering")
+    form.locator("summary").click()
+    form.locator("input[name=points]").fill("19")
+    form.locator("textarea").fill("untidy")
+    form.get_by_role("button", name="Record").click()
+    expect(page.locator("#by-hand-filtering .given")).to_contain_text("19 in place of 20, by prof: untidy")
+
+
+def test_a_dropped_file_is_read_into_its_field(visit: Visit, tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text('{"id": "ada", "text": "Why?"}')
+    page = visit.open("/appeals")
+    page.locator("#appeal-file").set_input_files(tmp_path / "a.json")
+    expect(page.locator("textarea")).to_have_value('{"id": "ada", "text": "Why?"}')
+    page.get_by_role("button", name="Add").click()
+    expect(page.get_by_role("status")).to_have_text("1 of 1 appeals are new")
+
+
+def test_who_decides_can_say_another_name(visit: Visit, desk: Desk) -> None:
+    page = visit.open("/submission/open")
+    page.get_by_label("You are").fill("Ann <b>")
+    page.get_by_role("button", name="Change").click()
+    page.goto(f"{desk.origin}/submission/open")
+    expect(page.get_by_label("You are")).to_have_value("Ann <b>")
+    assert page.evaluate("document.cookie") == ""

@@ -1,0 +1,151 @@
+"""Made-up students: their functions are in this process, and the lab's own questions are asked of them there, without a box.
+
+A case is a check, a made-up student, and what a fair marker says: all points (None), or the share that is kept and the mistakes. The
+words of each finding stand in `words.yaml`; `python -m tests.judging` writes them anew, and the change of the file is read.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import mujoco
+import numpy as np
+import yaml
+
+from grader.engine import traces
+from grader.engine.conversation import Missing
+from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.traces import Traces
+from grader.harness import loading, world
+from grader.labs.imu.box import HANDLERS
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.student import Student
+from grader.sandbox.wire import Frame
+
+WORDS = Path(__file__).parent / "words.yaml"
+Check = Callable[[Any, Any], None]
+Marked = tuple[float, list[str]] | str | None
+"""All points; the share that is kept with the mistakes; or "skipped" or "raised"."""
+
+
+@cache
+def truth() -> Traces:
+    """The shipped traces."""
+    return traces.shipped()
+
+
+class Made(Student):
+    """A student made of functions and classes, by the names that the lab asks for."""
+
+    def __init__(self, **parts: Any) -> None:
+        self.parts, self.robot = parts, truth().robot
+        self.files, self.notes, self.broken, self.drawn = {}, [], set(), ()  # type: ignore[assignment, misc]
+        self._answers, self._called, self._lab = {}, {}, LAB
+        np.random.seed(0)  # as the harness seeds what it loads
+
+    def place_of(self, name: str) -> str:
+        if name not in self.parts:
+            raise Missing(name, "name-missing", f"nobody made {name}")
+        return name
+
+    def once(self, key: Any, ask: Callable[[], Any]) -> Any:
+        if key not in self._answers:
+            self._answers[key] = ask()
+        return self._answers[key]
+
+    def retried(self, ask: Callable[[], Any]) -> Any:
+        return ask()
+
+    def ask(
+        self, op: str, fields: Mapping[str, Any] | None = None, arrays: Mapping[str, np.ndarray] | None = None
+    ) -> Frame:
+        fields, arrays = dict(fields or {}), dict(arrays or {})
+        with _as_in_the_box(self.parts):
+            frame = Frame(*HANDLERS[op](fields, arrays))
+        return self._lab.checked(op, frame, fields, arrays) if op != "replay" else frame
+
+    def ask_aside(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
+        return self.ask(op, fields, arrays)
+
+
+@contextmanager
+def _as_in_the_box(parts: Mapping[str, Any]) -> Iterator[None]:
+    """The harness finds these parts and watches the steps; what it changes is put back."""
+    own = {name: getattr(mujoco, name) for name in ("mj_step", "mj_step1", "mj_step2")}
+    entropy = np.random.bit_generator
+    with (
+        mock.patch.object(loading, "find", lambda name, _path: parts[name]),
+        mock.patch.object(loading.STATE, "folder", str(Path.cwd())),
+        mock.patch.object(entropy, "randbits", entropy.randbits),
+    ):
+        world._watch_steps()
+        try:
+            yield
+        finally:
+            for name, step in own.items():
+                setattr(mujoco, name, step)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A check and a made-up student, with what a fair marker says to it."""
+
+    name: str
+    check: Check
+    student: Callable[[], Student]
+    marked: Marked = None
+
+    @property
+    def id(self) -> str:
+        return f"{self.check.check.id}: {self.name}"  # type: ignore[attr-defined]
+
+
+def finding(case: Case) -> BaseException | None:
+    """What the check says of the student."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            case.check(case.student(), truth())
+        except (Lost, Skipped, Raised, Missing) as found:
+            return found
+    return None
+
+
+def marked(found: BaseException | None) -> Marked:
+    """A finding as a case has it."""
+    if isinstance(found, Lost):
+        return round(found.keeps, 4), list(found.mistakes)
+    return None if found is None else type(found).__name__.lower()
+
+
+def words(found: BaseException | None) -> dict[str, str]:
+    """What a student is told."""
+    if isinstance(found, Lost):
+        told = {
+            "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint,
+            "belongs to": found.belongs_to,
+        }  # fmt: skip
+        return {key: text for key, text in told.items() if text}
+    return {} if found is None else {type(found).__name__.lower(): str(found)}
+
+
+@cache
+def pinned() -> Mapping[str, Mapping[str, str]]:
+    """What `words.yaml` says, by the id of the case."""
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    said: Mapping[str, Mapping[str, str]] = yaml.load(WORDS.read_text(encoding="utf-8"), Loader=loader)
+    return said
+
+
+def is_as_marked(case: Case) -> None:
+    """Assert that a check says what the case has, in the words that are pinned."""
+    found = finding(case)
+    assert marked(found) == case.marked, f"{case.id}: {found!r}"
+    assert words(found) == pinned().get(case.id, {}), case.id

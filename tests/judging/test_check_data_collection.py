@@ -1,0 +1,315 @@
+"""The checks of Data collection, on made-up recorders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from grader.labs.imu.checks import check_data_collection as checks
+from tests.judging.made import Case, Made, is_as_marked, truth
+
+NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
+    checks.check_returns_named_arrays,
+    checks.check_sample_count,
+    checks.check_time_axis,
+    checks.check_matches_truth,
+    checks.check_starts_from_reset,
+    checks.check_applies_push,
+)
+KEYS = ("time", "acceleration", "angular_velocity")
+
+
+class Recorder:
+    """The sheet's recorder, in steps that a faulty one changes."""
+
+    def begin(self, model: Any, data: Any) -> None:
+        mujoco.mj_resetData(model, data)
+
+    def push(self, data: Any) -> None:
+        data.qvel[0] = 0.5
+
+    def steps(self, model: Any, duration: float) -> int:
+        return round(duration / model.opt.timestep)
+
+    def step(self, model: Any, data: Any, n: int) -> None:
+        mujoco.mj_step(model, data)
+
+    def row(self, model: Any, data: Any, accel_id: int, gyro_id: int) -> tuple[Any, Any, Any]:
+        a, g = model.sensor_adr[accel_id], model.sensor_adr[gyro_id]
+        return data.time, data.sensordata[a : a + 3].copy(), data.sensordata[g : g + 3].copy()
+
+    def told(self, time: np.ndarray, accel: np.ndarray, gyro: np.ndarray, model: Any) -> Any:
+        return dict(zip(KEYS, (time, accel, gyro), strict=True))
+
+    def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
+        self.begin(model, data)
+        self.push(data)
+        rows = []
+        for n in range(self.steps(model, duration_seconds)):
+            self.step(model, data, n)
+            rows.append(self.row(model, data, accel_id, gyro_id))
+        columns = [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros((0,))] * 3
+        return self.told(*columns, model)
+
+
+def of(**steps: Any) -> Callable[[], Recorder]:
+    """A recorder that differs from the sound one in these steps."""
+    return type("Other", (Recorder,), steps)
+
+
+def telling(change: Callable[[Any, Any, Any, Any], tuple[Any, Any, Any]]) -> Callable[[], Recorder]:
+    """One that changes what it has recorded."""
+    return of(told=lambda s, t, a, g, m: Recorder.told(s, *change(t, a, g, m), m))
+
+
+class Before(Recorder):
+    """Each row read before its step."""
+
+    def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
+        self.begin(model, data)
+        self.push(data)
+        rows = []
+        for n in range(self.steps(model, duration_seconds)):
+            rows.append(self.row(model, data, accel_id, gyro_id))
+            self.step(model, data, n)
+        return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+
+
+class Keeping(Recorder):
+    """Lists that outlive the call."""
+
+    def __init__(self) -> None:
+        self.rows: list[Any] = []
+
+    def row(self, model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
+        self.rows.append(super().row(model, data, accel_id, gyro_id))
+        return self.rows[-1]
+
+    def told(self, time: Any, accel: Any, gyro: Any, model: Any) -> Any:
+        return super().told(*(np.array(column) for column in zip(*self.rows, strict=True)), model)
+
+
+class Skipping(Recorder):
+    """Two steps a row, and as many steps as were asked for."""
+
+    def steps(self, model: Any, duration: float) -> int:
+        return super().steps(model, duration) // 2
+
+    def step(self, model: Any, data: Any, n: int) -> None:
+        mujoco.mj_step(model, data, 2)
+
+
+class Random(Recorder):
+    """Another push in every run."""
+
+    def __init__(self) -> None:
+        self.rng = np.random.default_rng(5)
+
+    def push(self, data: Any) -> None:
+        data.qvel[0] = self.rng.uniform(0.2, 0.9)
+
+
+def _heavier(self: Any, model: Any, data: Any) -> None:
+    model.opt.gravity[2] = -9.0
+    mujoco.mj_resetData(model, data)
+
+
+def _own_timestep(self: Any, model: Any, data: Any) -> None:
+    model.opt.timestep = 0.001
+    mujoco.mj_resetData(model, data)
+
+
+def _pushed(index: int, by: float) -> Callable[..., None]:
+    def push(_self: Any, data: Any) -> None:
+        data.qvel[index] = by
+
+    return push
+
+
+def _later(self: Any, model: Any, data: Any, n: int) -> None:
+    if n == 40:
+        data.qvel[0] = 0.5
+    mujoco.mj_step(model, data)
+
+
+def _forced(self: Any, data: Any) -> None:
+    data.qvel[0] = 0.5
+    data.qfrc_applied[0] = 30.0
+
+
+def _torso_of_students(self: Any, model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
+    a, g = model.sensor_adr[0], model.sensor_adr[1]
+    return data.time, data.sensordata[a : a + 3].copy(), data.sensordata[g : g + 3].copy()
+
+
+def _head(self: Any, model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
+    a, g = (model.sensor(name).adr[0] for name in ("head_accelerometer", "head_gyroscope"))
+    return data.time, data.sensordata[a : a + 3].copy(), data.sensordata[g : g + 3].copy()
+
+
+def _last(self: Any, model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
+    return Recorder.row(self, model, data, -1, -1)
+
+
+def _constant(self: Any, model: Any, data: Any, n: int) -> None:
+    data.time += model.opt.timestep
+
+
+def _raises(*_: Any) -> Any:
+    raise RuntimeError("broken")
+
+
+def _recorded(*_: Any) -> tuple[Any, Any, Any]:
+    push = truth()["push"]
+    return push["time"][:600], push["acceleration"][:600] * 1.01, push["angular_velocity"][:600] * 1.01
+
+
+def _aliased(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    return t, np.tile(a[-1], (len(a), 1)), np.tile(g[-1], (len(g), 1))
+
+
+def _noisy(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    rng = np.random.default_rng(3)
+    return t, a + rng.normal(0, 0.05, a.shape), g + rng.normal(0, 0.005, g.shape)
+
+
+def _zeros_at_the_end(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    a[-9:], g[-9:] = 0, 0
+    return t, a, g
+
+
+SOUND = Recorder
+FIXED = of(steps=lambda *_: 600)
+HUNDRED_HERTZ = of(steps=lambda _s, _m, duration: round(duration / 0.002))
+SHORT = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) - 20)
+NO_STEPS = of(steps=lambda *_: 0)
+ONE_MORE = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) + 1)
+NO_RESET = of(begin=lambda *_: None)
+NO_PUSH = of(push=lambda *_: None)
+HALF = of(push=_pushed(0, 0.25))
+SIDEWAYS = of(push=_pushed(1, 0.5))
+WEAK = of(push=_pushed(0, 0.4))
+LATER = of(push=lambda *_: None, step=_later)
+TWICE = of(step=_later)
+NEVER = of(step=_constant)
+TWO_STEPS = of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2))
+SWAPPED = telling(lambda t, a, g, _m: (t, g, a))
+MILLISECONDS = telling(lambda t, a, g, _m: (1000 * t, a, g))
+COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
+WITHOUT_GYRO = of(told=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
+WITHOUT_TIME = of(told=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
+NOTHING = of(told=lambda *_: None)
+
+CASES = [
+    Case(name, check, lambda kind=kind: Made(simulate_and_collect=_function(kind())), marked)  # type: ignore[misc]
+    for check, rows in {
+        NAMED: [
+            ("sound", SOUND, None),
+            ("other keys", of(told=lambda _s, t, a, g, _m: {"t": t, "acc": a, "gyro": g}), (0.0, ["wrong-keys"])),
+            ("a tuple", of(told=lambda _s, t, a, g, _m: (t, a, g)), (0.0, ["wrong-return-type"])),
+            ("transposed", telling(lambda t, a, g, _m: (t, a.T, g)), (0.0, ["arrays-transposed"])),
+            ("without one", WITHOUT_GYRO, (0.0, ["wrong-keys"])),
+            ("unequal lengths", telling(lambda t, a, g, _m: (t[:-1], a, g)), (0.0, ["wrong-return-type"])),
+            ("nothing", NOTHING, (0.0, ["wrong-return-type"])),
+            ("raises", of(begin=_raises), "raised"),
+        ],
+        COUNT: [
+            ("sound", SOUND, None),
+            ("one more", ONE_MORE, None),
+            ("always as many", FIXED, (0.0, ["ignores-duration"])),
+            ("at a fixed rate", HUNDRED_HERTZ, (0.0, ["hard-coded-timestep"])),
+            ("twenty too few", SHORT, (0.0, [])),
+            ("every second", Skipping, (0.0, ["samples-skipped"])),
+            ("none", NO_STEPS, (0.0, [])),
+            ("no simulation", NEVER, "skipped"),
+            ("its own time step, which is the reset's", of(begin=_own_timestep), None),
+        ],
+        TIME: [
+            ("sound", SOUND, None),
+            ("before each step", Before, None),
+            ("milliseconds", MILLISECONDS, (0.0, ["time-axis-wrong"])),
+            ("a step too late", telling(lambda t, a, g, _m: (t + 0.002, a, g)), (0.5, ["time-axis-wrong"])),
+            ("a usual time step", COUNTED, (0.5, ["hard-coded-timestep"])),
+            ("no numbers", telling(lambda t, a, g, _m: (t * np.nan, a, g)), (0.0, ["not-finite"])),
+            ("none", WITHOUT_TIME, "skipped"),
+            ("every second", Skipping, None),
+            ("five steps too late", telling(lambda t, a, g, _m: (t + 0.01, a, g)), (0.0, ["time-axis-wrong"])),
+            ("no rows", NO_STEPS, "skipped"),
+        ],
+        TRUTH: [
+            ("sound", SOUND, None),
+            ("before each step", Before, (0.5, ["read-before-step"])),
+            (
+                "late with stamps after it",
+                type("Late", (Before,), {"told": lambda s, t, a, g, m: Recorder.told(s, t + m.opt.timestep, a, g, m)}),
+                (0.5, ["read-before-step"]),
+            ),
+            ("exchanged", SWAPPED, (0.0, ["channels-swapped"])),
+            ("all like the last", telling(_aliased), (0.0, ["aliased-rows"])),
+            ("every second, as many as fit", Skipping, None),
+            ("every second, for twice the time", TWO_STEPS, (0.0, ["samples-skipped"])),
+            ("of the last sensor", of(row=_last), (0.0, ["sensor-not-found"])),
+            ("of the head", of(row=_head), (0.0, [])),
+            ("zeros at the end", telling(_zeros_at_the_end), (0.5, ["rows-left-zero"])),
+            ("without the first ones", telling(lambda t, a, g, _m: (t[30:], a[30:], g[30:])), (0.5, [])),
+            ("in g", telling(lambda t, a, g, _m: (t, a / 9.81, g)), (0.5, ["rows-altered"])),
+            ("both in other units", telling(lambda t, a, g, _m: (t, a / 9.81, np.degrees(g))), (0.0, ["rows-altered"])),
+            ("noise on both", telling(_noisy), (0.0, [])),
+            ("noise on one", telling(lambda t, a, g, m: (t, _noisy(t, a, g, m)[1], g)), (0.5, [])),
+            ("no numbers in one", telling(lambda t, a, g, _m: (t, a * np.nan, g)), (0.5, ["not-finite"])),
+            ("no numbers", telling(lambda t, a, g, _m: (t, a * np.nan, g * np.nan)), (0.0, ["not-finite"])),
+            ("no simulation", NEVER, (0.0, ["nothing-simulated"])),
+            ("without a push, which is another check's", NO_PUSH, None),
+            ("a recording, altered", telling(_recorded), (0.0, ["rows-altered"])),
+            ("without one sensor", WITHOUT_GYRO, "skipped"),
+            ("five rows", telling(lambda t, a, g, _m: (t[:5], a[:5], g[:5])), (0.0, [])),
+        ],
+        RESET: [
+            ("sound", SOUND, None),
+            ("none", NO_RESET, (0.0, ["no-reset"])),
+            ("another gravity", of(begin=_heavier), (0.0, ["modifies-model"])),
+            ("another time step", of(begin=_own_timestep), (0.0, ["modifies-model"])),
+            ("lists that stay", Keeping, (0.0, ["keeps-old-rows"])),
+            ("without a push", NO_PUSH, None),
+            ("no simulation", NEVER, "skipped"),
+            ("noise on both", telling(_noisy), None),
+            ("without one sensor", WITHOUT_GYRO, "skipped"),
+            ("another push each time", Random, None),
+        ],
+        PUSH: [
+            ("sound", SOUND, None),
+            ("none", NO_PUSH, (0.0, ["no-perturbation"])),
+            ("half of it", HALF, (0.0, ["wrong-perturbation"])),
+            ("sideways", SIDEWAYS, (0.0, ["wrong-perturbation"])),
+            ("somewhat weak", WEAK, (0.0, ["wrong-perturbation"])),
+            ("later", LATER, (0.0, ["wrong-perturbation"])),
+            ("once more", TWICE, (0.0, ["wrong-perturbation"])),
+            ("with a force", of(push=_forced), (0.0, ["wrong-perturbation"])),
+            ("another each time", Random, (0.0, ["random-push"])),
+            ("noise on both", telling(_noisy), None),
+            ("no simulation", NEVER, "skipped"),
+            ("no reset, which is another check's", NO_RESET, None),
+            ("noise and none", type("Two", (telling(_noisy),), {"push": lambda *_: None}), "skipped"),
+        ],
+    }.items()
+    for name, kind, marked in rows
+]
+
+
+def _function(recorder: Recorder) -> Callable[..., Any]:
+    def simulate_and_collect(
+        model: Any, data: Any, duration_seconds: float = 5.0, accel_id: Any = None, gyro_id: Any = None
+    ) -> Any:
+        return recorder(model, data, duration_seconds, accel_id, gyro_id)
+
+    return simulate_and_collect
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_a_made_up_recorder_is_marked_fairly(case: Case) -> None:
+    is_as_marked(case)

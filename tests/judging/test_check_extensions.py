@@ -1,0 +1,318 @@
+"""The checks of the extensions, on made-up filters of tilt, Allan deviations, readers of all IMUs and live plots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grader.engine.findings import Fault
+from grader.labs.imu.checks import check_allan_variance as allan
+from grader.labs.imu.checks import check_complementary_filter as tilt
+from grader.labs.imu.checks import check_multiple_imus as imus
+from grader.labs.imu.checks import check_realtime_visualization as live
+from grader.labs.imu.student import Student
+from grader.labs.imu.student_bonuses import LiveRun, SeenCurve
+from grader.sandbox.wire import Frame
+from tests.judging.made import Case, Made, Marked, is_as_marked, truth
+
+Row = tuple[str, Any, Marked]
+
+# --- the complementary filter ---------------------------------------------------------------------------------------
+
+
+class Tilt:
+    """A sound filter, in steps that a faulty one changes."""
+
+    alpha, gain, shift = 0.98, 1.0, 0.0
+
+    def __init__(self, dt: float) -> None:
+        self.dt = dt
+        self.angles: Any = None
+
+    def of_accel(self, accel: np.ndarray) -> np.ndarray:
+        x, y, z = accel
+        return np.array([math.atan2(-y, -z), math.atan2(x, math.hypot(y, z))])
+
+    def turned(self, gyro: np.ndarray) -> np.ndarray:
+        roll, pitch = self.angles
+        p, q, r = gyro
+        across = q * math.sin(roll) + r * math.cos(roll)
+        return np.array([p + across * math.tan(pitch), q * math.cos(roll) - r * math.sin(roll)])
+
+    def update(self, accel: np.ndarray, gyro: np.ndarray) -> Any:
+        held = self.of_accel(accel)
+        if self.angles is None:
+            self.angles = held
+        turned = self.angles + self.gain * self.dt * self.turned(gyro)
+        off = (held - turned + np.pi) % (2 * np.pi) - np.pi
+        self.angles = turned + (1 - self.alpha) * off
+        return tuple(self.angles + self.shift)
+
+
+def _tilted(**steps: Any) -> type:
+    return type("Other", (Tilt,), steps)
+
+
+_DEGREES = {"update": lambda s, a, g: tuple(np.degrees(Tilt.update(s, a, g)))}
+_SMALL_ANGLES = {"of_accel": lambda _s, a: np.array([-a[1], a[0]]) / 9.81}
+
+TILT: list[tuple[Any, list[Row]]] = [
+    (tilt.check_returns_roll_and_pitch, [
+        ("sound", Tilt, None),
+        ("off by a degree", _tilted(shift=math.radians(1)), (0.0, [])),
+        ("a number", _tilted(update=lambda *_: 0.0), (0.0, ["wrong-return-type"])),
+        ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), (0.0, ["not-finite"])),
+        ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
+    ]),
+    (tilt.check_settles_at_tilt, [
+        ("sound", Tilt, None),
+        ("never", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
+        ("in degrees", _tilted(**_DEGREES), (0.0, ["degrees-not-radians"])),
+        ("pitch of the other sign", _tilted(of_accel=lambda s, a: Tilt.of_accel(s, a) * [1, -1]), (0.0, ["tilt-sign-wrong"])),
+        ("the sine for the pitch", _tilted(of_accel=lambda _s, a: np.array([math.atan2(-a[1], -a[2]), a[0] / 9.81])), (0.5, [])),
+        ("small angles", _tilted(**_SMALL_ANGLES), (0.0, [])),
+        ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
+    ]),
+    (tilt.check_beats_gyroscope_alone, [
+        ("sound", Tilt, None),
+        ("the gyroscope alone", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
+        ("hardly anything else", _tilted(alpha=0.9995), (0.0, [])),
+    ]),
+    (tilt.check_beats_accelerometer_alone, [
+        ("sound", Tilt, None),
+        ("the accelerometer alone", _tilted(alpha=0.0, gain=0.0), (0.0, ["accel-only"])),
+        ("without the gyroscope", _tilted(gain=0.0), (0.0, ["accel-only"])),
+        ("weights exchanged", _tilted(alpha=0.02), (0.0, ["weights-swapped"])),
+    ]),
+    (tilt.check_holds_when_steep, [
+        ("sound", Tilt, None),
+        ("the gyroscope in degrees", _tilted(gain=math.degrees(1)), (0.0, [])),
+        ("the accelerometer alone", _tilted(alpha=0.0), (0.0, ["accel-only"])),
+    ]),
+]  # fmt: skip
+
+# --- the Allan deviation --------------------------------------------------------------------------------------------
+
+
+def deviation(samples: Any, rate: float) -> Any:
+    """The sheet's, overlapping."""
+    sizes = np.unique(np.geomspace(1, len(samples) // 2, 30).astype(int))
+    sums = np.cumsum(np.concatenate([np.zeros_like(samples[:1]), samples]), axis=0)
+    second = [sums[2 * m :] - 2 * sums[m:-m] + sums[: -2 * m] for m in sizes]
+    return sizes / rate, np.array([np.sqrt(np.mean(s**2, axis=0) / 2) / m for s, m in zip(second, sizes, strict=True)])
+
+
+def _changed(change: Callable[[Any, Any], Any]) -> Callable[[Any, float], Any]:
+    return lambda samples, rate: change(*deviation(samples, rate))
+
+
+def _one_axis(samples: Any, rate: float) -> Any:
+    return deviation(samples if samples.ndim == 1 else samples[:, 0], rate)
+
+
+def _same_for_all(samples: Any, rate: float) -> Any:
+    if samples.ndim == 1:
+        return deviation(samples, rate)
+    taus, adev = deviation(samples[:, 0], rate)
+    return taus, np.column_stack([adev] * 3)
+
+
+def _detrended(samples: Any, rate: float) -> Any:
+    t = np.arange(len(samples), dtype=float)
+    if samples.ndim == 1 and abs(np.corrcoef(t, samples)[0, 1]) > 0.99:
+        samples = samples - np.polyval(np.polyfit(t, samples, 1), t)
+    return deviation(samples, rate)
+
+
+def _spread(samples: Any, rate: float) -> Any:
+    sizes = np.unique(np.geomspace(1, len(samples) // 4, 30).astype(int))
+    means = [samples[: len(samples) // m * m].reshape(-1, m).mean(axis=1) for m in sizes]
+    return sizes / rate, np.array([mean.std() for mean in means])
+
+
+def _raises(*_: Any) -> Any:
+    raise RuntimeError("broken")
+
+
+ALLAN: list[tuple[Any, list[Row]]] = [
+    (allan.check_returns_times_and_deviations, [
+        ("sound", deviation, None),
+        ("the deviations alone", lambda s, r: deviation(s, r)[1], (0.0, ["wrong-return-type"])),
+        ("one that is no number", _changed(lambda t, a: (t, np.where(np.arange(len(a)) == 3, np.nan, a))), (0.5, ["not-finite"])),
+        ("raises", _raises, "raised"),
+    ]),
+    (allan.check_averaging_times, [
+        ("sound", deviation, None),
+        ("in samples", _changed(lambda t, a: (t * 80, a)), (0.0, ["tau-wrong"])),
+        ("over the rate twice", _changed(lambda t, a: (t / 80, a)), (0.0, ["tau-wrong"])),
+        ("beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
+        ("over a decade", lambda s, r: tuple(x[:7] for x in deviation(s, r)), None),
+        ("over less than a decade", lambda s, r: tuple(x[:6] for x in deviation(s, r)), (0.5, [])),
+        ("four of them", lambda s, r: tuple(x[::9] for x in deviation(s, r)), (0.5, [])),
+        ("two of them", lambda s, r: tuple(x[:2] for x in deviation(s, r)), "skipped"),
+    ]),
+    (allan.check_matches_definition, [
+        ("sound", deviation, None),
+        ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
+        ("without the half", _changed(lambda t, a: (t, a * 2**0.5)), (0.0, ["allan-factor-missing"])),
+        ("the spread of means", _spread, (0.0, ["std-not-allan"])),
+        ("another curve", _changed(lambda t, a: (t, a * 1.3)), (0.0, [])),
+        ("in samples, which is another check's", _changed(lambda t, a: (t * 80, a)), None),
+    ]),
+    (allan.check_shows_kinds_of_noise, [
+        ("sound", deviation, None),
+        ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
+        ("the spread of means", _spread, (0.0, ["std-not-allan"])),
+        ("another factor", _changed(lambda t, a: (t, a * 1.3)), None),
+        ("a trend taken off", _detrended, (0.0, [])),
+    ]),
+    (allan.check_takes_three_axes, [
+        ("sound", deviation, None),
+        ("one axis of three", _one_axis, (0.0, [])),
+        ("the first for all", _same_for_all, (0.0, [])),
+    ]),
+]  # fmt: skip
+
+# --- many IMUs ------------------------------------------------------------------------------------------------------
+
+
+def every(model: Any, data: Any) -> Any:
+    """Every place of the model."""
+    names = [model.sensor(i).name for i in range(model.nsensor)]
+    places = [name.removesuffix("_accelerometer") for name in names if name.endswith("_accelerometer")]
+    return {place: _of(data, place) for place in places if f"{place}_gyroscope" in names}
+
+
+def _of(data: Any, place: str) -> Any:
+    return tuple(data.sensor(f"{place}_{kind}").data.copy() for kind in ("accelerometer", "gyroscope"))
+
+
+def _views(model: Any, data: Any) -> Any:
+    return {p: (data.sensor(f"{p}_accelerometer").data, r[1]) for p, r in every(model, data).items()}
+
+
+def _those_of_the_lab(model: Any, data: Any) -> Any:
+    return {p: r for p, r in every(model, data).items() if p in ("torso", "head", "left_foot", "right_foot", "keel")}
+
+
+def _first_for_all(model: Any, data: Any) -> Any:
+    found = every(model, data)
+    return dict.fromkeys(found, next(iter(found.values())))
+
+
+def _changing(change: Callable[[str, Any], Any]) -> Callable[[Any, Any], Any]:
+    return lambda model, data: {p: change(p, r) for p, r in every(model, data).items()}
+
+
+IMUS: list[tuple[Any, list[Row]]] = [
+    (imus.check_finds_every_place, [
+        ("sound", every, None),
+        ("those of the lab", _those_of_the_lab, (0.5, ["imu-missing"])),
+        ("the torso alone", lambda m, d: {"torso": every(m, d).get("torso")}, (0.0, ["imu-missing"])),
+        ("a list", lambda m, d: list(every(m, d).values()), (0.0, ["wrong-return-type"])),
+        ("raises", _raises, "raised"),
+    ]),
+    (imus.check_matches_truth, [
+        ("sound", every, None),
+        ("those of the lab", _those_of_the_lab, None),
+        ("the first for all", _first_for_all, (0.0, ["same-imu-repeated"])),
+        ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, ["swapped-sensors"])),
+        ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, ["wrong-units"])),
+        ("one of another model", _changing(lambda p, r: r[::-1] if p == "keel" else r), (0.5, [])),
+        ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
+    ]),
+    (imus.check_readings_are_copies, [
+        ("sound", every, None),
+        ("views", _views, (0.0, ["view-not-copy"])),
+        ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
+    ]),
+]  # fmt: skip
+
+# --- a plot that grows ----------------------------------------------------------------------------------------------
+
+
+class Watched(Made):
+    """A student whose live plot was seen."""
+
+    def __init__(self, run: LiveRun) -> None:
+        super().__init__(live_plot=None)
+        self.run = run
+
+    def ask(self, *_: Any) -> Frame:
+        arrays = {f"{axis}{n}": getattr(c, axis) for n, c in enumerate(self.run.curves) for axis in "xy"}
+        curves = [
+            {"moment": c.moment, "label": c.label, "x": f"x{n}", "y": f"y{n}"} for n, c in enumerate(self.run.curves)
+        ]
+        error = asdict(self.run.fault) if self.run.fault else None
+        fields = {"curves": curves, "simulated": self.run.simulated, "returned": True, "error": error}
+        return Frame(fields, arrays | {"events": self.run.events})
+
+
+def _seen(
+    moments: Any = (0.1, 0.3, 0.5, 0.7, 0.9), simulated: float = 1.0, curves: Any = None, fault: Fault | None = None
+) -> LiveRun:
+    pushed = truth()["watched"]["pushed"]
+    time = 0.004 * np.arange(1, len(pushed) + 1)
+    shown = [(time, pushed[:, i]) for i in range(6)] if curves is None else curves
+    events = np.array([(moment, 10.0 * n, n + 1.0) for n, moment in enumerate(moments)]).reshape(-1, 3)
+    return LiveRun(
+        events, tuple(SeenCurve(1.0, "x", np.array(x), np.array(y)) for x, y in shown), simulated, True, fault
+    )
+
+
+_T = 0.004 * np.arange(1, 253)
+_WRONG = (_T, np.cos(40 * _T))
+
+LIVE: list[tuple[Any, list[Row]]] = [
+    (live.check_returns, [
+        ("sound", _seen(), None),
+        ("nine tenths", _seen(simulated=0.9), None),
+        ("less", _seen(simulated=0.89), (0.5, [])),
+        ("nothing", _seen(simulated=0.0), (0.0, [])),
+        ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
+    ]),
+    (live.check_grows_while_stepping, [
+        ("sound", _seen(), None),
+        ("four times", _seen((0.1, 0.3, 0.5, 0.7)), None),
+        ("three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
+        ("within a moment", _seen((0.1, 0.11, 0.12, 0.13, 0.14)), (0.5, [])),
+        ("over four tenths", _seen((0.1, 0.2, 0.3, 0.5)), None),
+        ("once", _seen((0.5, 0.5)), (0.0, ["plot-not-live"])),
+        ("at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),
+    ]),
+    (live.check_shows_true_data, [
+        ("sound", _seen(), None),
+        ("nothing", _seen(()), "skipped"),
+        ("short ones", _seen(curves=[(_T[:9], _T[:9])]), (0.0, ["curves-missing"])),
+        ("wrong ones", _seen(curves=[_WRONG] * 3), (0.0, ["wrong-data-plotted"])),
+        ("one that is right", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0])] + [_WRONG] * 2), (0.5, [])),
+        ("half of them", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0]), _WRONG]), None),
+    ]),
+]  # fmt: skip
+
+
+def _cases(rows: list[tuple[Any, list[Row]]], student: Callable[[Any], Student]) -> list[Case]:
+    return [
+        Case(name, check, lambda part=part: student(part), marked)  # type: ignore[misc]
+        for check, its in rows
+        for name, part, marked in its
+    ]
+
+
+CASES = [
+    *_cases(TILT, lambda kind: Made(ComplementaryFilter=kind)),
+    *_cases(ALLAN, lambda function: Made(allan_deviation=function)),
+    *_cases(IMUS, lambda function: Made(read_all_imus=function)),
+    *_cases(LIVE, Watched),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_a_made_up_extension_is_marked_fairly(case: Case) -> None:
+    is_as_marked(case)

@@ -1,0 +1,309 @@
+"""The checks of Filtering, on made-up filters."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grader.labs.imu.checks import check_filtering as checks
+from tests.judging.made import Case, Made, is_as_marked
+
+RECURSION, FIRST, CONSTANT, NOISE, SIGNAL, OWN = (
+    checks.check_follows_recursion,
+    checks.check_starts_from_first_measurement,
+    checks.check_passes_constant,
+    checks.check_reduces_noise,
+    checks.check_preserves_signal,
+    checks.check_instances_independent,
+)
+
+
+class Sound:
+    """The sheet's filter, in steps that a faulty one changes."""
+
+    def __init__(self, alpha: float = 0.1, initial_value: Any = None) -> None:
+        self.alpha = alpha
+        self.value = None if initial_value is None else np.array(initial_value, float)
+        self.begin()
+
+    def begin(self) -> None:
+        """Whatever else there is to remember."""
+
+    def first(self, x: np.ndarray) -> np.ndarray:
+        return x.copy()
+
+    def next(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return self.alpha * x + (1 - self.alpha) * y
+
+    def out(self, y: np.ndarray) -> Any:
+        return y.copy()
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.value = self.first(measurement) if self.value is None else self.next(measurement, self.value)
+        return self.out(self.value)
+
+
+def of(**steps: Any) -> type:
+    """A filter that differs from the sound one in these steps."""
+    return type("Filter", (Sound,), steps)
+
+
+def _default_alpha(self: Any, alpha: float = 0.3, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha, initial_value)
+
+
+def _ignores_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha)
+
+
+def _halves_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha, None if initial_value is None else initial_value / 2)
+
+
+def _keeps_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha)
+    self.value = initial_value
+
+
+class Averaging(Sound):
+    """The mean of the last four."""
+
+    size = 4
+
+    def begin(self) -> None:
+        self.last: deque[np.ndarray] = deque(maxlen=self.size)
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.last.append(measurement.copy())
+        return np.mean(self.last, axis=0)
+
+
+class SecondOrder(Sound):
+    """Two of them, one behind the other: smooth, and another recursion."""
+
+    def begin(self) -> None:
+        self.second: Any = None
+
+    def out(self, y: np.ndarray) -> Any:
+        self.second = y if self.second is None else self.next(y, self.second)
+        return np.array(self.second)
+
+
+class Behind(Sound):
+    """What belongs to the measurement before."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        before = measurement if self.value is None else self.value
+        super().update(measurement)
+        return np.array(before)
+
+
+class Adding(Sound):
+    """A filter that is no low-pass: it adds to what it has."""
+
+    def next(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return 0.9 * y + 0.5 * np.sin(x)
+
+
+class Noisy(Sound):
+    """As large as what comes in, and larger."""
+
+    def begin(self) -> None:
+        self.before: Any = None
+
+    def out(self, y: np.ndarray) -> Any:
+        return y.copy()
+
+    def update(self, measurement: np.ndarray) -> Any:
+        before = measurement if self.before is None else self.before
+        self.before = measurement.copy()
+        return measurement + 0.5 * (measurement - before) + 0.001 * np.sin(before)
+
+
+class Shared(Sound):
+    """A state of the class."""
+
+    state: Any = None
+
+    def update(self, measurement: np.ndarray) -> Any:
+        cls = type(self)
+        cls.state = measurement.copy() if cls.state is None else self.next(measurement, cls.state)
+        return cls.state.copy()
+
+
+class NothingAtFirst(Sound):
+    """None from the first update."""
+
+    def begin(self) -> None:
+        self.updates = 0
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.updates += 1
+        y = super().update(measurement)
+        return y if self.updates > 1 else None
+
+
+class HighPass(Sound):
+    """What the filter takes away."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        return measurement - super().update(measurement)
+
+
+class InPlace(Sound):
+    """One array for all outputs."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        if self.value is None:
+            self.value = measurement.copy()
+        else:
+            self.value *= 1 - self.alpha
+            self.value += self.alpha * measurement
+        return self.value
+
+
+class Guarded(Sound):
+    """Nothing, once the same measurement has come ten times."""
+
+    def begin(self) -> None:
+        self.last: Any = None
+        self.repeated = 0
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.repeated = self.repeated + 1 if np.array_equal(measurement, self.last) else 0
+        self.last = measurement.copy()
+        y = super().update(measurement)
+        return 0 * y if self.repeated >= 10 else y
+
+
+class Random(Sound):
+    """Other outputs every time."""
+
+    def begin(self) -> None:
+        self.rng = np.random.default_rng()
+
+    def out(self, y: np.ndarray) -> Any:
+        return y + self.rng.normal(0, 0.01, 3)
+
+
+def _writes_into_input(self: Any, measurement: np.ndarray) -> Any:
+    y = Sound.update(self, measurement)
+    measurement[:] = y
+    return y
+
+
+def _raises(self: Any, measurement: np.ndarray) -> Any:
+    raise RuntimeError("broken")
+
+
+WRONG_TYPE = (0.0, ["wrong-return-type"])
+THE_SAME = of(update=lambda _s, x: x.copy())
+STILL = of(update=lambda _s, x: np.array([1.0, 2.0, 3.0]))
+NAN = of(out=lambda _s, y: y * np.nan)
+NUMBER = of(out=lambda _s, y: float(y[0]))
+ROUNDED = of(out=lambda _s, y: y.round(2))
+LIMITED = of(out=lambda _s, y: np.clip(y, -9.5, 9.5))
+NOW_AND_THEN = of(out=lambda _s, y: np.maximum(y, -11.5))
+FROM_ZERO = of(first=lambda s, x: s.alpha * x)
+LARGER = of(next=lambda s, x, y: s.alpha * x + (1.1 - s.alpha) * y)
+HALF = of(next=lambda s, x, y: 0.5 * (s.alpha * x + (1 - s.alpha) * y), first=lambda _s, x: 0.5 * x)
+ALPHA_SWAPPED = of(next=lambda s, x, y: (1 - s.alpha) * x + s.alpha * y)
+FASTER = of(next=lambda s, x, y: s.alpha**0.5 * x + (1 - s.alpha**0.5) * y)
+
+CASES = [
+    Case(name, check, lambda kind=kind: Made(LowPassFilter=kind), marked)  # type: ignore[misc]
+    for check, rows in {
+        RECURSION: [
+            ("sound", Sound, None),
+            ("another default", of(__init__=_default_alpha), (0.5, [])),
+            ("rounded", ROUNDED, (0.0, ["output-rounded"])),
+            ("limited", LIMITED, (0.0, [])),
+            ("limited now and then", NOW_AND_THEN, (0.0, [])),
+            ("alpha swapped", ALPHA_SWAPPED, (0.0, ["alpha-swapped"])),
+            ("the root of alpha", FASTER, (0.0, [])),
+            ("one behind", Behind, (0.0, [])),
+            ("a moving average", Averaging, (0.0, ["moving-average"])),
+            ("two in a row", SecondOrder, (0.0, ["other-low-pass"])),
+            ("no low-pass at all", Adding, (0.0, [])),
+            ("noisier than before", Noisy, (0.0, [])),
+            ("the measurement itself", THE_SAME, (0.0, ["no-filtering"])),
+            ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
+            ("a high-pass", HighPass, (0.0, ["high-pass"])),
+            ("from zero", FROM_ZERO, None),
+            ("a number", NUMBER, WRONG_TYPE),
+            ("no numbers", NAN, (0.0, ["not-finite"])),
+            ("raises", of(update=_raises), "raised"),
+            ("nothing at first", NothingAtFirst, None),
+            ("an alpha of its own", of(next=lambda _s, x, y: 0.25 * x + 0.75 * y), (0.0, ["alpha-ignored"])),
+            ("stuck", STILL, (0.0, ["output-stuck"])),
+        ],
+        FIRST: [
+            ("sound", Sound, None),
+            ("from zero", FROM_ZERO, (0.0, ["zero-initial-state"])),
+            ("zero", of(first=lambda _s, x: 0 * x), (0.0, ["zero-initial-state"])),
+            ("from elsewhere", of(first=lambda _s, x: x + 1), (0.0, [])),
+            ("nothing at first", NothingAtFirst, WRONG_TYPE),
+            ("the initial value is ignored", of(__init__=_ignores_initial), (0.5, ["initial-value-ignored"])),
+            ("half the initial value", of(__init__=_halves_initial), (0.5, [])),
+            ("a gain of a half", HALF, (0.0, [])),
+            ("limited", LIMITED, (0.5, [])),
+            ("rounded", ROUNDED, (0.0, [])),
+            ("a high-pass", HighPass, (0.0, [])),
+            ("shared", Shared, (0.5, ["initial-value-ignored"])),
+            ("the measurement itself", THE_SAME, "skipped"),
+            ("stuck", STILL, "skipped"),
+            ("raises", of(update=_raises), "raised"),
+        ],
+        CONSTANT: [
+            ("sound", Sound, None),
+            ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
+            ("an average", Averaging, None),
+            ("one that adds", Adding, (0.0, [])),
+            ("guarded", Guarded, (0.0, [])),
+            ("limited", LIMITED, None),
+            ("rounded", ROUNDED, (0.0, [])),
+            ("a high-pass", HighPass, "skipped"),
+            ("from zero", FROM_ZERO, None),
+            ("the measurement itself", THE_SAME, "skipped"),
+        ],
+        NOISE: [
+            ("sound", Sound, None),
+            ("an average", Averaging, None),
+            ("noisier than before", Noisy, (0.0, [])),
+            ("a high-pass", HighPass, None),
+            ("the measurement itself", THE_SAME, "skipped"),
+            ("alpha swapped", ALPHA_SWAPPED, None),
+            ("rounded", ROUNDED, None),
+        ],
+        SIGNAL: [
+            ("sound", Sound, None),
+            ("a high-pass", HighPass, "skipped"),
+            ("one that adds", Adding, (0.0, [])),
+            ("a long average", type("Long", (Averaging,), {"size": 150}), (0.0, [])),
+            ("noisier than before", Noisy, None),
+            ("the measurement itself", THE_SAME, "skipped"),
+        ],
+        OWN: [
+            ("sound", Sound, None),
+            ("shared", Shared, (0.0, ["shared-state"])),
+            ("random", Random, (0.0, [])),
+            ("hands its state out", of(out=lambda _s, y: y), (0.5, ["aliased-output"])),
+            ("keeps what comes in", of(first=lambda _s, x: x), (0.5, ["aliased-input"])),
+            ("writes into what comes in", of(update=_writes_into_input), (0.5, ["mutates-input"])),
+            ("one array for all", InPlace, (0.5, ["aliased-output"])),
+            ("the measurement itself", THE_SAME, None),
+            ("stuck", STILL, "skipped"),
+            ("an average", Averaging, None),
+        ],
+    }.items()
+    for name, kind, marked in rows
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_a_made_up_filter_is_marked_fairly(case: Case) -> None:
+    is_as_marked(case)

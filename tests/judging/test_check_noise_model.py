@@ -1,0 +1,340 @@
+"""The checks of Noise model, on made-up noisy IMUs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from grader.labs.imu.checks import check_noise_model as checks
+from tests.judging.made import Case, Made, is_as_marked
+
+SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
+    checks.check_noise_size,
+    checks.check_given_bias,
+    checks.check_default_bias,
+    checks.check_white_and_gaussian,
+    checks.check_axes_and_sensors_independent,
+    checks.check_leaves_simulation_alone,
+)
+
+
+class Sound:
+    """The sheet's noisy IMU, in steps that a faulty one changes."""
+
+    seeds = np.random.SeedSequence(11)
+
+    def __init__(
+        self, model: Any, data: Any, accel_id: int, gyro_id: int, accel_noise_std: float = 0.05,
+        gyro_noise_std: float = 0.005, accel_bias: Any = None, gyro_bias: Any = None,
+    ) -> None:  # fmt: skip
+        self.model, self.data, self.ids = model, data, (accel_id, gyro_id)
+        self.stds = (accel_noise_std, gyro_noise_std)
+        self.seed()
+        given = (accel_bias, gyro_bias)
+        self.biases = [
+            self.bias(i, size, value) for i, (size, value) in enumerate(zip((0.1, 0.01), given, strict=True))
+        ]
+        self.reads = 0
+        self.begin()
+
+    def seed(self) -> None:
+        """Every instance has a stream of its own; the same global seed gives the same ones."""
+        self.rng = np.random.default_rng(np.random.randint(0, 2**31))
+
+    def begin(self) -> None:
+        """Whatever else there is to remember."""
+
+    def bias(self, which: int, size: float, given: Any) -> Any:
+        return self.rng.normal(0, size, 3) if given is None else np.array(given, float)
+
+    def clean(self, which: int) -> np.ndarray:
+        first = self.model.sensor_adr[self.ids[which]]
+        return np.array(self.data.sensordata[first : first + 3])
+
+    def noise(self, which: int) -> Any:
+        return self.rng.normal(0, self.stds[which], 3)
+
+    def one(self, which: int) -> Any:
+        return self.clean(which) + self.biases[which] + self.noise(which)
+
+    def read(self) -> Any:
+        answer = self.one(0), self.one(1)
+        self.reads += 1
+        return answer
+
+
+def of(**steps: Any) -> type:
+    """A noisy IMU that differs from the sound one in these steps."""
+    return type("Noisy", (Sound,), steps)
+
+
+class Walking(Sound):
+    """Noise that adds up."""
+
+    def begin(self) -> None:
+        self.sums = [np.zeros(3), np.zeros(3)]
+
+    def drawn(self, which: int) -> Any:
+        return super().noise(which)
+
+    def noise(self, which: int) -> Any:
+        self.sums[which] = self.sums[which] + self.drawn(which)
+        return self.sums[which]
+
+
+class Remembering(Sound):
+    """Each read keeps half of the noise before."""
+
+    def begin(self) -> None:
+        self.last = [np.zeros(3), np.zeros(3)]
+
+    def noise(self, which: int) -> Any:
+        self.last[which] = 0.5 * self.last[which] + super().noise(which)
+        return self.last[which]
+
+
+class Drifting(Sound):
+    """A bias that walks."""
+
+    def one(self, which: int) -> Any:
+        self.biases[which] = self.biases[which] + self.rng.normal(0, (0.002, 0.0002)[which], 3)
+        return super().one(which)
+
+
+class Redrawn(Sound):
+    """A bias that is drawn on every read."""
+
+    def one(self, which: int) -> Any:
+        return self.clean(which) + self.rng.normal(0, (0.1, 0.01)[which], 3) + self.noise(which)
+
+
+class Frozen(Sound):
+    """One draw for all reads."""
+
+    def begin(self) -> None:
+        self.drawn = [super().noise(0), super().noise(1)]
+
+    def noise(self, which: int) -> Any:
+        return self.drawn[which]
+
+
+class Stale(Sound):
+    """The clean reading of the first read."""
+
+    def begin(self) -> None:
+        self.kept: dict[int, np.ndarray] = {}
+
+    def clean(self, which: int) -> np.ndarray:
+        return self.kept.setdefault(which, super().clean(which))
+
+
+class Writing(Sound):
+    """Noise into the simulator's own data."""
+
+    def one(self, which: int) -> Any:
+        answer = super().one(which)
+        first = self.model.sensor_adr[self.ids[which]]
+        self.data.sensordata[first : first + 3] = answer
+        return answer
+
+
+class Stepping(Sound):
+    """A step for each read."""
+
+    def read(self) -> Any:
+        answer = super().read()
+        mujoco.mj_step(self.model, self.data)
+        return answer
+
+
+def _scaled(by: float, *sensors: int) -> type:
+    return of(noise=lambda s, i: Sound.noise(s, i) * (by if i in (sensors or (0, 1)) else 1.0))
+
+
+def _one_for_all_axes(self: Any, which: int) -> Any:
+    return np.full(3, self.rng.normal(0, self.stds[which]))
+
+
+def _opposite(self: Any, which: int) -> Any:
+    x, _, z = Sound.noise(self, which)
+    return np.array([x, -x, z])
+
+
+def _nothing_given(self: Any, which: int, size: float, given: Any) -> Any:
+    return self.rng.normal(0, size, 3)
+
+
+def _truth_of_array(self: Any, which: int, size: float, given: Any) -> Any:
+    return given or self.rng.normal(0, size, 3)
+
+
+def _times(factor: float) -> Any:
+    return lambda s, i, size, given: Sound.bias(s, i, size, given) * (1 if given is None else factor)
+
+
+def _rolled(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.roll(Sound.bias(self, which, size, given), 1)
+
+
+def _fixed(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.array([0.1, -0.2, 0.3]) * size if given is None else np.array(given)
+
+
+def _one_number(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.full(3, self.rng.normal(0, size)) if given is None else np.array(given)
+
+
+def _none(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.zeros(3) if given is None else np.array(given)
+
+
+def _only_for(which: int) -> Any:
+    return lambda s, i, size, given: Sound.bias(s, i, size, given) if i == which else _none(s, i, size, given)
+
+
+class SharedBias(Sound):
+    """The gyroscope's bias is a tenth of the accelerometer's."""
+
+    def bias(self, which: int, size: float, given: Any) -> Any:
+        if given is not None:
+            return np.array(given, float)
+        self.first = self.rng.normal(0, size, 3) if which == 0 else self.first / 10
+        return self.first
+
+
+def _swapped(self: Any) -> Any:
+    return tuple(reversed(Sound.read(self)))
+
+
+def _crossed(self: Any, which: int) -> Any:
+    return self.clean(which) + self.biases[1 - which] + self.noise(which)
+
+
+def _raises(self: Any) -> Any:
+    raise RuntimeError("broken")
+
+
+SILENT = of(noise=lambda _s, _i: np.zeros(3))
+UNIFORM = of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i] * 3**0.5)
+POSITIVE = of(noise=lambda s, i: np.abs(Sound.noise(s, i)))
+CUT = of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))
+ROUNDED = of(one=lambda s, i: Sound.one(s, i).round(3))
+SAME_ON_AXES = of(noise=_one_for_all_axes)
+NUMBER = of(read=lambda s: float(Sound.read(s)[0][0]))
+NAN = of(noise=lambda s, i: Sound.noise(s, i) * np.nan)
+MULTIPLICATIVE = of(one=lambda s, i: s.clean(i) * (1 + Sound.noise(s, i)) + s.biases[i])
+NOTHING_GIVEN = of(bias=_nothing_given)
+SHIFTED = of(noise=lambda s, i: Sound.noise(s, i) + 0.8 * s.stds[i])
+ONE_SENSOR_BEYOND = of(noise=lambda s, i: Sound.noise(s, i) if i else np.zeros(3))
+SWAPPED_STDS = of(noise=lambda s, i: s.rng.normal(0, s.stds[1 - i], 3))
+
+CASES = [
+    Case(name, check, lambda kind=kind: Made(NoisyIMU=kind), marked)  # type: ignore[misc]
+    for check, rows in {
+        SIZE: [
+            ("sound", Sound, None),
+            ("a fifth too much of one", _scaled(1.2, 0), (0.5, [])),
+            ("a fifth too much", _scaled(1.2), (0.0, [])),
+            ("three hundredths", _scaled(1.03), None),
+            ("stds exchanged", SWAPPED_STDS, (0.0, ["stds-swapped"])),
+            ("the variance", of(noise=lambda s, i: s.rng.normal(0, s.stds[i] ** 2, 3)), (0.0, ["variance-as-std"])),
+            ("of a fixed size", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), (0.0, ["std-ignored"])),
+            ("none", SILENT, (0.0, ["no-noise"])),
+            ("none of the gyroscope", ONE_SENSOR_BEYOND, (0.5, ["gyro-not-noisy"])),
+            ("frozen", Frozen, (0.0, ["frozen-noise"])),
+            ("with the size of the reading", MULTIPLICATIVE, (0.0, ["multiplicative-noise"])),
+            ("one that adds up", Walking, None),
+            ("one that remembers", Remembering, None),
+            ("absolute values", POSITIVE, None),
+            ("uniform of this size", UNIFORM, None),
+            ("uniform, the size as half width", of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i]), None),
+            ("cut off", CUT, None),
+            ("a bias drawn on every read", Redrawn, None),
+            ("a drift", Drifting, None),
+            ("rounded", ROUNDED, None),
+            ("a density", of(noise=lambda s, i: Sound.noise(s, i) / 0.002**0.5), (0.0, ["noise-density"])),
+            ("no numbers", NAN, (0.0, ["not-finite"])),
+            ("a number", NUMBER, (0.0, ["wrong-return-type"])),
+            ("raises", of(read=_raises), "raised"),
+        ],
+        GIVEN: [
+            ("sound", Sound, None),
+            ("not used", NOTHING_GIVEN, (0.0, ["bias-argument-ignored"])),
+            ("none", of(bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
+            ("taken off", of(bias=_times(-1.0)), (0.0, ["bias-sign-flipped"])),
+            ("twice", of(bias=_times(2.0)), (0.0, [])),
+            ("on other axes", of(bias=_rolled), (0.0, ["bias-axes-exchanged"])),
+            ("crossed", of(one=_crossed), (0.0, [])),
+            ("the other sensor first", of(read=_swapped), (0.0, ["swapped-sensors"])),
+            ("stale", Stale, None),
+            ("tested for truth", of(bias=_truth_of_array), (0.0, ["bias-argument-ignored"])),
+            ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),
+            ("of one sensor", of(bias=lambda s, i, z, g: Sound.bias(s, i, z, g) * (i or g is None)), (0.5, [])),
+            ("beside a shift of the noise", SHIFTED, None),
+            ("beside one that adds up", Walking, None),
+            ("beside absolute values", POSITIVE, None),
+            ("beside a drift", Drifting, None),
+            ("raises", of(read=_raises), "raised"),
+        ],
+        DEFAULT: [
+            ("sound", Sound, None),
+            ("none", of(bias=_none), (0.5, ["bias-not-random"])),
+            ("none, whatever is given", of(bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
+            ("none of one sensor", of(bias=_only_for(0)), (0.5, ["bias-not-random"])),
+            ("always the same", of(bias=_fixed), (0.5, ["bias-not-random"])),
+            ("one number for all axes", of(bias=_one_number), (0.5, ["bias-shared"])),
+            ("one for both sensors", SharedBias, (0.5, ["bias-shared"])),
+            ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),
+            ("a drift", Drifting, (0.0, ["bias-drifts"])),
+            ("as large as the noise", of(bias=lambda s, i, _z, g: Sound.bias(s, i, s.stds[i], g)), None),
+            ("of a fixed noise", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), None),
+        ],
+        WHITE: [
+            ("sound", Sound, None),
+            ("uniform", UNIFORM, (0.0, ["not-gaussian"])),
+            ("absolute values", POSITIVE, (0.0, ["noise-not-zero-mean"])),
+            ("a mean of its own", SHIFTED, (0.0, ["noise-not-zero-mean"])),
+            ("cut off", CUT, (0.0, ["noise-clipped"])),
+            ("one that adds up", Walking, (0.0, ["noise-accumulates"])),
+            ("one that remembers", Remembering, (0.0, ["noise-correlated"])),
+            ("rounded", ROUNDED, (0.0, ["precision-lost"])),
+            ("none", SILENT, "skipped"),
+            ("frozen", Frozen, "skipped"),
+            ("stale", Stale, (0.0, ["stale-clean-reading"])),
+            ("twice too large", _scaled(2.0), None),
+            ("a drift", Drifting, None),
+            ("a bias drawn on every read", Redrawn, None),
+            ("a bias that is not used", NOTHING_GIVEN, None),
+        ],
+        APART: [
+            ("sound", Sound, None),
+            ("one number for all axes", SAME_ON_AXES, (0.0, ["same-noise-on-axes"])),
+            ("opposite on two axes", of(noise=_opposite), (0.0, ["same-noise-on-axes"])),
+            (
+                "one for all axes that adds up",
+                type("Both", (Walking,), {"drawn": _one_for_all_axes}),
+                (0.0, ["same-noise-on-axes"]),
+            ),
+            ("half of it shared", of(noise=lambda s, i: Sound.noise(s, i) + _one_for_all_axes(s, i)), (0.0, [])),
+            ("one that adds up", Walking, None),
+            ("one that remembers", Remembering, None),
+            ("a drift", Drifting, None),
+            ("none", SILENT, "skipped"),
+        ],
+        ALONE: [
+            ("sound", Sound, None),
+            ("into the sensors' data", Writing, (0.0, ["mutates-sensordata"])),
+            ("a step", Stepping, (0.0, ["disturbs-simulation"])),
+        ],
+    }.items()
+    for name, kind, marked in rows
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_a_made_up_noisy_imu_is_marked_fairly(case: Case) -> None:
+    is_as_marked(case)

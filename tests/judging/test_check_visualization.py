@@ -1,0 +1,359 @@
+"""The checks of Visualization, on made-up facts of figures."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from grader.engine.findings import Fault
+from grader.labs.imu.answers import KEYS, Collection, Drawing
+from grader.labs.imu.checks import check_visualization as checks
+from grader.labs.imu.diagnosis.sight import Sight
+from grader.labs.imu.student import Student
+from tests.judging.made import Case, Made, is_as_marked, truth
+
+SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
+    checks.check_saves_image,
+    checks.check_two_labelled_panels,
+    checks.check_curves_match_data,
+    checks.check_axis_labels_with_units,
+    checks.check_legend_names_curves,
+    checks.check_titles,
+    checks.check_comparison_plot,
+)
+_COLOURS = ("#ff0000", "#00ff00", "#0000ff", "#888800", "#008888", "#880088")
+_IN_FULL = Sight(np.ones(100, bool), np.ones(100, bool))
+Figure = dict[str, Any]
+
+
+class Plotted(Made):
+    """A student of whom it is known what was drawn, and nothing else."""
+
+    def __init__(
+        self, drawing: Drawing, scripts: tuple[Drawing, ...] = (), pictures: Mapping[str, Any] | None = None,
+        broken: tuple[str, ...] = (),
+    ) -> None:  # fmt: skip
+        super().__init__()
+        self._drawing, self._scripts, self._pictures, self.broken = drawing, scripts, pictures or {}, set(broken)  # type: ignore[assignment, misc]
+
+    def plot(self, *_: Any, **__: Any) -> Drawing:
+        return self._drawing
+
+    def scripts(self) -> Iterator[Drawing]:
+        return iter(self._scripts)
+
+    def picture(self, name: str) -> Mapping[str, Any] | None:
+        return self._pictures.get(name)
+
+    def simulate(self, *_: Any, **__: Any) -> Collection:
+        series = {key: truth()["push"][key] for key in KEYS}
+        return Collection(*series.values(), keys={key: key for key in KEYS})
+
+
+class Sheet:
+    """The sheet's figure as facts, in parts that a case changes."""
+
+    def __init__(self) -> None:
+        self.arrays: dict[str, np.ndarray] = {}
+        series = truth()["tumbling"]
+        self.time = series["time"]
+        self.rows = (series["acceleration"], series["angular_velocity"])
+        self.figure = _figure(
+            self._axes(0, "Accelerometer", "Acceleration (m/s²)", ""),
+            self._axes(1, "Gyroscope", "Angular velocity (rad/s)", "Time (s)"),
+        )
+
+    @property
+    def panels(self) -> list[Figure]:
+        axes: list[Figure] = self.figure["axes"]
+        return axes
+
+    def keep(self, values: Any) -> str:
+        name = f"a{len(self.arrays)}"
+        self.arrays[name] = np.asarray(values, float)
+        return name
+
+    def curve(self, x: Any, y: Any, label: str, colour: str) -> Figure:
+        return {
+            "label": label, "colour": colour, "kind": "line", "visible": True, "n": len(y), "style": "-", "marker": "None",
+            "stroke": "", "x": self.keep(x), "y": self.keep(y), "sight": _IN_FULL,
+        }  # fmt: skip
+
+    def _axes(self, sensor: int, title: str, ylabel: str, xlabel: str) -> Figure:
+        curves = [
+            self.curve(self.time, self.rows[sensor][:, axis], "xyz"[axis], _COLOURS[3 * sensor + axis])
+            for axis in range(3)
+        ]
+        low = 0.5 - 0.45 * sensor
+        return {
+            "visible": True, "position": [0.1, low, 0.9, low + 0.4], "title": title, "ylabel": ylabel, "xlabel": xlabel,
+            "legend": [_entry(curve) for curve in curves], "texts": [], "y_limits": [-20.0, 20.0], "curves": curves,
+        }  # fmt: skip
+
+    def drawing(self, *more: Figure) -> Drawing:
+        return Drawing((self.figure, *more), self.arrays, ("imu_data.png",))
+
+
+def _figure(*axes: Figure) -> Figure:
+    return {
+        "event": "saved", "path": "imu_data.png", "format": "png", "size_px": [1000, 800], "title": "", "xlabel": "",
+        "ylabel": "", "texts": [], "legends": [], "axes": list(axes),
+    }  # fmt: skip
+
+
+def _entry(curve: Figure) -> Figure:
+    return {key: curve[key] for key in ("colour", "style", "marker", "stroke")} | {"text": curve["label"]}
+
+
+def drawn(change: Callable[[Sheet], Any] = lambda _sheet: None, **more: Any) -> Callable[[], Student]:
+    """A student whose figure is the sheet's, but for what was changed."""
+
+    def student() -> Student:
+        sheet = Sheet()
+        change(sheet)
+        return Plotted(sheet.drawing(), **more)
+
+    return student
+
+
+def _with(**facts: Any) -> Callable[[], Student]:
+    return drawn(lambda sheet: sheet.figure.update(facts))
+
+
+def _unsaved(sheet: Sheet) -> None:
+    sheet.figure["event"] = "shown"
+
+
+def _panel(which: int, **facts: Any) -> Callable[[], Student]:
+    return drawn(lambda sheet: sheet.panels[which].update(facts))
+
+
+def _both(**facts: Any) -> Callable[[], Student]:
+    return drawn(lambda sheet: [panel.update(facts) for panel in sheet.panels])
+
+
+def _raising(sheet: Sheet) -> Drawing:
+    return replace(sheet.drawing(), fault=Fault("ValueError", "broken", "imu_reader.py", 7, "plt.plot(x)"))
+
+
+def _broken_off() -> Student:
+    sheet = Sheet()
+    sheet.figure["event"] = "shown"
+    return Plotted(_raising(sheet))
+
+
+def _nothing(**more: Any) -> Callable[[], Student]:
+    return lambda: Plotted(Drawing((), {}, ()), **more)
+
+
+def _in_one_panel(sheet: Sheet) -> None:
+    sheet.panels[0]["curves"] += sheet.panels.pop()["curves"]
+    sheet.panels[0]["legend"] = [_entry(curve) for curve in sheet.panels[0]["curves"]]
+
+
+def _without(*channels: tuple[int, int]) -> Callable[[Sheet], None]:
+    def change(sheet: Sheet) -> None:
+        for sensor, axis in sorted(channels, reverse=True):
+            del sheet.panels[sensor]["curves"][axis]
+
+    return change
+
+
+def _values(sensor: int, value: Callable[[np.ndarray], Any]) -> Callable[[Sheet], None]:
+    def change(sheet: Sheet) -> None:
+        for curve in sheet.panels[sensor]["curves"]:
+            sheet.arrays[curve["y"]] = value(sheet.arrays[curve["y"]])
+
+    return change
+
+
+def _times(value: Callable[[np.ndarray], Any]) -> Callable[[Sheet], None]:
+    def change(sheet: Sheet) -> None:
+        for curve in itertools.chain.from_iterable(panel["curves"] for panel in sheet.panels):
+            sheet.arrays[curve["x"]] = value(sheet.arrays[curve["x"]])
+
+    return change
+
+
+def _then(*changes: Callable[[Sheet], Any]) -> Callable[[Sheet], None]:
+    def change(sheet: Sheet) -> None:
+        for each in changes:
+            each(sheet)
+
+    return change
+
+
+def _says(which: int, **facts: Any) -> Callable[[Sheet], Any]:
+    return lambda sheet: sheet.panels[which].update(facts)
+
+
+def _legend(which: int, *names: str) -> Callable[[Sheet], None]:
+    def change(sheet: Sheet) -> None:
+        for entry, name in zip(sheet.panels[which]["legend"], names, strict=True):
+            entry["text"] = name
+
+    return change
+
+
+def _exchanged(sheet: Sheet) -> None:
+    upper, lower = sheet.panels
+    upper["curves"], lower["curves"] = lower["curves"], upper["curves"]
+    upper["legend"], lower["legend"] = lower["legend"], upper["legend"]
+
+
+def _smooth(x: np.ndarray) -> np.ndarray:
+    y = x.copy()
+    for n in range(1, len(y)):
+        y[n] = 0.1 * x[n] + 0.9 * y[n - 1]
+    return y
+
+
+def _slow(x: np.ndarray) -> np.ndarray:
+    """Smooth enough to tell from a series without noise."""
+    return _smooth(_smooth(_smooth(x)))
+
+
+def _compared(
+    raw: str = "raw",
+    smooth: str = "filtered",
+    event: str = "saved",
+    other: Callable[[np.ndarray], Any] = _smooth,
+    noise: float = 1.0,
+) -> Drawing:
+    sheet = Sheet()
+    noisy = sheet.rows[0][:, 0] + np.random.default_rng(1).normal(0, noise, len(sheet.time))
+    curves = [
+        sheet.curve(sheet.time, noisy, raw, "#111111"),
+        sheet.curve(sheet.time, other(noisy), smooth, "#222222"),
+    ]
+    axes = sheet.panels[0] | {"curves": curves, "legend": [_entry(curve) for curve in curves]}
+    figure = _figure(axes) | {"event": event, "path": "filtered_imu.png"}
+    return Drawing((figure,), sheet.arrays, ())
+
+
+def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Student]:
+    return lambda: Plotted(Drawing((), {}, ()), scripts=drawings, **more)
+
+
+_SEEN = {
+    "readable": True, "ink": 0.2, "size_px": (800, 600), "preview": np.zeros((60, 80), np.uint8),
+    "palette": np.full((256, 3), 255, np.uint8),
+}  # fmt: skip
+_PICTURE, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
+_STOPPED = replace(
+    _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
+)  # fmt: skip
+_NO_FILTER = ("LowPassFilter",)
+
+CASES = [
+    Case(name, check, student, marked)
+    for check, rows in {
+        SAVES: [
+            ("sound", drawn(), None),
+            ("too narrow", _with(size_px=[399, 800]), (0.5, ["low-resolution"])),
+            ("too low", _with(size_px=[1000, 249]), (0.5, ["low-resolution"])),
+            ("just large enough", _with(size_px=[400, 250]), None),
+            ("never saved", _with(event="shown"), (0.0, ["plot-not-saved"])),
+            ("nothing drawn", _nothing(), (0.0, ["plot-not-saved"])),
+            ("nothing drawn, a picture handed in", _nothing(**_PICTURE), (0.5, ["plot-not-saved"])),
+            ("never saved, a picture handed in", drawn(_unsaved, **_PICTURE), (0.0, ["plot-not-saved"])),
+            ("blank", drawn(lambda s: s.figure.update(axes=[])), (0.0, ["blank-image"])),
+            ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),
+            ("another plot saved by a script", drawn(_unsaved, scripts=(_compared(),)), (0.0, ["plot-not-saved"])),
+            ("broken off", _broken_off, "raised"),
+            ("a small one and a large one", lambda: Plotted(Sheet().drawing(_figure(*Sheet().panels) | {"size_px": [100, 100]})), None),
+        ],
+        PANELS: [
+            ("sound", drawn(), None),
+            ("one panel for both", drawn(_in_one_panel), (0.0, ["one-panel"])),
+            ("names exchanged", drawn(_exchanged), (0.0, ["panels-swapped"])),
+            ("one label of the other", _panel(1, ylabel="Acceleration (m/s²)"), (0.5, ["panels-swapped"])),
+            ("no gyroscope", drawn(lambda s: s.panels.pop()), (0.0, ["curves-missing"])),
+            ("names that say nothing", drawn(_then(_says(0, title="Top", ylabel="a"), _says(1, title="Bottom", ylabel="b"))), (0.5, [])),
+            ("one that says nothing", _panel(0, title="Top", ylabel="a"), (0.5, [])),
+            ("no words at all", _both(title="", ylabel=""), (0.5, [])),
+            ("titles alone", _both(ylabel=""), None),
+            ("nothing drawn", _nothing(), "skipped"),
+        ],
+        CURVES: [
+            ("sound", drawn(), None),
+            ("five of six", drawn(_without((0, 2))), (0.8333, ["curves-missing"])),
+            ("three of six", drawn(_without((1, 0), (1, 1), (1, 2))), (0.5, ["curves-missing"])),
+            ("one of them wrong", drawn(lambda s: s.arrays.update({s.panels[0]["curves"][0]["y"]: np.cos(s.time)})), (0.8333, ["wrong-data-plotted"])),
+            ("all wrong", drawn(_then(_values(0, np.cos), _values(1, np.sin))), (0.0, ["wrong-data-plotted"])),
+            ("against the index", drawn(_times(lambda t: np.arange(len(t)))), (0.5, ["x-not-time"])),
+            ("against milliseconds", drawn(_times(lambda t: 1000 * t)), (0.5, ["x-not-time"])),
+            ("against milliseconds that are labelled", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel="Time (ms)"))), None),
+            ("from the start", drawn(_times(lambda t: t - t[0])), None),
+            ("degrees under radians", drawn(_values(1, np.degrees)), (0.5, ["wrong-data-plotted"])),
+            ("degrees that are labelled", drawn(_then(_values(1, np.degrees), _says(1, ylabel="Angular velocity (deg/s)"))), None),
+            ("g without a unit", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration"))), (0.5, ["wrong-data-plotted"])),
+            ("radians without a unit", _panel(1, ylabel="Angular velocity"), None),
+            ("nothing drawn", _nothing(), "skipped"),
+        ],
+        LABELS: [
+            ("sound", drawn(), None),
+            ("none", _both(xlabel="", ylabel=""), (0.0, ["no-axis-labels"])),
+            ("no time", _both(xlabel=""), (0.6667, ["no-axis-labels"])),
+            ("no unit of one", _panel(0, ylabel="Acceleration"), (0.6667, ["no-units"])),
+            ("no unit of two", drawn(_then(_says(0, ylabel="Acceleration"), _says(1, ylabel="Angular velocity"))), (0.3333, ["no-units"])),
+            ("no units", drawn(_then(_says(0, ylabel="Acceleration"), _says(1, ylabel="Angular velocity", xlabel="Time"))), (0.0, ["no-units"])),
+            ("no unit and no label", drawn(_then(_says(0, ylabel="Acceleration"), _says(1, ylabel=""))), (0.3333, ["no-units", "no-axis-labels"])),
+            ("units in the titles", drawn(_then(_says(0, title="Acceleration (m/s²)", ylabel=""), _says(1, title="Angular velocity (rad/s)", ylabel=""))), None),
+            ("milliseconds over seconds", _panel(1, xlabel="Time (ms)"), (0.6667, ["no-units"])),
+            ("samples", drawn(_then(_times(lambda t: np.arange(len(t))), _says(1, xlabel="Sample"))), None),
+            ("a label of the other sensor", _panel(1, ylabel="Acceleration (m/s²)"), None),
+            ("for the whole figure", _with(xlabel="Time (s)"), None),
+        ],
+        LEGEND: [
+            ("sound", drawn(), None),
+            ("none", _both(legend=None), (0.0, ["no-legend"])),
+            ("one of two", _panel(0, legend=None), (0.5, ["no-legend"])),
+            ("two names alike", drawn(_legend(0, "x", "x", "z")), (0.5, ["no-legend"])),
+            ("in another order", drawn(_legend(0, "y", "x", "z")), (0.0, ["legend-order-wrong"])),
+            ("names that say no axis", drawn(_legend(0, "one", "two", "three")), None),
+            ("one for the figure", drawn(lambda s: (s.figure.update(legends=[[e for p in s.panels for e in p["legend"]]]), [p.update(legend=None) for p in s.panels])), None),
+        ],
+        TITLES: [
+            ("sound", drawn(), None),
+            ("none", _both(title=""), (0.0, ["no-title"])),
+            ("one of two", _panel(0, title=" "), (0.5, ["no-title"])),
+            ("of the figure", drawn(lambda s: (s.figure.update(title="IMU"), [p.update(title="") for p in s.panels])), None),
+            ("a text of the figure", drawn(lambda s: (s.figure.update(texts=["IMU"]), [p.update(title="") for p in s.panels])), None),
+            ("a letter as a text", drawn(lambda s: (s.figure.update(texts=["ab"]), [p.update(title="") for p in s.panels])), (0.0, ["no-title"])),
+        ],
+        COMPARISON: [
+            ("sound", _scripts(_compared()), None),
+            ("not saved", _scripts(_compared(event="shown")), (0.5, ["comparison-missing"])),
+            ("not saved, a picture handed in", _scripts(_compared(event="shown"), **_FILTERED), None),
+            ("names exchanged", _scripts(_compared("filtered", "raw")), (0.5, ["legend-order-wrong"])),
+            ("names that say nothing", _scripts(_compared("one", "two")), None),
+            ("without noise", _scripts(_compared(noise=0.0, other=_slow)), (0.5, [])),
+            ("without noise, by a reader that is charged", _scripts(_compared(noise=0.0, other=_slow), broken=("NoisyIMU",)), None),
+            ("none", _scripts(), (0.0, ["comparison-missing"])),
+            ("a picture alone", _scripts(**_FILTERED), (0.5, ["comparison-missing"])),
+            ("an unreadable picture", _scripts(pictures={"filtered_imu.png": {"readable": False}}), (0.0, ["comparison-missing"])),
+            ("an empty picture", _scripts(pictures={"filtered_imu.png": _SEEN | {"ink": 0.005}}), (0.0, ["comparison-missing"])),
+            ("a tiny picture", _scripts(pictures={"filtered_imu.png": _SEEN | {"size_px": (800, 149)}}), (0.0, ["comparison-missing"])),
+            ("a small picture", _scripts(pictures={"filtered_imu.png": _SEEN | {"size_px": (800, 150)}}), (0.5, ["comparison-missing"])),
+            ("the same twice", _scripts(_compared(other=np.array)), (0.0, ["comparison-missing"])),
+            ("another series", _scripts(_compared(other=np.cos)), (0.0, ["comparison-missing"])),
+            ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
+            ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-missing"])),
+            ("stopped before", _scripts(_STOPPED), (0.0, [])),
+            ("stopped before, a picture handed in", _scripts(_STOPPED, **_FILTERED), (0.5, ["comparison-missing"])),
+        ],
+    }.items()
+    for name, student, marked in rows
+]  # fmt: skip
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
+def test_a_made_up_figure_is_marked_fairly(case: Case) -> None:
+    is_as_marked(case)

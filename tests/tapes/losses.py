@@ -1,0 +1,82 @@
+"""What each faulty submission of the corpus loses: `python -m tests.tapes.losses` judges their tapes and writes `losses.yaml` anew.
+
+The file pins partial credit: for every case the checks that it loses, each with the share of its points that is kept, and nothing
+where the check could not be asked. Where a change of the judging moves a mark, the file says which, and the change of the file is
+read before it is committed. The handbook's table of faults is made from it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from pathlib import Path
+
+import yaml
+
+from grader.engine.results import CheckResult, Result
+from tests import fault_table
+from tests.scoreboard import Case, Verdict
+from tests.tapes.player import player
+from tests.tapes.storing import taped
+
+FILE = Path(__file__).parent / "losses.yaml"
+PARTS = ("faulty", "lookalikes", "pairs", "extensions")
+"""Whose every mark is meant. What broken submissions lose depends on when they broke, and the corpus says what they keep."""
+
+Losses = Mapping[str, float | None]
+
+
+def losses(result: Result) -> Losses:
+    """The share of its points that each lost check keeps; None for one that could not be asked."""
+    checks = [check for part in (*result.criteria, *result.extensions) for check in part.checks]
+    return {c.id: None if c.outcome == "skipped" else _share(c) for c in checks if c.outcome != "passed"}
+
+
+def _share(check: CheckResult) -> float:
+    return round((check.points or 0.0) / check.max_points, 2)
+
+
+@cache
+def pinned() -> Mapping[str, Losses]:
+    """What `losses.yaml` says, by case."""
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    said: Mapping[str, Losses] = yaml.load(FILE.read_text(encoding="utf-8"), Loader=loader)
+    return said
+
+
+def pins(case: Case) -> bool:
+    """Whether the file has to say what a case loses."""
+    return case.part in PARTS
+
+
+def disagreements(verdict: Verdict) -> list[str]:
+    """Where a case is judged otherwise than the corpus and `losses.yaml` say, a line each."""
+    case = verdict.case
+    found = [f"{case.id}: {kind}: {text}" for kind, text in verdict.troubles]
+    if pins(case) and verdict.result is not None and losses(verdict.result) != pinned().get(case.id, {}):
+        found.append(f"{case.id}: loses {losses(verdict.result)}, pinned is {pinned().get(case.id, {})}")
+    return found
+
+
+def _lost_by(case: Case) -> Losses:
+    result = player().verdict(case).result
+    assert result is not None, case.id
+    return losses(result)
+
+
+def main() -> int:
+    argparse.ArgumentParser(prog="python -m tests.tapes.losses", description=__doc__).parse_args()
+    chosen = [case for case in taped() if pins(case)]
+    with ProcessPoolExecutor(2) as pool:
+        judged = pool.map(_lost_by, chosen, chunksize=10)
+        found = {case.id: dict(its) for case, its in zip(chosen, judged, strict=True) if its}
+    FILE.write_text(yaml.safe_dump(found, sort_keys=True, width=200, allow_unicode=True), encoding="utf-8")
+    fault_table.FILE.write_text(fault_table.page(found), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

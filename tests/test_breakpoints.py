@@ -1,0 +1,54 @@
+"""A break point that was left in is told by its name, its file and its line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from grader.engine import traces
+from grader.engine.breakpoints import breakpoints
+from grader.engine.lab_box import open_box_for
+from grader.engine.marking import Marker
+from grader.engine.rubric import load
+from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
+from tests.corpus.pieces import tidy
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ("x = 1\nbreakpoint()\n", [("breakpoint", 2)]),
+        ("import pdb; pdb.set_trace()\n", [("pdb.set_trace", 1)]),
+        ("from ipdb import set_trace\nset_trace ( )\n", [("set_trace", 2)]),
+        ("# breakpoint()\n'''\nbreakpoint()\n'''\nprint(\"breakpoint()\")\n", []),
+        ("my_breakpoint()\nself.breakpoints()\n", []),
+        ("s = 'never closed\nbreakpoint()\n", [("breakpoint", 2)]),
+        ("\udcff".encode("utf-8", "surrogateescape").decode("latin-1") + "\nbreakpoint()", [("breakpoint", 2)]),
+    ],
+)
+def test_calls_are_found_where_they_stand_and_not_in_comments_or_strings(
+    source: str, found: list[tuple[str, int]]
+) -> None:
+    assert list(breakpoints(source.encode())) == found
+
+
+def test_a_flood_is_looked_at_in_no_time() -> None:
+    assert list(breakpoints(b"'" * 1_000_000)) == []
+    assert list(breakpoints(b"a." * 200_000)) == []
+
+
+def test_a_check_that_passes_over_one_says_so_and_takes_nothing_for_it(tmp_path: Path) -> None:
+    source = tidy()["filters.py"].replace(
+        "def update(self, measurement):", "def update(self, measurement):\n        breakpoint()"
+    )
+    (tmp_path / "filters.py").write_text(source)
+    submission = read_submission(tmp_path, LAB.files)
+    with Marker(load(LAB), traces.obtain(None), box=open_box_for(LAB, submission.files)) as marker:
+        result = marker.mark(submission, only="filtering")
+    line = source.splitlines().index("        breakpoint()") + 1
+    assert result.score == 20.0
+    assert result.notes[-1] == (
+        f"filters.py, line {line}: breakpoint() was passed over, as nobody can type here; a program from `imugrade repro` stops at it"
+    )

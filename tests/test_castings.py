@@ -1,0 +1,55 @@
+"""The same submission has the same marks at module level and in a notebook; `python -m tests.scoreboard` asks all of the corpus."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.labs.imu.lab import LAB
+from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
+from tests.corpus.faulty import FAULTY
+from tests.corpus.pieces import lab
+from tests.scoreboard import Case, cases, graded_by
+
+RECAST = [case for case in cases() if case.part == "recast"]
+SAMPLE = (
+    "state-of-the-class",
+    "first-reading-kept",
+    "method-under-another-name",
+    "bias-drawn-in-read",
+    "reset-forgotten",
+)
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("case", [case for case in RECAST if case.name in SAMPLE], ids=lambda case: case.name)
+def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case, marker: Marker) -> None:
+    assert graded_by(marker, case).troubles == []
+
+
+def test_nearly_all_of_the_single_faults_can_be_cast() -> None:
+    assert sum(can_be_cast(fault.files) for fault in FAULTY) >= 0.9 * len(FAULTY)
+    assert len(CASTINGS) == 2
+
+
+def test_what_a_main_guard_calls_is_done_at_module_level() -> None:
+    cast = at_module_level(lab())["filters.py"]
+    assert "__main__" not in str(cast)
+    assert "def compare" not in str(cast)
+    assert "\nn = 500\n" in str(cast)
+    ast.parse(str(cast))
+
+
+def test_a_notebook_imports_none_of_its_own_files() -> None:
+    (content,) = as_notebook(lab()).values()
+    assert "from imu_reader" not in str(content)
+    assert "class NoisyIMU" in str(content)

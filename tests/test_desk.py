@@ -1,0 +1,597 @@
+"""The review desk: who may come in, what needs a look, what people decide, and that OUT follows."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import sqlite3
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader import cli
+from grader.course.groups import groups
+from grader.course.kept import LARGEST, pack, unpack
+from grader.course.record import FILE_NAME, Store
+from grader.desk.cliques import cliques
+from grader.engine import rubric
+from grader.engine.feedback import NOT_UNDERSTOOD
+from grader.engine.findings import A_PERSON_MAY
+from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
+from grader.labs.imu.lab import LAB
+from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person
+from grader.report.similarity import Pair
+from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, words
+
+ADDRESS, TITLES = "sensor_access.follows_address", "visualization.titles"
+MISTAKE = {"got": "x", "misconceptions": ("sensor-id-as-address",)}
+STUDENTS = (
+    Student("ada", files={"filters.py": FILTER, "imu_data.png": PNG}),
+    Student("bob", {ADDRESS: 0.0}, {ADDRESS: MISTAKE}, hand_in=HandIn((Person("Bob Bird", email="bob@x.edu"),))),
+    Student("cyd", {ADDRESS: 0.5, TITLES: 0.0}, {ADDRESS: MISTAKE}),
+)
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return make_class(tmp_path / "out", STUDENTS)
+
+
+@pytest.fixture
+def desk(out: Path) -> Iterator[Desk]:
+    with desk_over(out) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def still(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    """One that nobody changes anything at."""
+    with desk_over(make_class(tmp_path_factory.mktemp("still"), STUDENTS)) as opened:
+        yield opened
+
+
+def row(out: Path, id_: str) -> dict[str, str]:
+    with open(out / "gradebook.csv", newline="") as stream:
+        return next(row for row in csv.DictReader(stream) if row["id"] == id_)
+
+
+def give(desk: Desk, id_: str, target: str, points: object, comment: str = "seen", **more: object):  # type: ignore[no-untyped-def]
+    seen = more.pop("seen", desk.book.on_thread(desk.book.last_number))
+    who = str(more.pop("who", ""))
+    fields = {"target": target, "points": points, "comment": comment, "seen": seen, **more}
+    answer = desk.post(f"/submission/{id_}/by-hand", fields, who)
+    desk.book.settled()
+    return answer
+
+
+# ---- who may come in ----
+
+
+def test_the_first_address_gives_a_cookie_that_no_script_reads_and_no_other_site_sends(still: Desk) -> None:
+    answer = still.enter()
+    assert (answer.status, answer.headers["location"]) == (303, "/")
+    name, _, rest = answer.headers["set-cookie"].partition("=")
+    assert name == still.keys.cookie_name
+    assert rest.split("; ")[1:] == ["HttpOnly", "Path=/", "SameSite=strict"]
+    assert still.keys.token not in answer.headers["set-cookie"]
+    assert still.get("/").status == 200
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/submission/ada", "/static/desk.css", "/enter", "/enter?token=x", "/enter?token="]
+)
+def test_without_the_whole_address_nothing_is_told(still: Desk, path: str) -> None:
+    answer = still.raw("GET", path)
+    assert answer.status == 403
+    assert b"ada" not in answer.data
+
+
+@pytest.mark.parametrize(
+    "cookie", ["", "x", "imugrade-desk-{port}=x", "imugrade-desk-{port}={token}", '"\x7f', "a=" + "b" * 9000]
+)
+def test_another_cookie_opens_nothing(still: Desk, cookie: str) -> None:
+    given = cookie.format(port=still.keys.port, token=still.keys.token)
+    assert still.raw("GET", "/", Cookie=given).status == 403
+
+
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "[::1]", ""])
+def test_a_name_that_was_bent_to_this_machine_reaches_nothing(still: Desk, host: str) -> None:
+    cookie = f"{still.keys.cookie_name}={still.keys.cookie}"
+    assert still.raw("GET", "/", Host=host, Cookie=cookie).status in (400, 421)
+
+
+@pytest.mark.parametrize("origin", [None, "null", "http://evil.example", "http://127.0.0.1:1", "https://127.0.0.1"])
+def test_only_our_own_pages_change_something(still: Desk, origin: str | None) -> None:
+    headers = {"Cookie": f"{still.keys.cookie_name}={still.keys.cookie}"} | ({"Origin": origin} if origin else {})
+    body = b"target=total&points=1&comment=x"
+    assert still.raw("POST", "/submission/ada/by-hand", body, **headers).status == 403
+    assert still.book.on_thread(still.book.store.history) == []
+
+
+@pytest.mark.parametrize("path", ["/tick", "/submission/ada/by-hand", "/decisions/take-back", "/who"])
+def test_nothing_is_changed_by_looking(still: Desk, path: str) -> None:
+    assert still.get(path).status == 405
+
+
+def test_every_answer_forbids_scripts_that_are_not_ours(still: Desk) -> None:
+    for answer in (
+        still.get("/"),
+        still.get("/submission/ada/picture/1"),
+        still.raw("GET", "/"),
+        still.get("/nowhere"),
+    ):
+        policy = answer.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+        assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_the_desk_listens_on_this_machine_alone(still: Desk) -> None:
+    assert still.keys.first_address.startswith("http://127.0.0.1:")
+
+
+def test_a_form_larger_than_ours_is_not_read(still: Desk) -> None:
+    assert still.post("/appeals", {"text": "x" * 2_100_000}).status == 413
+    assert still.post("/appeals", [("id", k) for k in range(6000)]).status == 400
+
+
+# ---- points by hand ----
+
+
+def test_points_for_a_check_a_criterion_the_total_and_a_bonus_reach_the_published_files(desk: Desk, out: Path) -> None:
+    before = (out / "submissions" / "bob" / "result.json").read_bytes()
+    assert give(desk, "bob", ADDRESS, "4,5", "Shown <i>later</i>").status == 303
+    assert row(out, "bob")["final"] == "98.5"
+    give(desk, "bob", BONUS, "2")
+    assert row(out, "bob")["final"] == "100.5"
+    give(desk, "bob", "filtering", "10")
+    assert row(out, "bob")["final"] == "90.5"
+    give(desk, "bob", TOTAL, "50")
+    assert row(out, "bob")["final"] == "52"
+    assert (out / "submissions" / "bob" / "result.json").read_bytes() == before
+    report = (out / "submissions" / "bob" / "report.html").read_text()
+    assert "Shown &lt;i&gt;later&lt;/i&gt;" in report
+    assert "4.5 / 6" in words(report)
+
+
+def test_a_comment_alone_changes_no_points_and_the_student_reads_it(desk: Desk, out: Path) -> None:
+    give(desk, "ada", "filtering", "", "Well done")
+    assert "prof : Well done" in words((out / "submissions" / "ada" / "report.html").read_text()).replace(
+        "prof:", "prof :"
+    )
+    assert row(out, "ada")["final"] == "100"
+
+
+def test_undo_brings_back_what_stood_before_and_history_keeps_all(desk: Desk, out: Path) -> None:
+    give(desk, "bob", ADDRESS, "4", "first")
+    give(desk, "bob", ADDRESS, "5", "second")
+    give(desk, "bob", ADDRESS, "", "", do="undo")
+    assert row(out, "bob")["final"] == "98"
+    give(desk, "bob", ADDRESS, "", "", do="undo")
+    page = words(desk.get("/submission/bob").text)
+    assert page.count(f"{ADDRESS} 4") == 2
+    give(desk, "bob", ADDRESS, "", "", do="withdraw")
+    assert row(out, "bob")["total"] == "94"
+    assert give(desk, "bob", ADDRESS, "", "", do="undo").status == 400
+
+
+@pytest.mark.parametrize(
+    ("target", "points", "comment", "line"),
+    [
+        (ADDRESS, "7", "x", "points must be a number from 0 to 6, not 7"),
+        (ADDRESS, "nan", "x", "points must be a number from 0 to 6, not nan"),
+        ("nothing", "1", "x", "there is no criterion nothing"),
+        (ADDRESS, "1", "", "Say why in a comment"),
+        (ADDRESS, "1", "x" * 2001, "say why in a comment of at most 2000 characters"),
+    ],
+)
+def test_a_wish_that_cannot_be_met_is_said_and_not_recorded(
+    desk: Desk, target: str, points: str, comment: str, line: str
+) -> None:
+    answer = give(desk, "bob", target, points, comment)
+    assert answer.status == 400
+    assert line in words(answer.text)
+    assert desk.book.on_thread(desk.book.store.history) == []
+
+
+def test_points_beneath_others_by_hand_are_refused_because_they_would_change_nothing(desk: Desk) -> None:
+    give(desk, "bob", "sensor_access", "18")
+    assert "bob has its sensor_access by hand" in give(desk, "bob", ADDRESS, "5").text
+    give(desk, "bob", TOTAL, "70")
+    assert "bob has its total by hand" in give(desk, "bob", "filtering", "5").text
+
+
+def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
+    assert give(desk, "bob", ADDRESS, "3", seen=0, who="Eve").status == 303
+    late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann")
+    assert late.status == 409
+    assert "Eve decided something" in words(late.text)
+    assert row(out, "bob")["final"] == "97"
+    assert give(desk, "ada", BONUS, "1", seen=0, who="Ann").status == 303  # somebody else's marks are no matter
+
+
+def test_what_the_command_does_meanwhile_is_seen(desk: Desk, out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    desk.get("/submission/bob")
+    cli.main(["adjust", str(out), "bob", "--criterion", ADDRESS, "--points", "3", "--comment", "x", "--author", "cli"])
+    assert "97 / 100" in words(desk.get("/submission/bob").text)
+    assert give(desk, "bob", ADDRESS, "5", seen=0).status == 409
+
+
+# ---- what needs a look ----
+
+
+NEEDY = (
+    Student("open", {ADDRESS: None}, status="incomplete"),
+    Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
+    Student("torn", status="unreadable", notes=("It is no archive.",)),
+    Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"got": NOT_UNDERSTOOD.got}}),
+    Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
+    Student("late", hand_in=HandIn(late=Lateness("", None))),
+    Student("drew", notes=(f"imu_data.png was handed in: {A_PERSON_MAY} for it",)),
+    Student("edge", {TITLES: 0.5, "sensor_access.leaves_simulation_alone": 0.0, "visualization.two_labelled_panels": 0.0,
+                     "visualization.saves_image": 0.0, "visualization.axis_labels_with_units": 0.0}),
+    Student("slow", dict.fromkeys([c.id for c in rubric.load(LAB).checks], 0.0), {c.id: {"outcome": "timeout"} for c in rubric.load(LAB).checks}),
+    Student("twin1", prints=tuple(range(60))), Student("twin2", prints=tuple(range(60))), Student("twin3", prints=tuple(range(60))),
+    Student("ghost"), Student("sound"),
+)  # fmt: skip
+
+
+def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_path: Path) -> None:
+    out = make_class(
+        tmp_path / "out", NEEDY, {"leftover": ["notes.txt <is> nobody's"], "unknown": ["ghost"], "absent": ["Zoe"]}
+    )
+    with desk_over(out) as desk:
+        page = words(desk.get("/").text)
+        for title in ("Not judged", "Unreadable", "Empty", "Timed out", "Answer not understood", "Tampering", "Not placed",
+                      "Not in the roster", "Unknown lateness", "Alike", "Picture without code", "Near a boundary"):  # fmt: skip
+            assert f"{title} 1" in page, title
+        assert "sound" not in page
+        assert "notes.txt &lt;is&gt; nobody" in page
+        assert "0.5 below 90, and 0.5 points hang on what was earned in part" in page
+        assert "In the roster, and nothing handed in Zoe" in page
+        only = words(desk.get("/?kind=alike").text)
+        assert "twin1 l 100 , twin2 100 , twin3 100" in only
+        assert "No .py" not in only
+
+
+def test_a_tick_is_recorded_with_who_and_when_and_can_be_taken_back(tmp_path: Path) -> None:
+    out = make_class(tmp_path / "out", NEEDY)
+    with desk_over(out) as desk:
+        key = next(each for each in desk.book.on_thread(lambda: looks_of(desk)) if each.id == "void").key
+        assert desk.post("/tick", {"look": key, "done": "yes"}, "Ann").status == 303
+        (tick,) = desk.book.on_thread(desk.book.store.ticks).values()
+        assert (tick.id, tick.author, tick.at[:2]) == ("void", "Ann", "20")
+        page = words(desk.get("/").text)
+        assert "Empty 1" not in page
+        assert "Looked at by Ann" in page
+        desk.post("/tick", {"look": key, "done": "no"})
+        assert "Empty 1" in words(desk.get("/").text)
+        assert desk.post("/tick", {"look": "empty/0/void", "done": "yes"}).status == 400
+
+
+def test_all_of_one_kind_are_ticked_at_once_or_none(tmp_path: Path) -> None:
+    out = make_class(tmp_path / "out", [Student(f"late{k}", hand_in=HandIn(late=Lateness("", None))) for k in range(3)])
+    with desk_over(out) as desk:
+        assert "Looked at all" not in desk.get("/").text
+        page = desk.get("/?kind=lateness").text
+        keys = re.findall(r'name="look" value="([^"]*)"', page[: page.index("Looked at all 3")])
+        assert (
+            desk.post("/tick", [("look", each) for each in [*keys, "lateness/0/late0"]] + [("done", "yes")]).status
+            == 400
+        )
+        assert "Unknown lateness 3" in words(desk.get("/").text)
+        answer = desk.post("/tick", [("look", each) for each in keys] + [("done", "yes"), ("kind", "lateness")], "Ann")
+        assert answer.headers["location"] == "/?kind=lateness"
+        assert {each.author for each in desk.book.on_thread(desk.book.store.ticks).values()} == {"Ann"}
+        assert "Nothing is left to look at here." in words(desk.get("/?kind=lateness").text)
+
+
+def looks_of(desk: Desk):  # type: ignore[no-untyped-def]
+    from grader.desk.overviews import all_looks
+
+    return all_looks(desk.book)
+
+
+# ---- groups ----
+
+
+def test_one_decision_stands_for_all_of_a_group_is_shown_as_one_and_taken_back_as_one(desk: Desk, out: Path) -> None:
+    give(desk, "cyd", "visualization", "20")
+    page = words(desk.get("/groups").text)
+    assert "2 sensor id as address" in page
+    fields = [
+        ("id", "bob"),
+        ("id", "cyd"),
+        ("id", "ada"),
+        ("target", ADDRESS),
+        ("points", "6"),
+        ("comment", "misled"),
+        ("seen", 9),
+    ]
+    assert desk.post("/groups/mistake/sensor-id-as-address", fields).status == 303
+    desk.book.settled()
+    assert [row(out, id_)["final"] for id_ in ("ada", "bob", "cyd")] == ["100", "100", "100"]
+    assert "(one decision for several)" in words(desk.get("/submission/bob").text)
+    give(desk, "cyd", ADDRESS, "4", "but not this one")
+    assert "in force for 1" in words(desk.get("/groups").text)
+    assert desk.post("/decisions/take-back", {"number": 1}).status == 303
+    desk.book.settled()
+    assert [row(out, id_)["final"] for id_ in ("bob", "cyd")] == ["94", "98"]
+    assert "taken back" in words(desk.get("/groups").text)
+    assert desk.post("/decisions/take-back", {"number": 1}).status == 400
+
+
+def test_a_decision_on_several_is_all_or_none(desk: Desk) -> None:
+    give(desk, "cyd", "sensor_access", "20")
+    fields = [("id", "bob"), ("id", "cyd"), ("target", ADDRESS), ("points", "6"), ("comment", "x"), ("seen", 9)]
+    answer = desk.post("/groups/mistake/sensor-id-as-address", fields)
+    assert answer.status == 400
+    assert "cyd has its sensor_access by hand" in answer.text
+    assert [who for who, _ in desk.book.on_thread(desk.book.store.history)] == ["cyd"]
+
+
+def test_one_decision_stands_for_all_who_are_alike(tmp_path: Path) -> None:
+    out = make_class(tmp_path / "out", NEEDY)
+    with desk_over(out) as desk:
+        (place,) = set(re.findall(r'href="(/groups/alike/[0-9a-f]+)"', desk.get("/alike").text))
+        assert f'href="{place}"' in desk.get("/?kind=alike").text
+        assert "Alike: twin1 and 2 more" in words(desk.get(place).text)
+        fields = [
+            *(("id", f"twin{k}") for k in (1, 2, 3)),
+            ("target", "total"),
+            ("points", "50"),
+            ("comment", "one work"),
+            ("seen", 0),
+        ]
+        assert desk.post(place, fields).status == 303
+        desk.book.settled()
+        assert [row(out, f"twin{k}")["final"] for k in (1, 2, 3)] == ["50", "50", "50"]
+        assert "one work" in words(desk.get(place).text)
+
+
+def test_who_lost_exactly_the_same_is_a_group(tmp_path: Path) -> None:
+    both = {ADDRESS: 0.0, TITLES: 0.0}
+    out = make_class(tmp_path / "out", [Student("a", both), Student("b", both), Student("c", {ADDRESS: 0.0})])
+    with Store(out) as store:
+        found = groups(store.standings())
+    assert [(group.kind, group.ids) for group in found] == [
+        ("check", ("a", "b", "c")), ("check", ("a", "b")), ("same", ("a", "b"))
+    ]  # fmt: skip
+
+
+# ---- alike ----
+
+
+def test_a_ring_of_twelve_copies_is_one_line_and_a_chain_is_its_pairs() -> None:
+    ids = [f"s{k:02}" for k in range(12)]
+    ring = [Pair(one, other, 60, 1.0) for k, one in enumerate(ids) for other in ids[k + 1 :]]
+    (clique,) = cliques(ring)
+    assert clique.ids == tuple(ids)
+    chain = [Pair("a", "b", 60, 0.9), Pair("b", "c", 40, 0.6)]
+    assert [each.ids for each in cliques(chain)] == [("a", "b"), ("b", "c")]
+    assert [each.ids for each in cliques([*chain, Pair("a", "c", 40, 0.6)])] == [("a", "b", "c")]
+
+
+OWN = "".join(
+    f"def part_{k}(a, b):\n    total_{k} = a * {k}.5 + b[{k}:{k + 3}].sum() - {k}\n    return total_{k} ** {k}\n"
+    for k in range(30)
+)
+RENAMED = OWN.replace("total_", "t").replace("part_", "step_")
+
+
+def test_shared_lines_stand_side_by_side_and_the_sheet_is_never_among_them(tmp_path: Path) -> None:
+    sheet = (LAB.folder / "sheet.txt").read_text()[:6000]
+    starter = (LAB.folder / "starter" / "filters.py.txt").read_text()
+    one = {"filters.py": f"{sheet}\n{starter}\n{OWN}".encode()}
+    notebook = json.dumps({"cells": [{"cell_type": "code", "source": [RENAMED]}]})
+    other = {"lab.ipynb": notebook.encode()}
+    students = [Student(f"n{k}", prints=fingerprint({"a.py": f"x = {k}\n".encode() * 3})) for k in range(4)]
+    students += [
+        Student("one", files=one, prints=fingerprint(one)),
+        Student("other", files=other, prints=fingerprint(other)),
+    ]
+    with desk_over(make_class(tmp_path / "out", students)) as desk:
+        assert "2 alike" in words(desk.get("/alike").text)
+        page = desk.get("/alike/one/other").text
+        assert page.count('class="both"') > 150
+        assert "lab.ipynb" in page
+        shared = desk.book.on_thread(lambda: desk.book.shared("one", "other"))
+    assert shared
+    assert not shared & of_the_sheet(LAB)
+    text = one["filters.py"].decode()
+    first_own = text[: text.index(OWN)].count("\n") + 1
+    assert min(lines_with(text, shared)) >= first_own - 3
+
+
+# ---- appeals ----
+
+
+def test_an_appeal_stands_beside_its_check_and_its_answer_reaches_the_student(desk: Desk, out: Path) -> None:
+    text = '{"student": "bob@x.edu", "check": "%s", "text": "My <script>ids</script> are right."}' % ADDRESS  # noqa: UP031
+    assert "told=1" in desk.post("/appeals", {"text": text}).headers["location"]
+    assert "told=0" in desk.post("/appeals", {"text": text}).headers["location"]  # dropped in twice is one
+    assert "Appeal 1" in words(desk.get("/").text)
+    page = desk.get("/submission/bob").text
+    assert "My &lt;script&gt;ids&lt;/script&gt; are right." in page
+    assert page.rindex("My &lt;script&gt;") > page.index(f'id="by-hand-{ADDRESS.replace(".", "-")}"')
+    assert give(desk, "bob", ADDRESS, "6", "You are right.", answers=1).status == 303
+    assert "You are right." in (out / "submissions" / "bob" / "report.html").read_text()
+    assert row(out, "bob")["final"] == "100"
+    assert "Appeal 1" not in words(desk.get("/").text)
+    assert "Answered by prof" in words(desk.get("/appeals").text)
+
+
+def test_a_table_of_appeals_is_read_whole_or_not_at_all(desk: Desk) -> None:
+    table = "name;check;appeal\nBob Bird;;Please look\nnobody;;x\nada;no.such;x\n"
+    answer = desk.post("/appeals", {"text": table})
+    assert answer.status == 400
+    assert "line 3: nobody is called nobody" in words(answer.text)
+    assert "line 4: there is no check no.such" in words(answer.text)
+    assert desk.book.on_thread(desk.book.appeals) == []
+    desk.post("/appeals", {"text": "name;check;appeal\nBob Bird;;Please look\nada;;\n"})
+    assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.appeals)] == [("bob", "Please look")]
+
+
+def test_plain_words_are_an_appeal_of_whom_the_form_names(desk: Desk) -> None:
+    assert desk.post("/appeals", {"text": "[sic] why?", "who": "ada", "about": "filtering"}).status == 303
+    assert desk.post("/appeals", {"text": "why?", "who": ""}).status == 400
+    (appeal,) = desk.book.on_thread(desk.book.appeals)
+    assert (appeal.id, appeal.about, appeal.text) == ("ada", "filtering", "[sic] why?")
+
+
+# ---- what would it cost ----
+
+
+def test_the_class_moves_before_anything_is_saved_and_the_saved_rubric_says_the_same(desk: Desk, out: Path) -> None:
+    page = words(desk.get(f"/cost?weight:{ADDRESS}=14").text)
+    assert "2 of 3 would move; mean 96.7 → 94.7" in page
+    assert row(out, "bob")["total"] == "94"
+    assert desk.post("/cost", {f"weight:{ADDRESS}": "14", "do": "save"}).status == 303
+    (file,) = out.glob("rubric-*.yaml")
+    assert rubric.load(LAB, file).check(ADDRESS).max_points == 10.0
+    assert row(out, "bob")["total"] == "94"
+
+
+def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, out: Path) -> None:
+    assert "2 of 3 would move" in words(desk.get("/cost?price:sensor-id-as-address=1").text)
+    desk.post("/cost", {"price:sensor-id-as-address": "1", "do": "mark"})
+    assert [row(out, id_)["total"] for id_ in ("bob", "cyd")] == ["99", "98"]
+    assert "99 / 100" in words(desk.get("/submission/bob").text)
+
+
+def test_a_rubric_that_is_none_is_refused_with_its_reasons(desk: Desk) -> None:
+    assert "must be a number" in words(desk.get(f"/cost?weight:{ADDRESS}=many").text)
+    assert desk.post("/cost", {f"weight:{ADDRESS}": "-1", "do": "save"}).status == 400
+
+
+# ---- files as they were handed in ----
+
+
+def test_what_is_kept_is_bounded_and_says_what_it_left_out() -> None:
+    files = {"a.py": b"x", "big.bin": bytes(LARGEST + 1), **{f"n{k}.txt": b"y" for k in range(500)}}
+    kept = unpack(pack(files))
+    assert kept.files["a.py"] == b"x"
+    assert len(kept.files) == 200
+    assert len(kept.others) + kept.more == len(files) - 200
+    assert sum(map(len, unpack(pack({f"{k}.py": bytes(900_000) for k in range(9)})).files.values())) <= 4_000_000
+
+
+def test_a_record_of_the_layout_before_is_read_and_grows(tmp_path: Path) -> None:
+    out = make_class(tmp_path / "out", STUDENTS[:1])
+    with sqlite3.connect(out / FILE_NAME) as old:
+        for table in ("files", "told", "decisions", "ticks", "appeals"):
+            old.execute(f"DROP TABLE {table}")
+        old.execute(
+            "INSERT INTO adjustments VALUES (1, 'ada', 'filtering', 12, 'old', 'me', '2026-01-01T00:00:00+00:00', '{}', 0, 0)"
+        )
+        for column in ("alone", "decision"):
+            old.execute(f"ALTER TABLE adjustments DROP COLUMN {column}")
+        old.execute("PRAGMA user_version = 2")
+    old.close()
+    with desk_over(out) as desk:
+        page = words(desk.get("/submission/ada").text)
+        assert "The files are not on record. Grade again" in page
+        assert "filtering 12" in page
+        assert give(desk, "ada", TITLES, "0").status == 303
+
+
+# ---- hostile text ----
+
+
+NASTY = "<script>alert(1)</script>\x1b[31m\u202e{{ 7 * 7 }}"
+HOSTILE_FILES = {
+    "filters.py": b"<script>alert(1)</script>\nx = '</code></li></ol>'\n\x1b[31mred\x00\x07\n\xff\xfe\n"
+    + b"y" * 5000
+    + b"\n"
+    + "\u202e# rtl\n".encode(),
+    "<img src=x onerror=alert(2)>.py": b"pass\n",
+    "huge.py": b"a = 1\n" * 100_000,
+    "one-line.py": b"'" * 300_000,
+    "nested.py": b"(" * 60_000,
+    "page.html": b"<script>alert(3)</script>",
+    "not-a-picture.png": b"<svg onload=alert(4)>",
+    "bomb.png": PNG[:16] + b"\x00\x0f\xff\xff\x00\x0f\xff\xff" + PNG[24:],
+    "real.png": PNG,
+    "broken.ipynb": b'{"cells": [{"cell_type": "code", "source": [1]}]}',
+    "deep.ipynb": b"[" * 100_000,
+}
+
+
+def test_nothing_of_a_hostile_submission_leaves_its_quotation_marks(tmp_path: Path) -> None:
+    says = {ADDRESS: {"got": NASTY, "hint": NASTY}}
+    out = make_class(
+        tmp_path / "out", [Student("evil", {ADDRESS: 0.0}, says, HOSTILE_FILES, name=NASTY, notes=(NASTY,))]
+    )
+    with desk_over(out) as desk:
+        give(desk, "evil", ADDRESS, "1", NASTY, who="%3Cscript%3E")
+        desk.post("/appeals", {"text": NASTY, "who": "evil"})
+        for path in ("/", "/class", "/groups", "/alike", "/appeals", "/cost", "/submission/evil"):
+            page = desk.get(path)
+            assert page.status == 200, path
+            assert "<script>alert" not in page.text
+            assert "<img src=x" not in page.text
+            assert not {"\x1b", "\u202e", "\x00", "\x07"} & set(page.text)
+        text = desk.get("/submission/evil").text
+        assert "{{ 7 * 7 }}" in text
+        assert len(text) < 3_000_000
+        assert "and 98501 more lines" in words(text)
+        places = list(desk.book.on_thread(lambda: desk.book.kept(desk.book.standings()["evil"]).files))
+        served = {name: desk.get(f"/submission/evil/picture/{place}") for place, name in enumerate(places)}
+        assert [name for name, answer in served.items() if answer.status == 200] == ["real.png"]
+        assert served["real.png"].headers["content-type"] == "image/png"
+        assert desk.get("/submission/evil/picture/99").status == 400
+        assert "it is said to have 1048575 × 1048575 pixels" in text
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/submission/nobody", "/groups/mistake/none", "/alike/ada/ada", "/alike/ada/zed", "/submission/..%2f..%2fetc"],
+)
+def test_what_is_not_there_is_said_in_one_line(desk: Desk, path: str) -> None:
+    answer = desk.get(path)
+    assert answer.status in (400, 404)
+    assert "There is no such" in words(answer.text)
+
+
+# ---- the command ----
+
+
+def test_without_the_extra_the_command_says_how_to_install_it(
+    out: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [name for name in sys.modules if name.startswith("grader.desk.")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delattr("grader.desk.serving", raising=False)
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    assert cli.main(["review", str(out)]) == 2
+    assert capsys.readouterr().err == "imugrade: review needs uvicorn, which comes with: pip install 'imugrade[desk]'\n"
+
+
+def test_a_folder_that_was_not_graded_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["review", str(tmp_path)]) == 2
+    assert "no class was graded there" in capsys.readouterr().err
+
+
+def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def adjust(*arguments: str) -> str:
+        cli.main(["adjust", str(out), *arguments, "--author", "me"])
+        told = capsys.readouterr()
+        return told.out + told.err
+
+    assert adjust("bob", "--criterion", ADDRESS, "--points", "5", "--comment", "x") == f"bob {ADDRESS} 5, final 99\n"
+    assert adjust("bob", "--criterion", "bonus", "--points", "2", "--comment", "x") == "bob bonus 2, final 101\n"
+    assert adjust("bob", "--criterion", "filtering", "--comment", "neat") == "bob filtering comment, final 101\n"
+    assert adjust("bob", "--criterion", "filtering", "--undo") == "bob filtering withdrawn, final 101\n"
+    assert adjust("bob", "--criterion", "bonus", "--undo") == "bob bonus withdrawn, final 99\n"
+    told = adjust("--having", "sensor-id-as-address", "--criterion", ADDRESS, "--points", "6", "--comment", "misled")
+    assert told == f"bob {ADDRESS} 6, final 100\ncyd {ADDRESS} 6, final 99\n"
+    assert "(decision 1: mistake: sensor id as address)" in adjust()
+    assert adjust("--take-back", "1") == f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n"
+    assert "no two submissions have that in common" in adjust(
+        "--having", "nothing", "--criterion", ADDRESS, "--points", "1"
+    )

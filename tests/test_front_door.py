@@ -1,0 +1,185 @@
+"""`pytest --imugrade`: the checks of a submission as ordinary tests, in a plain terminal and as editors and CI read them."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+from junitparser import xunit2
+
+from grader.engine.rubric import load
+from grader.front.asking import Asked, Name, asked_for
+from grader.ground.errors import RequestError
+from grader.labs.imu.lab import LAB
+from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
+
+READER_BY_ID = IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id")
+NO_FILTER = (
+    "class LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        raise ValueError(alpha)\n"
+)
+TRAP = 'open(__file__ + ".ran", "w").close()\n\n\ndef test_nothing():\n    open(__file__ + ".ran", "w").close()\n'
+
+
+def run(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """pytest as a student runs it there, without what is set for our own tests."""
+    bare = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "COLUMNS"))}
+    command = [sys.executable, "-m", "pytest", "--imugrade", "-p", "no:hypothesispytest", *arguments]
+    return subprocess.run(
+        command, cwd=folder, env=bare | environment, capture_output=True, text=True, timeout=300, check=False
+    )
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Path:
+    """Two faults, and beside them what pytest would run by itself."""
+    files = {"imu_reader.py": READER_BY_ID, "noisy_imu.py": NOISY, "filters.py": NO_FILTER}
+    for name, text in {**files, "conftest.py": TRAP, "test_own.py": TRAP, "__init__.py": TRAP}.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def rooted(folder: Path) -> Path:
+    (folder / "pytest.ini").write_text("[pytest]\naddopts = -W error\n")
+    return folder
+
+
+# --- a run ------------------------------------------------------------------------------------------------------------
+
+
+def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_folder_runs_here(lab: Path) -> None:
+    ran = run(rooted(lab), "-v", "--junitxml=junit.xml", "--tb=short")
+    lines = ran.stdout.splitlines()
+    reader = READER_BY_ID.splitlines().index("def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):") + 1
+    assert ran.returncode == 1, ran.stdout + ran.stderr
+    assert sum("::" in line and " PASSED " in line for line in lines) > 15
+    assert any(line.startswith("imu_reader.py::sensor_access::follows_address FAILED") for line in lines)
+    assert f"imu_reader.py:{reader}: lost" in lines
+    assert "filters.py:3: raised" in lines
+    assert "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address" in lines
+    assert any(line.startswith("FAILED filters.py::filtering::follows_recursion - ") for line in lines)
+    assert any(line.split() == ["Noise", "model", "20", "/", "20"] for line in lines)
+    assert not list(lab.glob("*.ran"))
+    assert "door.py" not in ran.stdout
+    assert_junit_holds_the_points(lab / "junit.xml")
+
+
+def assert_junit_holds_the_points(path: Path) -> None:
+    tests = [xunit2.TestCase.fromelem(case) for suite in xunit2.JUnitXml.fromfile(str(path)) for case in suite]
+    cases = {f"{case.classname}.{case.name}": case for case in tests}
+    assert len(cases) == len([check for part in load(LAB).criteria for check in part.checks])
+    lost = cases["imu_reader.sensor_access.follows_address"]
+    told = {prop.get("name"): prop.get("value") for prop in lost._elem.iter("property")}
+    assert told["points"] == "0.0"
+    assert told["max_points"] == "6.0"
+    assert told["misconception"] == "sensor-id-as-address"
+    assert lost.result[0].message.startswith("accel = ")
+    skipped = cases["filters.filtering.passes_constant"].result[0]
+    assert skipped.message.startswith("Not reached: ")
+
+
+def test_a_worker_of_xdist_tells_the_same_and_lf_asks_for_what_was_lost(lab: Path) -> None:
+    (lab / "filters.py").write_text(FILTERS)
+    with_worker = run(lab, "-n", "1", "-q", "-k", "sensor_access")
+    assert with_worker.returncode == 1, with_worker.stdout + with_worker.stderr
+    assert "FAILED imu_reader.py::sensor_access::follows_address" in with_worker.stdout
+    assert "Sensor access      14 / 20" in with_worker.stdout
+    again = run(lab, "--lf", "--collect-only", "-q", "-p", "no:xdist")
+    assert again.stdout.splitlines()[0] == "imu_reader.py::sensor_access::follows_address"
+    assert "1/30 tests collected (29 deselected)" in again.stdout
+
+
+# --- what is found without running anything ---------------------------------------------------------------------------
+
+AS_AN_EDITOR = """
+import json, os
+def pytest_collection_finish(session):
+    told = []
+    for item in session.items:
+        path, tail = os.fspath(item.path), item.nodeid.split("::")[1:]
+        levels, folder = 0, item.parent.path.parent
+        while folder != session.path:  # the editor's own loop, which ends nowhere for a file that lies elsewhere
+            levels, folder = levels + 1, folder.parent
+            assert levels < 100
+        told.append({"id": "::".join([path, *tail]), "path": path, "line": item.location[1] + 1})
+    with open(os.environ["TOLD"], "w") as file:
+        json.dump(told, file)
+"""
+
+
+def test_an_editor_finds_each_check_once_at_the_students_own_definition(lab: Path, tmp_path: Path) -> None:
+    (lab / "plugins").mkdir()
+    (lab / "plugins" / "editor.py").write_text(AS_AN_EDITOR)
+    (lab / "filters.py").unlink()
+    ran = run(lab, "--collect-only", "-q", "-p", "editor", PYTHONPATH=str(lab / "plugins"), TOLD=str(lab / "told"))
+    told = json.loads((lab / "told").read_text())
+    where = {each["id"]: (each["path"], each["line"]) for each in told}
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert len(where) == len(told)
+    noisy = NOISY.splitlines().index("class NoisyIMU:") + 1
+    assert where[f"{lab}/noisy_imu.py::noise_model::noise_size"] == (f"{lab}/noisy_imu.py", noisy)
+    assert where[f"{lab}/filters.py::filtering::follows_recursion"] == (f"{lab}/filters.py", 1)
+    chosen = f"{lab}/imu_reader.py::data_collection::matches_truth"
+    assert run(lab, "--collect-only", "-q", chosen).stdout.splitlines()[0] == chosen.removeprefix(f"{lab}/")
+
+
+def test_a_criterion_a_check_or_a_file_is_asked_for_by_its_name(lab: Path) -> None:
+    told = run(lab, "--collect-only", "-q", "filtering", "sensor_access::follows_address", "noisy_imu.py").stdout
+    ids = [line for line in told.splitlines() if "::" in line]
+    assert ids[0] == "imu_reader.py::sensor_access::follows_address"
+    assert {id_.split("::")[0] for id_ in ids[1:]} == {"noisy_imu.py", "filters.py"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nowhere"], "imugrade: nowhere: there is no such file or folder"),
+        (["filtering::nothing"], "imugrade: no check has such a name"),
+        (["plugins"], "imugrade: plugins: Nothing that the lab asks for was found in this submission."),
+        (["--imugrade-rubric", "no.yaml"], "there is no such file; give the path of a rubric.yaml"),
+    ],
+)
+def test_a_request_that_cannot_be_met_is_one_line(lab: Path, arguments: list[str], said: str) -> None:
+    (lab / "plugins").mkdir()
+    ran = run(lab, *arguments)
+    assert (ran.returncode, said in ran.stderr) == (pytest.ExitCode.USAGE_ERROR, True), ran.stderr
+
+
+# --- unless asked -----------------------------------------------------------------------------------------------------
+
+
+def test_a_run_that_does_not_ask_loads_two_options_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "test_it.py").write_text(
+        dedent(
+            """
+            import sys
+
+            def test_it():
+                ours = sorted(name for name in sys.modules if name.split(".")[0] == "grader")
+                assert ours == ["grader", "grader.front", "grader.front.asked"]
+            """
+        )
+    )
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error", "test_it.py"]
+    bare = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    ran = subprocess.run(command, cwd=tmp_path, env=bare, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stdout
+
+
+# --- the arguments ----------------------------------------------------------------------------------------------------
+
+
+def test_arguments_are_names_or_the_one_path() -> None:
+    asked = asked_for(["my_lab", "filtering", "lab/x.py::sensor_access::a"], LAB.titles)
+    assert asked == Asked(
+        Path("my_lab"),
+        (Name(None, ("filtering",)), Name(Path("lab/x.py").absolute(), ("sensor_access", "a"))),
+    )
+    assert asked.wants(Path("y.py"), "filtering", "b")
+    assert not asked.wants(Path("y.py"), "sensor_access", "a")
+    with pytest.raises(RequestError, match="one submission at a time: a b"):
+        asked_for(["a", "b"], LAB.titles)

@@ -1,0 +1,122 @@
+"""Checks of an instructor's own, in the folder `checks` beside `rubric.yaml`."""
+
+from __future__ import annotations
+
+import pickle
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.examination import known_checks
+from grader.engine.marking import Marker
+from grader.engine.results import CheckResult
+from grader.engine.rubric import Rubric
+from grader.ground.errors import RequestError
+from grader.handbook import rubric_keys
+from grader.intake import read_submission
+from grader.kit import wheel
+from grader.labs.imu.lab import LAB
+from tests.corpus.sheet import FILTERS, LOW_PASS
+
+(EXAMPLE,) = re.findall(r"## Checks of your own.*?```python\n(.*?)```", rubric_keys.page(), re.DOTALL)
+(LINE,) = re.findall(r"\n( +settles_after_a_step: 4)\n", rubric_keys.page())
+ID = "filtering.settles_after_a_step"
+
+Own = Callable[..., Path]
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Own:
+    """A rubric with the handbook's line in it, and a folder of checks beside it."""
+
+    def write(**checks: str) -> Path:
+        text = rubric.shipped(LAB).read_text(encoding="utf-8")
+        (tmp_path / "rubric.yaml").write_text(re.sub(r"( +instances_independent: 3)", rf"\1\n{LINE}", text))
+        for name, source in checks.items():
+            (tmp_path / "checks").mkdir(exist_ok=True)
+            (tmp_path / "checks" / f"{name}.py").write_text(source)
+        return tmp_path / "rubric.yaml"
+
+    return write
+
+
+def judged(its_rubric: Rubric, tmp_path: Path, source: str) -> CheckResult:
+    (tmp_path / "lab").mkdir(exist_ok=True)
+    (tmp_path / "lab" / "filters.py").write_text(source)
+    with Marker(its_rubric, traces.obtain(None)) as marker:
+        result = marker.mark(read_submission(tmp_path / "lab", LAB.files), only="filtering")
+    return {check.id: check for part in result.criteria for check in part.checks}[ID]
+
+
+def test_the_handbooks_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(own: Own, tmp_path: Path) -> None:
+    its_rubric = pickle.loads(pickle.dumps(rubric.load(LAB, own(check_step=EXAMPLE))))  # as it comes to another machine
+    assert its_rubric.check(ID).max_points == 3.33
+    earned = judged(its_rubric, tmp_path, FILTERS)
+    assert (earned.outcome, earned.points) == ("passed", 3.33)
+    slow = judged(its_rubric, tmp_path, LOW_PASS.replace("self.alpha * measurement", "0.9 * self.alpha * measurement"))
+    assert (slow.outcome, slow.points) == ("failed", 0.0)
+    assert slow.message.startswith("Expected  less than 0.02 m/s² from the step's height")
+    assert slow.hint.startswith("alpha is the weight of the measurement")
+
+
+def test_what_stands_in_the_folder_is_part_of_the_hash(own: Own) -> None:
+    without = rubric.load(LAB, own()).sha256
+    first = rubric.load(LAB, own(check_step=EXAMPLE)).sha256
+    second = rubric.load(LAB, own(check_step=EXAMPLE + "# softer\n")).sha256
+    assert len({without, first, second}) == 3
+
+
+def test_the_labs_own_folder_is_not_taken_for_an_instructors() -> None:
+    assert rubric.load(LAB, rubric.shipped(LAB)).sha256 == rubric.load(LAB).sha256
+    assert rubric.own_checks(LAB, LAB.folder) == ()
+
+
+def test_a_check_without_a_weight_and_a_weight_without_a_check_are_told(own: Own) -> None:
+    its_rubric = rubric.load(LAB, own())
+    with pytest.raises(RequestError, match=r"there is no check filtering\.settles_after_a_step"):
+        rubric.match_checks(its_rubric, {id_: each.title for id_, each in known_checks(LAB).items()})
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("boo", "own checks: check_step.py: NameError: name 'boo' is not defined"),
+        (
+            "def check_x(student):\n    pass\n",
+            "own checks: check_step.py: check_x is no check: write @check(...) above it",
+        ),
+        (EXAMPLE.replace(ID, "filtering.reduces_noise"), "own checks: there are 2 checks filtering.reduces_noise"),
+        ("def f(:\n", "own checks: check_step.py: SyntaxError: invalid syntax"),
+    ],
+)
+def test_a_slip_in_the_folder_is_the_requests_fault_and_named(own: Own, source: str, said: str) -> None:
+    checks = rubric.load(LAB, own(check_step=source)).own_checks
+    with pytest.raises(RequestError, match=re.escape(said)):
+        known_checks(LAB, checks)
+
+
+def test_files_of_one_name_in_two_folders_are_two_checks(own: Own) -> None:
+    titles = [
+        known_checks(LAB, rubric.load(LAB, own(check_step=EXAMPLE.replace("alpha 0.5", f"alpha 0.{n}"))).own_checks)[
+            ID
+        ].title
+        for n in (5, 6)
+    ]
+    assert [title[:14] for title in titles] == ["With alpha 0.5", "With alpha 0.6"]
+
+
+def test_helpers_beside_a_check_are_found(own: Own) -> None:
+    source = EXAMPLE.replace("import numpy as np\n", "import numpy as np\n\nfrom .helping import LIMIT\n")
+    checks = rubric.load(LAB, own(check_step=source, helping="LIMIT = 0.02\n")).own_checks
+    assert ID in known_checks(LAB, checks)
+
+
+def test_a_kits_wheel_carries_them(own: Own) -> None:
+    import io
+    import zipfile
+
+    with zipfile.ZipFile(io.BytesIO(wheel.build(LAB, own(check_step=EXAMPLE)))) as archive:
+        assert archive.read("grader/labs/imu/own_checks/check_step.py").decode() == EXAMPLE

@@ -1,0 +1,272 @@
+"""Outcomes are facts and points are arithmetic: another rubric marks from the record what a box would mark again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from grader import __version__
+from grader.course import classroom, remarking
+from grader.course.publishing import publish, publish_class
+from grader.course.record import Key, Store
+from grader.engine import rubric, traces
+from grader.engine.lab_box import open_box
+from grader.engine.marking import Marker
+from grader.engine.marks import marked
+from grader.engine.results import Result, to_json
+from grader.engine.rubric import Rubric, RubricError
+from grader.ground.errors import RequestError
+from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
+from grader.people.lateness import judged
+from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
+from grader.sandbox.box import Box
+from tests.examples import FOLDER, folders
+from tests.made_up import Nobody, lost, result
+from tests.tapes import PlayingBox, RecordingBox, Tape
+
+SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")
+LATE = "late: {due: 2026-11-20T23:59+01:00, per_day: 10}\n"
+SOON = ("call_cpu_s: 10", "call_cpu_s: 1"), ("submission_cpu_s: 120", "submission_cpu_s: 6")
+"""An endless loop is one of the examples, and this is no test of how long it may take."""
+PRICES = ("limits:", "mistakes: {sensor-id-as-address: 4, no-units: 0.5, never-returns: 1}\nlimits:")
+CHANGES = {
+    "weights and prices": (("follows_address: 6", "follows_address: 5"), ("time_axis: 3", "time_axis: 7.5"), PRICES),
+    "points and bonuses": (
+        ("points: 20", "points: 33.33"),
+        ("title: Sensor access", "title: The sensors"),
+        ("follows_address: 6", "follows_address: 0"),
+        (
+            "      titles: 1\n      comparison_plot: 4 # the second of the sheet's two pictures, in one check\n",
+            "      comparison_plot: 2\n      titles: 1\n",
+        ),
+        ("# extra_credit: {each: 5, cap: 10}", "extra_credit: {each: 5, cap: 3}"),
+    ),
+}
+
+
+def changed(*edits: tuple[str, str], text: str = SHIPPED) -> Rubric:
+    for old, new in (*SOON, *edits):
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return rubric.parse(LAB, text.encode())
+
+
+@cache
+def recorded(name: str) -> tuple[Result, Tape]:
+    """One of the example class, marked by the shipped points in a box, and what the box answered."""
+    box = RecordingBox(_box())
+    marker = Marker(changed(), traces.shipped(), box=box)  # type: ignore[arg-type] # speaks as a box does
+    return marker.mark(read_submission(FOLDER / name, LAB.files)), box.tape
+
+
+@cache
+def _box() -> Box:
+    return open_box(LAB, None)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _box_is_closed() -> Iterator[None]:
+    yield
+    if _box.cache_info().currsize:
+        _box().close()
+
+
+def found(name: str) -> Result:
+    return recorded(name)[0]
+
+
+def regraded(by: Rubric) -> dict[str, Result]:
+    """The example class, asked and judged again from the start."""
+    box = PlayingBox(_box().rung.name)
+    marker = Marker(by, traces.shipped(), box=box)  # type: ignore[arg-type]
+    results = {}
+    for folder in folders():
+        box.tape = recorded(folder.name)[1]
+        results[folder.name] = marker.mark(read_submission(folder, LAB.files))
+    return results
+
+
+def text(graded: Result) -> str:
+    parts = [replace(part, checks=tuple(replace(c, duration_s=0.0) for c in part.checks)) for part in graded.parts]
+    criteria, extensions = parts[: len(graded.criteria)], parts[len(graded.criteria) :]
+    return to_json(replace(graded, duration_s=0.0, criteria=tuple(criteria), extensions=tuple(extensions)))  # type: ignore[arg-type]
+
+
+def test_marks_from_what_was_found_out_are_those_of_grading_again() -> None:
+    names = [folder.name for folder in folders()]
+    for change, edits in CHANGES.items():
+        by = changed(*edits)
+        again = {name: text(graded) for name, graded in regraded(by).items()}
+        assert {name: text(marked(found(name), by)) for name in names} == again, change
+        assert {name: text(found(name)) for name in names} != again, change
+
+
+# ---- a class on record ----
+
+
+def keep(out: Path, by: Rubric, names: tuple[str, ...] = ("s02-vectorised", "s06-id-as-address", "s14-empty")) -> None:
+    with Store(out) as store:
+        for name in names:
+            key = Key(
+                name, str(found(name).provenance["submission_sha256"]), by.sha256, traces.shipped().sha256, __version__
+            )
+            store.keep(key, marked(found(name), by))
+            hand_in = HandIn((Person(name),), "2026-11-22T00:00:00+00:00")
+            store.keep_hand_in(name, judged(hand_in, by.late, (name,)))
+
+
+def test_what_a_rubric_would_cost_is_told_and_nothing_is_changed(tmp_path: Path) -> None:
+    keep(tmp_path, changed())
+    with Store(tmp_path) as store:
+        before = store.standings()
+        after = remarking.under(before, changed(PRICES, text=SHIPPED + LATE))
+        assert store.standings() == before
+    moved = {id_: (before[id_].final, each.final) for id_, each in after.items()}
+    assert moved == {
+        "s02-vectorised": (100.0, 80.0),
+        "s06-id-as-address": (before["s06-id-as-address"].final, 96.0 - 20.0),
+        "s14-empty": (0.0, 0.0),
+    }
+
+
+def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_writes(tmp_path: Path) -> None:
+    by = changed(PRICES, text=SHIPPED + LATE)
+    keep(tmp_path / "anew", changed())
+    with Store(tmp_path / "anew") as store:
+        after = remarking.remark(tmp_path / "anew", store, by)
+        for standing in after.values():
+            publish(tmp_path / "anew", standing, store, LAB)
+        assert {each.result.provenance["rubric_sha256"] for each in store.standings().values()} == {by.sha256}
+        assert store.standings() == after
+    keep(tmp_path / "again", by)
+    with Store(tmp_path / "again") as store:
+        assert publish_class(tmp_path / "again", store, LAB) == after
+        for standing in after.values():
+            publish(tmp_path / "again", standing, store, LAB)
+    names = [
+        path.relative_to(tmp_path / "again") for path in (tmp_path / "again").rglob("*.*") if path.suffix != ".sqlite"
+    ]
+    assert len(names) > 2 * 3
+    for name in names:
+        assert (tmp_path / "anew" / name).read_bytes() == (tmp_path / "again" / name).read_bytes(), name
+
+
+@pytest.mark.parametrize(
+    "edit", [("call_cpu_s: 1", "call_cpu_s: 2"), ("accelerometer: torso_", "accelerometer: head_")]
+)
+def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
+    tmp_path: Path, edit: tuple[str, str]
+) -> None:
+    keep(tmp_path, changed())
+    with Store(tmp_path) as store:
+        before = store.standings()
+        with pytest.raises(
+            RequestError, match=r"rubric\.yaml: asks other things than were asked of s02-vectorised, s06"
+        ):
+            remarking.remark(tmp_path, store, changed(edit))
+        assert store.standings() == before
+
+
+def test_a_record_of_before_says_that_it_has_to_be_graded_again(tmp_path: Path) -> None:
+    with pytest.raises(RequestError, match="the record is older"):
+        remarking.under({"alice": Standing("alice", result())}, changed())
+
+
+def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None:
+    graded = marked(found("s06-id-as-address"), changed())
+    by_hand = Adjustment("sensor_access", 20.0, "seen", "me", "now", beneath(graded.criteria[0]))
+    before = {"a": Standing("a", graded, adjustments=(by_hand,))}
+    assert before["a"].outdated() == []
+    after = remarking.under(before, changed(PRICES))["a"]
+    assert (after.final, after.outdated()) == (100.0, [by_hand])
+
+
+def test_a_date_of_the_rosters_own_holds_under_another_policy() -> None:
+    graded = marked(found("s02-vectorised"), changed())
+    hand_in = HandIn((Person("a"),), "2026-11-22T00:00:00+00:00", due="2026-11-22T00:00:00+00:00")
+    after = remarking.under({"a": Standing("a", graded, hand_in)}, changed(text=SHIPPED + LATE))["a"]
+    assert (after.late, after.final) == (None, 100.0)
+
+
+# ---- grading again ----
+
+
+@contextmanager
+def no_box(*_: object) -> Iterator[Marker]:
+    raise AssertionError("a box was opened")
+    yield
+
+
+def test_grading_a_class_again_with_other_points_opens_no_box(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("s02-vectorised", "s06-id-as-address")
+    keep(tmp_path, changed(), names)
+    monkeypatch.setattr(classroom, "opener", no_box)
+    order = classroom.Order(tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), traces.shipped(), jobs=1)
+    outcome = classroom.grade_class(order, classroom.find(order), Nobody())
+    assert (outcome.resumed, outcome.results["s06-id-as-address"].score) == (2, 96.0)
+    back = replace(order, rubric=changed())
+    again = classroom.grade_class(back, classroom.find(back), Nobody())
+    assert again.results["s06-id-as-address"] == found("s06-id-as-address")
+
+
+# ---- what a mistake costs ----
+
+
+def priced(text: str) -> Rubric:
+    return rubric.parse(LAB, (SHIPPED + text).encode())
+
+
+def points(by: Rubric, keeps: float, *mistakes: str) -> float | None:
+    row = lost(id="sensor_access.follows_address", keeps=keeps, misconceptions=mistakes)
+    whole = found("s02-vectorised")
+    rows = tuple(row if check.id == row.id else check for check in whole.criteria[0].checks)
+    first = replace(whole.criteria[0], checks=rows)
+    graded = marked(replace(whole, criteria=(first, *whole.criteria[1:])), by)
+    return next(check.points for check in graded.criteria[0].checks if check.id == row.id)
+
+
+@pytest.mark.parametrize(
+    ("keeps", "mistakes", "left"),
+    [
+        (0.0, ("sensor-id-as-address",), 2.0),
+        (0.5, ("sensor-id-as-address",), 2.0),
+        (0.0, ("swapped-sensors",), 0.0),  # within its check
+        (0.0, ("sensor-id-as-address", "raises"), 1.5),
+        (0.5, ("sensor-id-as-address", "no-units"), 3.0),  # one has no price: the check's own share
+        (0.5, (), 3.0),
+    ],
+)
+def test_a_mistake_with_a_price_costs_that_within_its_check(
+    keeps: float, mistakes: tuple[str, ...], left: float
+) -> None:
+    by = priced("mistakes: {sensor-id-as-address: 4, raises: 0.5, swapped-sensors: 90}")
+    assert points(by, keeps, *mistakes) == left
+
+
+def test_a_price_changes_what_marks_depend_on_and_not_what_is_asked() -> None:
+    plain, by = priced(""), priced("mistakes: {raises: 1}")
+    assert (by.sha256 != plain.sha256, by.asked_sha256) == (True, plain.asked_sha256)
+    assert priced("mistakes: {}").sha256 == plain.sha256
+    assert (
+        priced("mistakes: {raises: 1, never-returns: 2}").sha256
+        == priced("mistakes: {never-returns: 2, raises: 1}").sha256
+    )
+
+
+def test_a_slip_in_the_prices_is_told_with_its_line() -> None:
+    at = SHIPPED.count("\n") + 1
+    with pytest.raises(RubricError) as refusal:
+        priced("mistakes:\n  sensor-id-as-adress: 4\n  raises: a lot\n")
+    assert str(refusal.value).splitlines() == [
+        f"rubric.yaml:{at + 1}: there is no mistake 'sensor-id-as-adress' (did you mean sensor-id-as-address?); "
+        "`imugrade explain` lists them",
+        f"rubric.yaml:{at + 2}: what raises costs must be a number from 0 to 1000, not 'a lot'; correct it",
+    ]
+    with pytest.raises(RubricError, match="mistakes must be `name: points` lines"):
+        priced("mistakes: [raises]")

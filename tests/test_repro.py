@@ -1,0 +1,134 @@
+"""`imugrade repro`: a check as a program of a few lines that needs nothing of the grader."""
+
+from __future__ import annotations
+
+import ast
+import io
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from grader.commands import repeating
+from grader.engine.results import CheckResult
+from grader.engine.rubric import load
+from grader.ground.errors import RequestError
+from grader.intake import read_submission
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.repeating import WRITTEN, program
+from grader.report.terminal import screen
+from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
+from tests.made_up import check, lost, result
+
+ROOT = Path(__file__).parent.parent
+FAULTY = {
+    "imu_reader.py": IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id"),
+    "noisy_imu.py": NOISY,
+    "filters.py": FILTERS.replace("self.alpha * measurement", "0.5 * measurement"),
+}
+TRAP = "import sys\nsys.modules['grader'] = sys.modules['pytest'] = None  # as where nobody has installed us\n"
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("lab")
+    for name, text in FAULTY.items():
+        (folder / name).write_text(text)
+    return folder
+
+
+def ran(written: Path, elsewhere: Path) -> str:
+    """What the program prints, called from another folder."""
+    called = TRAP + f"import runpy\nrunpy.run_path({str(written)!r}, run_name='__main__')"
+    done = subprocess.run(
+        [sys.executable, "-c", called], cwd=elsewhere, capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None:
+    written = repeating.write(load(LAB), "sensor_access.follows_address", lab, lab / ".imugrade")
+    text = written.read_text()
+    assert text.count("get_imu_readings(model, data, accel_id, gyro_id)") >= 1
+    assert "Got       accel = " in text
+    got = text.split("Got       accel = [")[1].split("]")[0].split()
+    shown = ran(written, tmp_path)
+    assert all(f"{float(number):.2f}"[:-1] in shown for number in got)
+    assert sorted(path.name for path in lab.iterdir() if path.is_file()) == sorted(FAULTY)
+
+
+def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
+    sound = ROOT / "submissions_example" / "s15-extensions"
+    student, judgements = repeating.examined(load(LAB), read_submission(sound, LAB.files))
+    asked = {id_: student.questions(id_) for id_ in judgements}
+    silent = {id_ for id_, questions in asked.items() if not questions}
+    assert silent == {id_ for id_ in judgements if id_.startswith("realtime_visualization.")} | {
+        "visualization.comparison_plot"
+    }
+    kinds = {each.op: each for questions in asked.values() for each in questions}
+    noise, biases = (
+        kinds["noise"],
+        {"biases": np.zeros((1, 2, 3))},
+    )  # twins are asked only where something is to be told apart
+    twins = {**noise.fields, "twins": [dict.fromkeys(("accel_noise_std", "gyro_noise_std"), 0.1)]}
+    kinds.setdefault("noise_twins", replace(noise, op="noise_twins", fields=twins, arrays={**noise.arrays, **biases}))
+    assert set(kinds) == set(WRITTEN)
+    several = [replace(each, number=number) for number, each in enumerate(kinds.values(), 1)]
+    text = program("everything", "All of it is earned.", several, os.path.relpath(sound, tmp_path))
+    model = {LAB.model: student.robot.xml}
+    shown = ran(repeating.put(tmp_path, text, several, model), tmp_path)
+    assert "instance 1:" in shown
+    assert "the sensors say" in shown
+    assert "roll and pitch, first and last:" in shown
+    assert (tmp_path / "imu_data.png").is_file()
+
+
+@pytest.mark.parametrize("text", ['a """ b', "a \\ b", "Got  C:\\new\n'''", 'it ends in "'])
+def test_no_text_of_a_students_ends_the_programs_own(text: str) -> None:
+    tree = ast.parse(program("filtering.follows_recursion", text, [], "."))
+    assert isinstance(tree.body[1], ast.Import)
+
+
+def test_what_cannot_be_asked_again_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "filters.py").write_text("x = 1\n")
+    (tmp_path / "lab.zip").touch()
+    with pytest.raises(RequestError, match=r"there is no such check; imugrade explain lists them"):
+        repeating.write(load(LAB), "filtering.nothing", tmp_path, tmp_path)
+    with pytest.raises(RequestError, match=r"lab\.zip is no folder; unpack it"):
+        repeating.write(load(LAB), "filtering.follows_recursion", tmp_path / "lab.zip", tmp_path)
+    with pytest.raises(RequestError, match=r"asked nothing of a \.py file here that could be asked again"):
+        repeating.write(load(LAB), "filtering.follows_recursion", tmp_path, tmp_path)
+
+
+# --- how a report leads to it -----------------------------------------------------------------------------------------
+
+
+def lines_of(*checks: CheckResult, repeat: str = "imugrade repro {} my_lab") -> list[str]:
+    console = Console(file=io.StringIO(), width=100, force_terminal=False)
+    return [line.plain.strip() for line in screen(result(*checks), console, LAB, repeat=repeat)]
+
+
+def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> None:
+    lines = lines_of(lost())
+    assert "Repeat    imugrade repro sensor_access.follows_address my_lab" in lines
+    assert "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id), on the same input" in lines
+
+
+@pytest.mark.parametrize(
+    ("checks", "repeat"),
+    [
+        ([check()], "imugrade repro {}"),
+        ([lost(misconceptions=("file-missing",))], "imugrade repro {}"),
+        ([lost(id="visualization.comparison_plot")], "imugrade repro {}"),
+        ([lost(id="realtime_visualization.grows")], "imugrade repro {}"),
+        ([lost()], ""),
+    ],
+)
+def test_what_was_earned_never_called_or_is_in_an_archive_leads_nowhere(checks: list[CheckResult], repeat: str) -> None:
+    assert not any(line.startswith("Repeat") for line in lines_of(*checks, repeat=repeat))

@@ -1,0 +1,109 @@
+"""What a reader sees of each curve: sound figures lose none, and a claim without a picture shows nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from grader.harness import drawing, figures
+from grader.harness.values import Packer
+from grader.labs.imu.diagnosis.sight import Patience, Sight, looked_at
+from tests.random_figures import every, made
+
+T = np.linspace(0, 5, 500)
+
+
+def test_no_curve_of_eighty_sound_figures_is_told_to_be_hidden() -> None:
+    """5,000 by ``python -m tests.benchmarks.pictures``."""
+    assert [found.seed for found in every(range(80)) if any(sight.is_hidden for sight in found.sights)] == []
+
+
+def test_a_random_figure_is_the_same_each_time() -> None:
+    first, second = made(3), made(3)
+    assert all(np.array_equal(a.seen, b.seen) for a, b in zip(first.sights, second.sights, strict=True))
+
+
+@pytest.fixture
+def axes() -> Iterator[Any]:
+    figure, drawn = plt.subplots(figsize=(8, 4))
+    drawn.plot(T, np.sin(2 * T), color="C0")
+    yield drawn
+    plt.close(figure)
+
+
+def facts(axes: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    packer, seen = Packer(), drawing.look(axes.figure)
+    told = figures._figure(axes.figure, packer) | {"seen": "seen", "extent": list(seen.extent), "dots": seen.dots}
+    return told, packer.arrays | {"seen": seen.pixels}
+
+
+def first_sight(told: dict[str, Any], arrays: dict[str, Any]) -> Sight:
+    sight = looked_at(told, arrays, Patience())["axes"][0]["curves"][0]["sight"]
+    assert isinstance(sight, Sight)
+    return sight
+
+
+def test_a_curve_in_the_open_is_seen_from_end_to_end(axes: Any) -> None:
+    sight = first_sight(*facts(axes))
+    assert sight.inside.all()
+    assert sight.seen.all()
+
+
+def test_facts_beside_a_blank_picture_show_nothing(axes: Any) -> None:
+    told, arrays = facts(axes)
+    sight = first_sight(told, arrays | {"seen": np.full_like(arrays["seen"], 255)})
+    assert sight.is_hidden
+
+
+def test_facts_of_another_curve_than_the_drawn_one_show_nothing(axes: Any) -> None:
+    told, arrays = facts(axes)
+    curve = told["axes"][0]["curves"][0]
+    moved = arrays | {curve["y"]: np.cos(9 * T)}
+    assert first_sight(told, moved).seen.mean() < 0.4
+
+
+def test_facts_of_another_colour_show_nothing(axes: Any) -> None:
+    told, arrays = facts(axes)
+    told["axes"][0]["curves"][0] |= {"inks": ["#d62728ff"], "colour": "#d62728"}
+    assert first_sight(told, arrays).is_hidden
+
+
+def test_which_part_lies_outside_is_told(axes: Any) -> None:
+    axes.set_xlim(0, 1)
+    sight = first_sight(*facts(axes))
+    assert np.flatnonzero(sight.inside)[[0, -1]].tolist() == pytest.approx([0, 20], abs=1)
+    assert not sight.is_hidden
+
+
+def test_a_sheet_over_half_of_a_curve_hides_that_half(axes: Any) -> None:
+    axes.axvspan(2.5, 9, color="white", zorder=9)
+    axes.set_xlim(0, 5)
+    sight = first_sight(*facts(axes))
+    assert sight.inside.all()
+    assert sight.seen[:48].all()
+    assert not sight.seen[52:].any()
+
+
+def test_a_sheet_in_the_curves_own_colour_hides_it(axes: Any) -> None:
+    axes.axhspan(-2, 2, color="C0", zorder=9)
+    assert first_sight(*facts(axes)).is_hidden
+
+
+def test_a_curve_that_shines_through_another_is_seen(axes: Any) -> None:
+    axes.plot(T, np.sin(2 * T), color="C1", alpha=0.5, linewidth=6)
+    assert first_sight(*facts(axes)).seen.mean() > 0.9
+
+
+@pytest.mark.parametrize("scale", ["symlog", "asinh"])
+def test_on_a_scale_that_is_not_foreseen_the_colour_is_enough(axes: Any, scale: str) -> None:
+    axes.set_yscale(scale)
+    assert not first_sight(*facts(axes)).is_hidden
+
+
+def test_who_sends_too_much_is_not_believed(axes: Any) -> None:
+    told, arrays = facts(axes)
+    assert looked_at(told, arrays, Patience(10))["axes"][0]["curves"][0]["visible"] is False

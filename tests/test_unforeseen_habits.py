@@ -1,0 +1,33 @@
+"""Faults that no list foresaw cost the one check that a careful marker takes, and whoever makes them is told how to go on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.intake import Submission
+from grader.labs.imu.lab import LAB
+from tests.corpus.unforeseen_habits import HABITS, Habit
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("habit", HABITS, ids=lambda habit: habit.name)
+def test_a_habit_costs_the_one_check_that_a_marker_takes(habit: Habit, marker: Marker) -> None:
+    content = {name: text.encode() for name, text in habit.files.items()}
+    (criterion,) = marker.mark(
+        Submission("s", "s", content, (), "ready", ""), only=habit.check.partition(".")[0]
+    ).criteria
+    lost = {check.id: check for check in criterion.checks if check.points != check.max_points}
+    assert set(lost) == {habit.check}, {id_: check.message for id_, check in lost.items()}
+    (check,) = lost.values()
+    assert check.max_points - (check.points or 0.0) <= habit.most
+    assert set(check.misconceptions) <= set(habit.names)
+    assert check.hint

@@ -1,0 +1,45 @@
+"""Pictures that no list foresaw lose what a careful marker said before, each fault once, with a true word."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.engine import rubric, traces
+from grader.engine.marking import Marker
+from grader.engine.results import CheckResult
+from grader.intake import Submission
+from grader.labs.imu.lab import LAB
+from tests.corpus.unforeseen_plots import FAULTY, SOUND, Unforeseen
+
+CRITERION = "visualization"
+
+
+@pytest.fixture(scope="module")
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+        yield opened
+
+
+def lost(marker: Marker, sample: Unforeseen) -> dict[str, CheckResult]:
+    content = {name: text.encode() for name, text in sample.files.items()}
+    criterion = marker.mark(Submission("s", "s", content, (), "ready", ""), only=CRITERION).criteria[0]
+    return {check.id.partition(".")[2]: check for check in criterion.checks if check.points != check.max_points}
+
+
+@pytest.mark.parametrize("sample", SOUND[::6], ids=lambda sample: sample.name)
+def test_a_sound_picture_loses_nothing(sample: Unforeseen, marker: Marker) -> None:
+    assert {name: check.message for name, check in lost(marker, sample).items()} == {}
+
+
+@pytest.mark.parametrize("sample", FAULTY[::6], ids=lambda sample: sample.name)
+def test_a_picture_that_shows_less_loses_what_the_marker_said(sample: Unforeseen, marker: Marker) -> None:
+    checks = lost(marker, sample)
+    names = {mistake for check in checks.values() for mistake in check.misconceptions}
+    assert checks
+    assert set(checks) <= set(sample.loses)
+    assert sum(check.max_points - (check.points or 0.0) for check in checks.values()) <= sample.most + 1e-9
+    assert names <= set(sample.names)
+    assert bool(names) == bool(sample.names)
+    assert [name for name, check in checks.items() if not check.hint and check.outcome != "skipped"] == []

@@ -1,0 +1,143 @@
+"""Waiting costs, too: a question that is kept just above the idle threshold, or answered after a sleep, pays for its time on the clock."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from grader.engine.conversation import Conversation
+from grader.ground.errors import TimedOut
+from grader.labs.imu.lab import LAB
+from grader.sandbox.exchange import Deadline, DeadlineError
+from grader.sandbox.process import WallClock
+from grader.sandbox.wire import Frame
+
+CALL_CPU_S, SUBMISSION_CPU_S = 10.0, 120.0
+SHARE_S = SUBMISSION_CPU_S / 6
+
+
+class Slow:
+    """A worker whose every answer takes its time, on a clock of its own."""
+
+    alive = True
+
+    def __init__(self, cpu_s: float, wall_s: float) -> None:
+        self.cpu_s = self.wall_s = 0.0
+        self._takes = cpu_s, wall_s
+        self.offered: list[float] = []
+
+    def ask(self, op: str, fields: Any = None, arrays: Any = None, **limits: float) -> Frame:
+        if op == "submit":
+            return Frame({"paths": []}, {})
+        self.offered.append(limits["most_s"])
+        cpu_s, wall_s = self._takes
+        self.cpu_s += cpu_s
+        self.wall_s += min(wall_s, limits["most_s"])
+        if wall_s > limits["most_s"]:
+            raise TimedOut("no answer", cpu_s=cpu_s, wall_s=limits["most_s"])
+        return Frame({"names": {}}, {})
+
+    def printed(self) -> str:
+        return ""
+
+    def close(self) -> None:
+        self.alive = False
+
+
+class Boxes:
+    def __init__(self, cpu_s: float, wall_s: float) -> None:
+        self._takes = cpu_s, wall_s
+        self.workers: list[Slow] = []
+
+    def worker(self) -> Slow:
+        self.workers.append(Slow(*self._takes))
+        return self.workers[-1]
+
+
+def conversation(box: Boxes) -> Conversation:
+    return Conversation(
+        box, LAB, {}, above={}, furniture={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
+    )  # type: ignore[arg-type] # fmt: skip
+
+
+def asked(talk: Conversation, times: int) -> Iterator[bool]:
+    for _ in range(times):
+        try:
+            talk.ask("outline", {})
+            yield True
+        except TimedOut:
+            yield False
+
+
+def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() -> None:
+    box = Boxes(cpu_s=0.1, wall_s=25.0)
+    talk = conversation(box)
+    talk.turn_to("filtering")
+    assert list(asked(talk, 6)) == [True, True, True, False, False, False]
+    assert sum(worker.wall_s for worker in box.workers) == 4 * SHARE_S
+    talk.turn_to("noise_model")
+    assert list(asked(talk, 1)) == [True]
+
+
+def test_sound_answers_leave_nearly_all_of_it() -> None:
+    box = Boxes(cpu_s=0.2, wall_s=0.3)
+    talk = conversation(box)
+    assert all(asked(talk, 60))
+    assert min(offered for worker in box.workers for offered in worker.offered) > 3 * SHARE_S
+
+
+def test_a_question_that_is_kept_just_above_the_idle_threshold_ends_with_its_part() -> None:
+    now = [0.0]
+    deadline = Deadline(lambda: 0.03 * now[0], lambda: now[0], cpu_s=10.0, wall_s=30.0, most_s=80.0)
+    over = _waited(now, deadline)
+    assert over.within == "the time that was left to it"
+    assert 80.0 <= over.wall_s < 81.5
+
+
+def _waited(now: list[float], deadline: Deadline) -> DeadlineError:
+    for _ in range(1000):
+        try:
+            now[0] += deadline.nap()
+        except DeadlineError as over:
+            return over
+    raise AssertionError("it goes on for ever")
+
+
+@pytest.mark.skipif(
+    not os.path.exists("/proc/self/schedstat"), reason="this system does not tell who waits for a processor"
+)
+def test_the_clock_stands_still_for_what_waits_for_a_processor_and_runs_for_what_sleeps() -> None:
+    """Two that compute share one processor: each waits half of the time, and neither is slow."""
+    one_core = sorted(os.sched_getaffinity(0))[:1]
+    spins = f"import os, time; os.sched_setaffinity(0, {one_core}); print(flush=True)\nwhile time.process_time() < 0.6: pass\ninput()"
+    busy = [
+        subprocess.Popen([sys.executable, "-c", spins], stdin=subprocess.PIPE, stdout=subprocess.PIPE) for _ in range(2)
+    ]
+    assert all(each.stdout is not None and each.stdout.readline() for each in busy)
+    clocks, before = [WallClock(each.pid) for each in busy], time.monotonic()
+    while any(_state(each.pid) != "S" for each in busy):
+        time.sleep(0.01)
+    took, counted = time.monotonic() - before, [clock.read() for clock in clocks]
+    time.sleep(0.2)
+    slept = [clock.read() for clock in clocks]
+    for each in busy:
+        each.communicate(b"\n")
+    assert sum(counted) < took + 0.6 * took
+    assert all(after - then >= 0.19 for after, then in zip(slept, counted, strict=True))
+
+
+def _state(pid: int) -> str:
+    with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
+        return file.read().rpartition(")")[2].split()[0]
+
+
+def test_a_clock_that_nobody_tells_of_waiting_runs_as_the_one_on_the_wall() -> None:
+    clock = WallClock(-1)
+    time.sleep(0.05)
+    assert clock.read() >= 0.05
