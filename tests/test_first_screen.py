@@ -23,7 +23,6 @@ from grader.engine.marking import Marker
 from grader.engine.rubric import load
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.report.terminal import screen
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
@@ -183,21 +182,6 @@ def test_an_interrupt_shows_what_was_judged_until_then(
     )
     assert said.err == "imugrade: stopped; run the same command again to go on\n"
     assert not (tmp_path / ".imugrade").exists()
-
-
-def test_the_screen_in_the_readme_is_that_of_the_example_which_takes_the_id_for_the_address() -> None:
-    submission = read_submission(ROOT / "submissions_example" / "s06-id-as-address", LAB.files)
-    with Marker(load(LAB), traces.obtain(None), box=open_box_for(LAB, submission.files)) as marker:
-        made = marker.mark(submission)
-    console = Console(file=io.StringIO(), width=80, force_terminal=True, color_system=None)
-    shown = "".join(f"{line.plain}\n" for line in screen(made, console, LAB))
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert without_digits(f"```\n{shown}```\n") in without_digits(readme)
-
-
-def without_digits(text: str) -> str:
-    """MuJoCo's last digits differ between versions; a minus takes a blank's place."""
-    return re.sub(r"[ -]\d+\.\d+", " 0.0", text)
 
 
 # --- a screen that is watched -----------------------------------------------------------------------------------------

@@ -33,16 +33,22 @@ def test_ci_runs_the_test_command_of_the_readme() -> None:
     assert script.rstrip().endswith(run)
 
 
-def test_what_the_readme_shows_of_a_check_is_what_it_prints(
+def test_what_the_readme_shows_of_a_check_is_what_a_terminal_shows(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    """The same words: a terminal adds bars, breaks the lines, and so has the points in a column of their own."""
-    (shown,) = re.findall(r"```\n( . Sensor access .*?)```", README, re.DOTALL)
+    (sample,) = re.findall(r"```\n( . Sensor access .*?)```", README, re.DOTALL)
     example, unchecked = ROOT / "submissions_example" / "s06-id-as-address", shutil.ignore_patterns(".*")
     monkeypatch.chdir(shutil.copytree(example, tmp_path / "lab", ignore=unchecked))
+    for name, value in {"FORCE_COLOR": "1", "NO_COLOR": "1", "TERM": "xterm", "COLUMNS": "80"}.items():
+        monkeypatch.setenv(name, value)
     assert cli.main(["check"]) == 0
-    printed = capsys.readouterr().out
-    assert sorted(re.sub("[█░]", "", shown).split()) == sorted(printed[printed.index(" ◐ Sensor access") :].split())
+    shown = re.sub(r"\x1b\[\d*m", "", capsys.readouterr().out)
+    assert _without_digits(shown[shown.index(" ◐ Sensor access") :]) == _without_digits(sample)
+
+
+def _without_digits(text: str) -> str:
+    """MuJoCo's last digits differ between versions; a minus takes a blank's place."""
+    return re.sub(r"[ -]\d+\.\d+", " 0.0", text)
 
 
 def test_the_files_that_the_readme_names_are_there() -> None:
