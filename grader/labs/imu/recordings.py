@@ -74,7 +74,7 @@ def story_of(student: Student, truth: Traces, name: str, series: Collection) -> 
         story = diagnosis.explain(series, worlds)
     if (story is None or story.of_other_sensors) and worlds.claim is not None:
         worlds = _with_own_reader(student, truth, series, worlds)
-        if diagnosis.tells(own := Story(diagnosis.OWN_WORLD), series, worlds):
+        if (own := Story(diagnosis.OWN_WORLD)).fits((series, worlds)):
             return own, worlds
     return story or diagnosis.explain(series, worlds) or diagnosis.explain_altered(series, worlds), worlds
 

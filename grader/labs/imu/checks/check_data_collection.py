@@ -357,7 +357,7 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
     if goes_on or (_other_velocity(story, worlds, push) and not _pushes_at_random(student, truth)):
         got = "a series that goes on from where the data was left"
         raise Lost("the same series as from a fresh start", got, mistakes=["no-reset"])
-    unknown = story is None and not diagnosis.tells(first or Story(), series, worlds)
+    unknown = story is None and not (first or Story()).fits((series, worlds))
     near = recognised(student, truth, series, worlds) if unknown else TRUE_WORLD
     elsewhere = near == diagnosis.CLAIMED_WORLD and _starts_elsewhere(Story(near), worlds, start)
     if near == "no_reset" or elsewhere or _starts_elsewhere(first, first_worlds, start):

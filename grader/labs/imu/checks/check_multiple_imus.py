@@ -62,8 +62,8 @@ def _mistakes(worlds: Sequence[_World]) -> list[str]:
         return ["same-imu-repeated"]
     for world in worlds:
         explained = diagnosis.explain(world.column(0), world.column(1), world.scene())
-        if explained and explained.mistakes:
-            return list(explained.mistakes)
+        if explained and explained.told:
+            return list(explained.told)
     return []
 
 

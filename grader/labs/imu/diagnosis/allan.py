@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array
 
 EXACT = 1e-6
@@ -138,11 +139,19 @@ def slope(taus: Array, curve: Array, clusters: Array) -> float | None:
 
 def mistakes(records: list[Record], rate: float) -> list[str]:
     """The one mistake that predicts every curve, or nothing."""
-    for name, predicts in _PREDICTIONS:
-        for _, size in _SIZES:
-            if all(predicts(size(taus, rate), curve, samples) for taus, curve, samples in records):
-                return [name]
-    return []
+    return mistakes_of(_HYPOTHESES, (records, rate))
+
+
+def _every(predicts: Callable[[Sizes, Array, Array], bool]) -> Callable[[tuple[list[Record], float]], bool]:
+    """Whether one meaning of averaging times makes all records what is predicted."""
+
+    def predicted(seen: tuple[list[Record], float]) -> bool:
+        records, rate = seen
+        return any(
+            all(predicts(size(taus, rate), curve, samples) for taus, curve, samples in records) for _, size in _SIZES
+        )
+
+    return predicted
 
 
 def _is_spread(sizes: Sizes, curve: Array, samples: Array) -> bool:
@@ -153,7 +162,7 @@ def _is_spread(sizes: Sizes, curve: Array, samples: Array) -> bool:
     return all(any(abs(value - form(samples, m)) <= 0.02 * form(samples, m) for form in forms) for m, value in usable)
 
 
-_PREDICTIONS: list[tuple[str, Callable[[Sizes, Array, Array], bool]]] = [
-    ("allan-factor-missing", lambda sizes, curve, samples: fits(sizes, curve, samples, factor=2**0.5)),
-    ("std-not-allan", _is_spread),
+_HYPOTHESES: list[Named[tuple[list[Record], float]]] = [
+    Named(1, "allan-factor-missing", _every(lambda sizes, curve, samples: fits(sizes, curve, samples, factor=2**0.5))),
+    Named(2, "std-not-allan", _every(_is_spread)),
 ]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from grader.engine import hypothesis
 from grader.engine.traces import Scenario
 
 from ..answers import KEYS, Collection
@@ -157,9 +158,37 @@ class Story:
         reached = self.at[-1] + 1 if self.at else rows * self.skip
         return abs(reached - steps) <= self.skip
 
+    def fits(self, seen: tuple[Collection, Worlds]) -> bool:
+        """Whether it predicts every filled row that the truth reaches."""
+        series, worlds = seen
+        if series.acceleration is None or series.angular_velocity is None:
+            return False
+        accel, gyro = series.acceleration, series.angular_velocity
+        if self.exchanged:
+            accel, gyro = gyro, accel
+        true_accel, true_gyro = worlds.series[self.world]
+        rows, wanted = _rows(self, len(accel) if self.altered else series.filled_rows, len(true_accel))
+        if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip))):
+            return False
+        if self.altered == SENSORS:
+            pairs = ((accel[rows], true_accel[wanted]), (gyro[rows], true_gyro[wanted]))
+            return all(treatment(key, *pair) is not None for key, pair in zip(SENSORS, pairs, strict=True))
+        if self.skip != 1 and same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION):
+            return False  # nothing moves in these rows: they would come of any number of steps
+        told = (
+            same(accel[rows], true_accel[wanted], ATOL_ACCELERATION),
+            same(gyro[rows], true_gyro[wanted], ATOL_RATE),
+        )
+        return told == tuple(key not in self.altered for key in SENSORS)
+
     @property
-    def oddness(self) -> int:
-        return (self.world != TRUE_WORLD) + (self.lag != 0) + (self.skip != 1) + self.exchanged + self.aliased
+    def told(self) -> tuple[object, ...]:
+        return (self.world, self.lag != 0, self.skip != 1, self.exchanged, self.aliased, self.altered)
+
+    @property
+    def cost(self) -> int:
+        odd = (self.world != TRUE_WORLD, self.lag != 0, self.skip != 1, self.exchanged, self.aliased)
+        return sum(odd) + len(odd) * len(self.altered)
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
@@ -192,14 +221,7 @@ def _alike(series: Collection, other: Collection, rows: slice, others: slice) ->
 
 def explain(series: Collection, worlds: Worlds) -> Story | None:
     """The simplest story that predicts the rows, or None where none does or two equally simple ones do."""
-    if tells(sound := Story(), series, worlds):
-        return sound
-    fitting = [story for story in _stories(series, worlds) if tells(story, series, worlds)]
-    if not fitting:
-        return None
-    least = min(story.oddness for story in fitting)
-    simplest = [story for story in fitting if story.oddness == least]
-    return simplest[0] if len({_kind(s) for s in simplest}) == 1 else None
+    return hypothesis.explain(_stories(series, worlds), (series, worlds))
 
 
 def explain_altered(series: Collection, worlds: Worlds) -> Story | None:
@@ -207,11 +229,7 @@ def explain_altered(series: Collection, worlds: Worlds) -> Story | None:
     known = [Story(world) for world in (TRUE_WORLD, CLAIMED_WORLD) if world in worlds.series]
     one = (replace(story, altered=(key,)) for story in known for key in SENSORS)
     both = (replace(story, altered=SENSORS) for story in known)
-    return next((story for story in (*one, *both) if tells(story, series, worlds)), None)
-
-
-def _kind(story: Story) -> tuple[object, ...]:
-    return (story.world, story.lag != 0, story.skip != 1, story.exchanged, story.aliased)
+    return hypothesis.explain((*one, *both), (series, worlds))
 
 
 def _stories(series: Collection, worlds: Worlds) -> Iterator[Story]:
@@ -257,29 +275,6 @@ def _missing_at_first(series: Collection, worlds: Worlds, world: str) -> int:
     return int(np.argmin(np.abs(worlds.series[world][0] - series.acceleration[0]).max(axis=1)))
 
 
-def tells(story: Story, series: Collection, worlds: Worlds) -> bool:
-    """Whether the story predicts every filled row that the truth reaches."""
-    if series.acceleration is None or series.angular_velocity is None:
-        return False
-    accel, gyro = series.acceleration, series.angular_velocity
-    if story.exchanged:
-        accel, gyro = gyro, accel
-    true_accel, true_gyro = worlds.series[story.world]
-    rows, wanted = _rows(story, len(accel) if story.altered else series.filled_rows, len(true_accel))
-    if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * story.skip))):
-        return False
-    if story.altered == SENSORS:
-        pairs = ((accel[rows], true_accel[wanted]), (gyro[rows], true_gyro[wanted]))
-        return all(treatment(key, *pair) is not None for key, pair in zip(SENSORS, pairs, strict=True))
-    if story.skip != 1 and same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION):
-        return False  # nothing moves in these rows: they would come of any number of steps
-    told = (
-        same(accel[rows], true_accel[wanted], ATOL_ACCELERATION),
-        same(gyro[rows], true_gyro[wanted], ATOL_RATE),
-    )
-    return told == tuple(key not in story.altered for key in SENSORS)
-
-
 def treatment(key: str, got: Array, true: Array) -> str | None:
     """What makes all these rows (n, 3) of the true ones of a sensor: a known alteration, or any mixing, scaling and shifting.
 
@@ -321,7 +316,7 @@ def nearest(series: Collection, worlds: Worlds) -> str | None:
         return None
     known = {name: rows for name, rows in worlds.series.items() if name not in worlds.claimed}
     start = series.rows(0, _FEWEST_ROWS)
-    begun = [name for name in known if tells(Story(name), start, worlds)]
+    begun = [name for name in known if Story(name).fits((start, worlds))]
     if len(begun) == 1:
         return begun[0]
     first, *others = sorted(

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.diagnosis.filter_outputs import ATOL, window
 
@@ -40,32 +41,27 @@ Run = tuple[float, Array, Array]
 """alpha, input (n, 3), output (n, 3)"""
 
 
-def mistakes(runs: Sequence[Run]) -> list[str]:
+Runs = Sequence[Run]
+
+
+def mistakes(runs: Runs) -> list[str]:
     """The one mistake that predicts every run, or nothing."""
-    fitting = {name for name, predicts in _PREDICTIONS if all(predicts(*run) for run in runs)}
-    if fitting:
-        return list(fitting) if len(fitting) == 1 else []
-    if _averages(runs):
-        return ["moving-average"]
-    if all(has_no_memory(x, y) for _, x, y in runs):
-        return ["does-not-filter"]
-    fitted = [recursion_of(x, y) for _, x, y in runs]
-    known = [f for f in fitted if f is not None]
-    if len(known) == len(runs):
-        return _linear_mistakes(runs, known)
-    if all(_leaves_axes_out(*run) for run in runs):
-        return ["axes-mixed"]
-    if all(_mixes_axes(x, y) for _, x, y in runs):
-        return ["axes-mixed"]
-    return []
+    return mistakes_of(_HYPOTHESES, runs)
 
 
-def _linear_mistakes(runs: Sequence[Run], fitted: Sequence[tuple[float, float]]) -> list[str]:
-    if any(abs(a + b - 1) > 1e-6 for a, b in fitted):
-        return ["gain-not-one"]
-    if max(a for a, _ in fitted) - min(a for a, _ in fitted) < 1e-6 and len({alpha for alpha, *_ in runs}) > 1:
-        return ["alpha-ignored"]
-    return []
+def _linear(runs: Runs) -> list[tuple[float, float]]:
+    """The coefficients of each run, where every run is a recursion; else nothing."""
+    fitted = [f for _, x, y in runs if (f := recursion_of(x, y)) is not None]
+    return fitted if len(fitted) == len(runs) else []
+
+
+def _gain_not_one(runs: Runs) -> bool:
+    return any(abs(a + b - 1) > 1e-6 for a, b in _linear(runs))
+
+
+def _alpha_ignored(runs: Runs) -> bool:
+    weights = [a for a, _ in _linear(runs)]
+    return bool(weights) and max(weights) - min(weights) < 1e-6 and len({alpha for alpha, *_ in runs}) > 1
 
 
 def _stuck(alpha: float, x: Array, y: Array) -> bool:
@@ -84,18 +80,6 @@ def _from_one_value(weight: float, x: Array, y: Array) -> bool:
     """``y[n] = weight x[n] + c``: what came before never changes, so the recursion always starts from the same value."""
     rest = y[1:] - weight * x[1:]
     return bool(np.ptp(rest, axis=0).max() <= ATOL)
-
-
-_PREDICTIONS: list[tuple[str, Callable[[float, Array, Array], bool]]] = [
-    ("alpha-swapped", lambda alpha, x, y: obeys(x, y, 1 - alpha, alpha)),
-    ("no-filtering", lambda _, x, y: same(y[1:], x[1:], ATOL)),
-    ("output-stuck", _stuck),
-    ("state-not-kept", _from_one_value),
-    ("state-not-kept", lambda alpha, x, y: _from_one_value(1 - alpha, x, y)),
-    ("filters-input-history", lambda alpha, x, y: same(y[1:], alpha * x[1:] + (1 - alpha) * x[:-1], ATOL)),
-    ("filters-input-history", lambda alpha, x, y: same(y[1:], (1 - alpha) * x[1:] + alpha * x[:-1], ATOL)),
-    ("high-pass", _high_pass),
-]
 
 
 def _averages(runs: Sequence[Run]) -> bool:
@@ -119,6 +103,30 @@ def _mixes_axes(x: Array, y: Array) -> bool:
     apart = ~np.tile(np.eye(n, dtype=bool), (2, 1))
     crossed = np.abs(weights[apart]).max() > 1e-3
     return bool(crossed) and same(columns @ weights, y[1:], ATOL)
+
+
+def _every(predicts: Callable[[float, Array, Array], bool]) -> Callable[[Runs], bool]:
+    return lambda runs: all(predicts(*run) for run in runs)
+
+
+_HYPOTHESES: list[Named[Runs]] = [
+    # No number is left free, or a constant.
+    Named(1, "alpha-swapped", _every(lambda alpha, x, y: obeys(x, y, 1 - alpha, alpha))),
+    Named(1, "no-filtering", _every(lambda _, x, y: same(y[1:], x[1:], ATOL))),
+    Named(1, "output-stuck", _every(_stuck)),
+    Named(1, "state-not-kept", _every(_from_one_value)),
+    Named(1, "state-not-kept", _every(lambda alpha, x, y: _from_one_value(1 - alpha, x, y))),
+    Named(1, "filters-input-history", _every(lambda c, x, y: same(y[1:], c * x[1:] + (1 - c) * x[:-1], ATOL))),
+    Named(1, "filters-input-history", _every(lambda c, x, y: same(y[1:], (1 - c) * x[1:] + c * x[:-1], ATOL))),
+    Named(1, "high-pass", _every(_high_pass)),
+    # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
+    Named(2, "moving-average", _averages),
+    Named(3, "does-not-filter", _every(lambda _, x, y: has_no_memory(x, y))),
+    Named(4, "gain-not-one", _gain_not_one),
+    Named(5, "alpha-ignored", _alpha_ignored),
+    Named(6, "axes-mixed", _every(_leaves_axes_out)),
+    Named(7, "axes-mixed", lambda runs: not _linear(runs) and all(_mixes_axes(x, y) for _, x, y in runs)),
+]
 
 
 def noise_gain(x: Array, y: Array) -> float:

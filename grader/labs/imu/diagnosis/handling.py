@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from grader.engine.hypothesis import Named, explain
 from grader.labs.imu.compare import Array, same
 
 Fits = Callable[[Array, Array, float], bool]
@@ -32,23 +33,22 @@ def handled(got: tuple[Array, Array], true: tuple[Array, Array], world_from_site
     """
     if not all(np.isfinite(g).all() and np.abs(g).max() < _ABSURD for g in got):
         return None
-    fitting = {
-        name
-        for name, fits in (
-            ("reading-clipped", clipped),
-            ("cached-reading", kept),
-            ("reading-smoothed", smoothed),
-            ("turned-by-body", lambda g, t, a: turned(g, t, world_from_site, a)),
-        )
-        if _explains(fits, got, true, atol)
-    }
-    return fitting.pop() if len(fitting) == 1 else None
+    wrong = [(g, t, atol) for g, t in zip(got, true, strict=True) if not same(g, t, atol)]
+    found = explain(
+        (
+            _of_each("reading-clipped", clipped),
+            _of_each("cached-reading", kept),
+            _of_each("reading-smoothed", smoothed),
+            _of_each("turned-by-body", lambda g, t, a: turned(g, t, world_from_site, a)),
+        ),
+        wrong,
+    )
+    return found.told if found else None
 
 
-def _explains(fits: Fits, got: tuple[Array, Array], true: tuple[Array, Array], atol: float) -> bool:
-    right = [same(g, t, atol) for g, t in zip(got, true, strict=True)]
-    altered = [fits(g, t, atol) for g, t, sound in zip(got, true, right, strict=True) if not sound]
-    return bool(altered) and all(altered)
+def _of_each(name: str, fits: Fits) -> Named[list[tuple[Array, Array, float]]]:
+    """That it is the one mistake of every sensor that is wrong."""
+    return Named(1, name, lambda wrong: bool(wrong) and all(fits(*sensor) for sensor in wrong))
 
 
 def clipped(got: Array, true: Array, atol: float) -> bool:

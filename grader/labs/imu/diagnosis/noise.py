@@ -7,12 +7,13 @@ instance, one with zero noise and zero bias, and many without a given bias separ
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
 
@@ -134,6 +135,29 @@ def proportional(facts: Facts) -> bool:
     return bool(ratio.std() < 0.1 * ratio.mean() and spread.std() > 0.2 * spread.mean())
 
 
+@dataclass(frozen=True)
+class _Sizes:
+    """What is known of the noise's size: both sensors in the long run, of a second instance, and where no noise was asked for."""
+
+    sensors: Sequence[Facts]
+    again: Sequence[Facts]
+    silent: Sequence[Facts]
+
+    @cached_property
+    def still(self) -> list[bool]:
+        return [facts.still for facts in self.sensors]
+
+    @cached_property
+    def noisy(self) -> bool:
+        """Whether both sensors' reads differ."""
+        return not any(self.still)
+
+    @cached_property
+    def obeyed(self) -> bool:
+        """Whether both sensors' reads differ, and only where noise was asked for."""
+        return self.noisy and all(facts.still for facts in self.silent)
+
+
 def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequence[Facts]) -> list[str]:
     """What a wrong size of the noise shows.
 
@@ -142,22 +166,7 @@ def size_mistakes(sensors: Sequence[Facts], again: Sequence[Facts], silent: Sequ
     sensors : accelerometer and gyroscope of the long run
     again : the same of a second instance; silent : of one that was asked for no noise and given zero biases
     """
-    still = [facts.still for facts in sensors]
-    if all(still):
-        return _still_mistakes(sensors, again)
-    if any(still):
-        return ["gyro-not-noisy"]
-    if any(proportional(facts) for facts in sensors):
-        return ["multiplicative-noise"]
-    wrong = [facts for facts in sensors if not size_is_right(facts)]
-    if any(not facts.still for facts in silent):
-        return [] if bias_is_redrawn(sensors, silent) else ["std-ignored"]
-    accel, gyro = sensors
-    if _near(accel.pooled_spread, gyro.std) or _near(gyro.pooled_spread, accel.std):
-        return ["stds-swapped"]
-    if wrong and all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong):
-        return ["variance-as-std"]
-    return []
+    return mistakes_of(_SIZES, _Sizes(sensors, again, silent))
 
 
 def bias_is_redrawn(sensors: Sequence[Facts], silent: Sequence[Facts]) -> bool:
@@ -171,49 +180,84 @@ def bias_is_redrawn(sensors: Sequence[Facts], silent: Sequence[Facts]) -> bool:
     return max(more) > 1.12
 
 
-def _still_mistakes(sensors: Sequence[Facts], again: Sequence[Facts]) -> list[str]:
-    if all(
-        np.allclose(f.offset, f.bias, atol=TRUTH_ATOL) or np.allclose(f.offset, 0, atol=TRUTH_ATOL) for f in sensors
-    ):
-        return ["no-noise"]
-    if any(np.ptp(f.offset, axis=0).max() > 2 * st.Z * f.std for f in sensors):
-        return []  # more than a repeated draw: the clean reading is not in it
-    same = all(np.allclose(a.offset, b.offset, atol=EXACT) for a, b in zip(sensors, again, strict=True))
-    return ["reseeded" if same else "frozen-noise"]
+def _only_offsets(seen: _Sizes) -> bool:
+    """Whether every read is the truth, or the truth and the bias."""
+    return all(
+        np.allclose(f.offset, f.bias, atol=TRUTH_ATOL) or np.allclose(f.offset, 0, atol=TRUTH_ATOL)
+        for f in seen.sensors
+    )
+
+
+def _one_draw(seen: _Sizes) -> bool:
+    """Whether every read is the clean reading and one draw that is repeated."""
+    return all(np.ptp(f.offset, axis=0).max() <= 2 * st.Z * f.std for f in seen.sensors)
+
+
+def _same_again(seen: _Sizes) -> bool:
+    pairs = zip(seen.sensors, seen.again, strict=True)
+    return all(np.allclose(a.offset, b.offset, atol=EXACT) for a, b in pairs)
+
+
+def _of_other_power(seen: _Sizes) -> bool:
+    wrong = [f for f in seen.sensors if not size_is_right(f)]
+    return bool(wrong) and all(_near(f.pooled_spread, f.std**2) or _near(f.pooled_spread, f.std**0.5) for f in wrong)
+
+
+def _stds_swapped(seen: _Sizes) -> bool:
+    accel, gyro = seen.sensors
+    return _near(accel.pooled_spread, gyro.std) or _near(gyro.pooled_spread, accel.std)
 
 
 def _near(value: float, target: float) -> bool:
     return abs(value / target - 1) < 0.07
 
 
+_SIZES: list[Named[_Sizes]] = [
+    Named(1, "no-noise", lambda seen: all(seen.still) and _only_offsets(seen)),
+    Named(2, "reseeded", lambda seen: all(seen.still) and _one_draw(seen) and _same_again(seen)),
+    Named(2, "frozen-noise", lambda seen: all(seen.still) and _one_draw(seen) and not _same_again(seen)),
+    Named(2, "gyro-not-noisy", lambda seen: any(seen.still) and not all(seen.still)),
+    Named(3, "multiplicative-noise", lambda seen: seen.noisy and any(proportional(f) for f in seen.sensors)),
+    Named(
+        4,
+        "std-ignored",
+        lambda seen: seen.noisy and not seen.obeyed and not bias_is_redrawn(seen.sensors, seen.silent),
+    ),
+    Named(4, "stds-swapped", lambda seen: seen.obeyed and _stds_swapped(seen)),
+    Named(5, "variance-as-std", lambda seen: seen.obeyed and _of_other_power(seen)),
+]
+
+
+@dataclass(frozen=True)
+class _Biases:
+    """What is known of the biases: the sensors whose offset is not the given one, each with the other sensor, and both."""
+
+    wrong: list[tuple[Facts, Facts]]
+    sensors: Sequence[Facts]
+
+
 def bias_mistakes(sensors: Sequence[Facts]) -> list[str]:
     """What an offset that is not the given bias shows, over both sensors."""
-    wrong = [f for f in sensors if not bias_is_right(f)]
-    if not wrong:
-        return []
-    if all(_offset_is(f, np.zeros(3)) for f in wrong):
-        return ["no-bias"]
-    if all(_offset_is(f, -f.bias) for f in wrong):
-        return ["bias-sign-flipped"]
-    if all(_stale(f) for f in wrong):
-        return ["stale-clean-reading"]
-    other = {id(f): g for f, g in zip(sensors, reversed(sensors), strict=True)}
-    if len(wrong) == 2 and all(_offset_is(f, other[id(f)].truth - f.truth + f.bias) for f in wrong):
-        return ["swapped-sensors"]
-    if biases_exchanged(sensors):
-        return []
-    if all(_permutes(f) for f in wrong):
-        return ["bias-axes-exchanged"]
-    if any(_offset_is(f, other[id(f)].bias) for f in wrong) or all(_offset_is(f, np.full(3, f.bias[0])) for f in wrong):
-        return ["bias-shared"]
-    beside = [f.offset - f.bias for f in wrong]
-    if all(np.ptp(b) <= 2 * mean_bound(f) for b, f in zip(beside, wrong, strict=True)):
-        return ["noise-not-zero-mean"]
-    if any(_follows_bias(f) for f in wrong):
-        return []  # whatever was done to it, it was not ignored
-    if all(np.ptp(f.offset, axis=0).max() <= 2 * mean_bound(f) for f in wrong):
-        return ["bias-argument-ignored"]
-    return []
+    pairs = zip(sensors, reversed(sensors), strict=True)
+    wrong = [(facts, other) for facts, other in pairs if not bias_is_right(facts)]
+    return mistakes_of(_BIASES, _Biases(wrong, sensors)) if wrong else []
+
+
+def _each(predicts: Callable[[Facts, Facts], bool]) -> Callable[[_Biases], bool]:
+    """Of every sensor that is wrong, with the other one beside it."""
+    return lambda seen: all(predicts(facts, other) for facts, other in seen.wrong)
+
+
+def _shared(seen: _Biases) -> bool:
+    """Whether a sensor has the other's bias, or every wrong one the bias of its first axis on all three."""
+    others = any(_offset_is(facts, other.bias) for facts, other in seen.wrong)
+    return others or all(_offset_is(facts, np.full(3, facts.bias[0])) for facts, _ in seen.wrong)
+
+
+def _shifted(facts: Facts, other: Facts) -> bool:
+    """Whether the noise has a mean, the same on all axes and in all states."""
+    del other
+    return bool(np.ptp(facts.offset - facts.bias) <= 2 * mean_bound(facts))
 
 
 def _permutes(facts: Facts) -> bool:
@@ -260,3 +304,27 @@ def _stale(facts: Facts) -> bool:
     """Whether every state gives what the first one gave, bias included."""
     first = facts.truth[0] + facts.bias - facts.truth
     return bool(np.abs(facts.offset - first).max() <= mean_bound(facts))
+
+
+_BIASES: list[Named[_Biases]] = [
+    Named(1, "no-bias", _each(lambda f, _: _offset_is(f, np.zeros(3)))),
+    Named(2, "bias-sign-flipped", _each(lambda f, _: _offset_is(f, -f.bias))),
+    Named(3, "stale-clean-reading", _each(lambda f, _: _stale(f))),
+    Named(
+        4,
+        "swapped-sensors",
+        lambda seen: (
+            len(seen.wrong) == 2 and all(_offset_is(f, other.truth - f.truth + f.bias) for f, other in seen.wrong)
+        ),
+    ),
+    Named(5, None, lambda seen: biases_exchanged(seen.sensors)),
+    Named(6, "bias-axes-exchanged", _each(lambda f, _: _permutes(f))),
+    Named(7, "bias-shared", _shared),
+    Named(8, "noise-not-zero-mean", _each(_shifted)),
+    Named(9, None, lambda seen: any(_follows_bias(f) for f, _ in seen.wrong)),  # whatever was done to it, it counts
+    Named(
+        10,
+        "bias-argument-ignored",
+        _each(lambda f, _: bool(np.ptp(f.offset, axis=0).max() <= 2 * mean_bound(f))),
+    ),
+]

@@ -10,9 +10,11 @@ import functools
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from grader.engine import hypothesis
 from grader.engine.traces import Scenario
 from grader.labs.imu.compare import Array, same_where_known
 
@@ -61,8 +63,22 @@ Value = Callable[[Scene, Array, Array], Two]
 
 
 @dataclass(frozen=True)
+class _Returned:
+    """What a reader returned in a scene: (p, k, 3) accelerations and angular velocities."""
+
+    accel: Array
+    gyro: Array
+    scene: Scene
+
+    @cached_property
+    def at(self) -> Callable[[Place], Two]:
+        """What stands at a place of the scene: a hundred hypotheses read at each of a few."""
+        return functools.cache(lambda place: place(self.scene))
+
+
+@dataclass(frozen=True)
 class Explanation:
-    """A prediction that fits: the mistakes in it, and how to predict other scenes from it."""
+    """A hypothesis about a reader: the mistakes in it, and how to predict other scenes from it."""
 
     place_mistake: str | None
     value_mistakes: tuple[str, ...]
@@ -72,9 +88,18 @@ class Explanation:
     def predict(self, scene: Scene) -> Two:
         return self.value(scene, *self.place(scene))
 
+    def fits(self, seen: _Returned) -> bool:
+        accel, gyro = self.value(seen.scene, *seen.at(self.place))
+        return same_where_known(seen.accel, accel, ATOL) and same_where_known(seen.gyro, gyro, ATOL)
+
     @property
-    def mistakes(self) -> tuple[str, ...]:
+    def told(self) -> tuple[str, ...]:
+        """The mistakes."""
         return (*((self.place_mistake,) if self.place_mistake else ()), *self.value_mistakes)
+
+    @property
+    def cost(self) -> int:
+        return len(self.told)
 
 
 def explain(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
@@ -82,23 +107,7 @@ def explain(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
 
     The simplest wins: nothing wrong, then one mistake, then one of each kind.
     """
-    if _fits(accel, gyro, _SOUND, scene):
-        return _SOUND
-    read = functools.cache(lambda place: place(scene))  # a hundred candidates read at each of the places
-    fitting = [e for e in _candidates() if _matches(accel, gyro, *e.value(scene, *read(e.place)))]
-    if not fitting:
-        return None
-    fewest = min(len(e.mistakes) for e in fitting)
-    simplest = [e for e in fitting if len(e.mistakes) == fewest]
-    return simplest[0] if len({e.mistakes for e in simplest}) == 1 else None
-
-
-def _fits(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) -> bool:
-    return _matches(accel, gyro, *explanation.predict(scene))
-
-
-def _matches(accel: Array, gyro: Array, expected_accel: Array, expected_gyro: Array) -> bool:
-    return same_where_known(accel, expected_accel, ATOL) and same_where_known(gyro, expected_gyro, ATOL)
+    return hypothesis.explain(_hypotheses(), _Returned(accel, gyro, scene))
 
 
 def treated(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
@@ -153,10 +162,16 @@ def _affine(got: Array, true: Array) -> Array | None:
 
 def agrees(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) -> bool:
     """Whether the same explanation predicts another scene, too."""
-    return _fits(accel, gyro, explanation, scene)
+    return explanation.fits(_Returned(accel, gyro, scene))
 
 
-def _candidates() -> Iterator[Explanation]:
+@functools.cache
+def _hypotheses() -> tuple[Explanation, ...]:
+    """Nothing wrong; a place, a value; both, or a value that is rounded besides."""
+    return tuple(_combined())
+
+
+def _combined() -> Iterator[Explanation]:
     values: list[tuple[tuple[str, ...], Value]] = [
         ((), _as_is),
         *(((name,), value) for name, value in _value_mistakes()),
@@ -165,7 +180,7 @@ def _candidates() -> Iterator[Explanation]:
         yield Explanation(place_mistake, names, place, value)
     for (names, value), decimals in itertools.product(values, range(4)):
         if names and names != ("precision-lost",):
-            yield Explanation(None, (*names, "precision-lost"), _SOUND.place, _rounded(value, decimals))
+            yield Explanation(None, (*names, "precision-lost"), _at(0, 0), _rounded(value, decimals))
 
 
 # --- places --------------------------------------------------------------------------------------------------------------
@@ -219,9 +234,6 @@ def _gyro_behind_accel(scene: Scene) -> Two:
     first = scene.address[scene.pairs[:, 0]]
     return slices(scene, first, first + 3)
 
-
-_SOUND = Explanation(None, (), _at(0, 0), lambda _, accel, gyro: (accel, gyro))
-"""Nothing is wrong: tried first, as it needs no comparison with others."""
 
 _PLACES: list[tuple[str | None, Place]] = [
     (None, _at(0, 0)),

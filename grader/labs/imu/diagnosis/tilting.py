@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array
 
 G = 9.81
@@ -88,13 +89,15 @@ def ignores_gyroscope(outputs: list[Array]) -> bool:
 
 def mistakes(seen: Response) -> list[str]:
     """The one mistake that the response shows, or nothing."""
-    gyro_counts = bool(np.abs(seen.turn).max() > 1e-3)
-    if gyro_counts != seen.moved:
-        return ["gyro-only"] if gyro_counts else ["accel-only"]
-    if not gyro_counts:
-        return []
-    found = [name for name, shown in _SIGNS if shown(seen)]
-    return found[:1]
+    return mistakes_of(_HYPOTHESES, seen)
+
+
+def _follows_gyroscope(seen: Response) -> bool:
+    return bool(np.abs(seen.turn).max() > 1e-3)
+
+
+def _blends(seen: Response) -> bool:
+    return seen.moved and _follows_gyroscope(seen)
 
 
 def _degrees(seen: Response) -> bool:
@@ -138,4 +141,10 @@ def _near(got: Array, wanted: Array, atol: float = 0.02) -> bool:
     return bool(np.all(np.abs(got - wanted) <= atol))
 
 
-_SIGNS = [("weights-swapped", _swapped), ("degrees-not-radians", _degrees), ("tilt-sign-wrong", _sign)]
+_HYPOTHESES: list[Named[Response]] = [
+    Named(1, "gyro-only", lambda seen: _follows_gyroscope(seen) and not seen.moved),
+    Named(1, "accel-only", lambda seen: seen.moved and not _follows_gyroscope(seen)),
+    Named(2, "weights-swapped", lambda seen: _blends(seen) and _swapped(seen)),
+    Named(3, "degrees-not-radians", lambda seen: _blends(seen) and _degrees(seen)),
+    Named(4, "tilt-sign-wrong", lambda seen: _blends(seen) and _sign(seen)),
+]
