@@ -143,8 +143,22 @@ ADDED = {
     "sensor_access": ["same-sensor-twice", "reading-clipped", "reading-smoothed", "turned-by-body"],
     "data_collection": ["keeps-old-rows", "first-row-empty", "fixed-rate", "rows-altered", "random-push"],
     "visualization": ["picture-overwritten", "curves-not-seen"],
-    "noise_model": ["bias-drifts", "noise-density", "noise-correlated", "noise-clipped", "bias-axes-exchanged"],
-    "filtering": ["aliased-input", "moving-average", "does-not-filter", "state-not-kept", "output-rounded"],
+    "noise_model": [
+        "bias-drifts",
+        "noise-density",
+        "noise-correlated",
+        "noise-clipped",
+        "bias-axes-exchanged",
+        "biases-exchanged",
+    ],
+    "filtering": [
+        "aliased-input",
+        "moving-average",
+        "does-not-filter",
+        "state-not-kept",
+        "output-rounded",
+        "filter-restarts",
+    ],
     "any": ["index-out-of-bounds", "missing-package", "not-written"],
 }
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]

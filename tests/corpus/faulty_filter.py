@@ -114,6 +114,7 @@ FILTER_FAULTS = [
     fault("only-z-filtered", "axes-mixed", sheet((RETURN, "        out = measurement.copy()\n        out[2] = self.value[2]\n        return out\n"))),
     fault("axes-rolled", "axes-mixed", increment((STEP, "self.state = np.roll(self.state, 1) + self.alpha * (x - np.roll(self.state, 1))"))),
     fault("moving-average", "moving-average", lab(low_pass=MOVING_AVERAGE), also=("other-low-pass",), loses=("filtering.follows_recursion",), reason="a sound low-pass filter that is not the sheet's recursion"),
+    fault("starts-again-after-fifty", "filter-restarts", increment((STEP, "self.n = getattr(self, \"n\", 0) + 1\n            self.state = x if self.n % 50 == 0 else self.state + self.alpha * (x - self.state)")), never=("other-low-pass",), loses=("filtering.follows_recursion",)),
     fault("two-stages", "other-low-pass", lab(low_pass=TWO_STAGES), loses=("filtering.follows_recursion",)),
     fault("input-minus-low-pass", "high-pass", sheet((RETURN, "        return measurement - self.value\n"))),
     fault("difference-filter", "high-pass", increment(("return self.state.copy()", "return x - self.state"))),

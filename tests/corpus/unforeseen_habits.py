@@ -115,7 +115,7 @@ FILTERS = (
     _filter("believes-half-a-metre-at-most", RECURSION, 6, [(_UPDATE, "            self.state = self.state + self.alpha * np.clip(x - self.state, -0.5, 0.5)\n")], ("other-low-pass",)),
     _filter("predicts-one-ahead", RECURSION, 6, [(_UPDATE, "            last = self.state\n            self.state = self.state + self.alpha * (x - self.state)\n            return 2 * self.state - last\n")], ("other-low-pass",)),
     _filter("alpha-of-half-at-least", RECURSION, 6, [(_INIT, "        self.alpha = max(alpha, 0.5)\n")], ("alpha-ignored",)),
-    _filter("starts-again-after-fifty", RECURSION, 6, [(_INIT, "        self.alpha, self.n = alpha, 0\n"), (_UPDATE, _UPDATE + "        self.n += 1\n        if self.n % 50 == 0:\n            self.state = x\n")], ("other-low-pass",)),
+    _filter("starts-again-after-fifty", RECURSION, 6, [(_INIT, "        self.alpha, self.n = alpha, 0\n"), (_UPDATE, _UPDATE + "        self.n += 1\n        if self.n % 50 == 0:\n            self.state = x\n")], ("filter-restarts",)),
 )  # fmt: skip
 
 HABITS = (*READERS, *COLLECTORS, *NOISES, *FILTERS)

@@ -157,14 +157,13 @@ def check_given_bias(student: Student, truth: Traces) -> None:
         unused = mistakes in (["no-bias"], ["bias-argument-ignored"])
         if unused and twins and not all(t.ignores_bias() for t in twins if t.seeded):
             mistakes = []  # something of it is there, if too little to be seen beside the noise
-        crossed = mistakes == ["swapped-sensors"] or diagnosis.biases_exchanged(sensors)
         raise Lost(
             f"readings that are {expected} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
             f"{came} {unit}",
             off=Size("the average is off", float(np.abs(facts.offset - facts.bias).max()), unit),
             mistakes=mistakes,
             keeps=0.5 if len(wrong) == 1 else 0.0,
-            hint=_ORDER if crossed else "" if mistakes else _ONCE,
+            hint=_ORDER if mistakes == ["swapped-sensors"] else "" if mistakes else _ONCE,
         )
     another = [i for i in off if not drifting[i] and _has_another_bias(sensors[i], silent[i])]
     if another:
@@ -381,7 +380,9 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
     bound = st.correlation_bound(len(columns))
     channels = [f"{sensor} {axis}" for sensor in _NAMES for axis in "xyz"]
     pairs = [(abs(matrix[i, j]), i, j) for i, j in itertools.combinations(range(6), 2)]
-    worst, i, j = max(pairs)
+    worst, i, j = max(
+        pairs, key=lambda pair: round(pair[0], 2)
+    )  # as it is told: the last digits differ between processors
     if worst > bound:
         raise Lost(
             f"independent noise on {channels[i]} and {channels[j]}",

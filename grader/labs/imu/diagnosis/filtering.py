@@ -14,6 +14,9 @@ from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.diagnosis.filter_outputs import ATOL, window
 
+_NOW_AND_THEN = 0.2
+"""Of all outputs: one that is the measurement more often is no recursion that starts again."""
+
 
 def obeys(x: Array, y: Array, a: float, b: float) -> bool:
     """Whether ``y[n] = a x[n] + b y[n-1]`` holds from the second sample on; x, y (n, 3)."""
@@ -82,6 +85,15 @@ def _from_one_value(weight: float, x: Array, y: Array) -> bool:
     return bool(np.ptp(rest, axis=0).max() <= ATOL)
 
 
+def _restarts(runs: Runs) -> bool:
+    """Whether the recursion holds, but that now and then the output is the measurement again, as at the start."""
+    off = [np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL for alpha, x, y in runs]
+    again = [np.abs(y[1:] - x[1:]).max(axis=1) <= ATOL for _, x, y in runs]
+    return any(o.any() for o in off) and all(
+        o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(off, again, strict=True)
+    )
+
+
 def _averages(runs: Sequence[Run]) -> bool:
     sizes = [window(x, y) for _, x, y in runs]
     return min(sizes) >= 1 and max(sizes) >= 2
@@ -120,6 +132,7 @@ _HYPOTHESES: list[Named[Runs]] = [
     Named(1, "filters-input-history", _every(lambda c, x, y: same(y[1:], (1 - c) * x[1:] + c * x[:-1], ATOL))),
     Named(1, "high-pass", _every(_high_pass)),
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
+    Named(2, "filter-restarts", _restarts),
     Named(2, "moving-average", _averages),
     Named(3, "does-not-filter", _every(lambda _, x, y: has_no_memory(x, y))),
     Named(4, "gain-not-one", _gain_not_one),

@@ -266,7 +266,7 @@ def _permutes(facts: Facts) -> bool:
     return sum(_offset_is(facts, facts.bias[order]) for order in others) == 1
 
 
-def biases_exchanged(sensors: Sequence[Facts]) -> bool:
+def _biases_exchanged(sensors: Sequence[Facts]) -> bool:
     """Whether each sensor has the other's given bias."""
     return all(_offset_is(f, g.bias) for f, g in zip(sensors, reversed(sensors), strict=True))
 
@@ -317,7 +317,7 @@ _BIASES: list[Named[_Biases]] = [
             len(seen.wrong) == 2 and all(_offset_is(f, other.truth - f.truth + f.bias) for f, other in seen.wrong)
         ),
     ),
-    Named(5, None, lambda seen: biases_exchanged(seen.sensors)),
+    Named(5, "biases-exchanged", lambda seen: _biases_exchanged(seen.sensors)),
     Named(6, "bias-axes-exchanged", _each(lambda f, _: _permutes(f))),
     Named(7, "bias-shared", _shared),
     Named(8, "noise-not-zero-mean", _each(_shifted)),
