@@ -21,8 +21,12 @@ SCHEMA = json.loads(
 )
 
 
-def _grade(out: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "grader", "grade", str(FOLDER), "-o", str(out)]
+AGAIN = ("s01-sheet-verbatim", "s06-id-as-address", "s11-kills-its-interpreter", "s14-empty")
+
+
+def _grade(out: Path, *only: str) -> subprocess.CompletedProcess[str]:
+    chosen = [word for name in only for word in ("--only", name)]
+    command = [sys.executable, "-m", "grader", "grade", str(FOLDER), "-o", str(out), *chosen]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
 
 
@@ -58,8 +62,8 @@ def test_the_class_is_finished_although_one_loops_for_ever_and_one_kills_its_int
 
 def test_grading_again_gives_the_same_bytes_but_for_durations(out: Path, tmp_path: Path) -> None:
     again = tmp_path / "again"
-    assert _grade(again).returncode == 0
-    for folder in folders():
-        first, second = _record(out, folder.name), _record(again, folder.name)
+    assert _grade(again, *AGAIN).returncode == 0
+    for name in AGAIN:
+        first, second = _record(out, name), _record(again, name)
         assert without_durations(first) == without_durations(second)
         assert list(first) == list(second)

@@ -20,7 +20,7 @@ _WAITING = (
 )  # fmt: skip
 _ALIKE = ("sys-exit-in-", "segfault-in-", "abort-in-")
 """The first are waited for, some seconds each, the others end like `exit-in-`; `tests.scoreboard` has them all."""
-_ALSO_WAITED_FOR = ("loop-between", "loop-in-filter")
+_ALSO_WAITED_FOR = ("loop-between",)
 QUICK = [edit for edit in EDITS if not edit.name.startswith((*_WAITING, *_ALIKE)) or edit.name in _ALSO_WAITED_FOR]
 ELSEWHERE = (
     "exit-in-reader",

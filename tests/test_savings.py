@@ -49,7 +49,7 @@ def without_savings(folder: Path) -> Iterator[Marker]:
 
 
 def test_no_saving_changes_a_mark(tmp_path: Path) -> None:
-    chosen = [folder for folder in folders() if folder.name not in LONG]
+    chosen = [folder for folder in folders() if folder.name not in LONG][::2]
     with Marker(rubric.load(LAB), traces.shipped()) as marker:
         cheap = {folder.name: marks(marker, folder) for folder in chosen}
     with without_savings(tmp_path) as marker:

@@ -84,10 +84,13 @@ def public(delivered: Delivered) -> str:
 
 
 def test_graded_again_with_the_same_secret_it_is_the_same_but_for_durations(delivered: Delivered, out: Path) -> None:
-    here = delivered.empty()
-    assert delivered.run("grade", delivered.examples, "-o", "out", cwd=here, **HIDDEN).returncode == 0
+    here, chosen = delivered.empty(), [word for name in NAMES[::4] for word in ("--only", name)]
+    assert delivered.run("grade", delivered.examples, "-o", "out", *chosen, cwd=here, **HIDDEN).returncode == 0
     first, second = results(out), results(here / "out")
-    assert {k: without_durations(v) for k, v in first.items()} == {k: without_durations(v) for k, v in second.items()}
+    assert sorted(second) == NAMES[::4]
+    assert {name: without_durations(first[name]) for name in second} == {
+        name: without_durations(result) for name, result in second.items()
+    }
 
 
 @pytest.mark.parametrize(

@@ -121,9 +121,11 @@ document.addEventListener("click", (event) => {
 find.addEventListener("input", show);
 for (const list of lists.values()) list.addEventListener("change", show);
 filters.addEventListener("submit", (event) => event.preventDefault());
-filters.addEventListener("reset", () => {
-  score = "";
-  setTimeout(show); // the fields are emptied after this event
+filters.addEventListener("reset", (event) => {
+  event.preventDefault(); // the browser empties the fields after this event, and what is shown would lag behind
+  find.value = score = "";
+  for (const list of lists.values()) list.value = "";
+  show();
 });
 if (rest) {
   rest.firstChild.addEventListener("click", () => {
