@@ -267,7 +267,7 @@ CASES = [
             ("taken off", of(bias=_times(-1.0)), (0.0, ["bias-sign-flipped"])),
             ("twice", of(bias=_times(2.0)), (0.0, [])),
             ("on other axes", of(bias=_rolled), (0.0, ["bias-axes-exchanged"])),
-            ("crossed", of(one=_crossed), (0.0, [])),
+            ("crossed", of(one=_crossed), (0.0, ["biases-exchanged"])),
             ("the other sensor first", of(read=_swapped), (0.0, ["swapped-sensors"])),
             ("stale", Stale, None),
             ("tested for truth", of(bias=_truth_of_array), (0.0, ["bias-argument-ignored"])),
