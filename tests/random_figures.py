@@ -61,6 +61,12 @@ def made(seed: int, left_out: str = "") -> Made:
 
 def told(figure: Any, left_out: str = "") -> Figure:
     """What the box tells of a figure; with a curve that is claimed and not drawn."""
+    (record,) = figures_of(frame_of(figure, left_out))
+    return record
+
+
+def frame_of(figure: Any, left_out: str = "") -> Frame:
+    """The same as it comes over the wire."""
     packer = Packer()
     facts = figures._figure(figure, packer)
     if left_out:
@@ -68,8 +74,7 @@ def told(figure: Any, left_out: str = "") -> Figure:
     seen = drawing.look(figure)
     facts |= {"event": "saved", "path": "imu_data.png", "format": "png", "size_px": [640, 480]}
     facts |= {"seen": "seen", "extent": list(seen.extent), "dots": seen.dots}
-    (record,) = figures_of(Frame({"figures": [facts]}, packer.arrays | {"seen": seen.pixels}))
-    return record
+    return Frame({"figures": [facts]}, packer.arrays | {"seen": seen.pixels})
 
 
 def share_that_differs(seed: int, label: str, least: float) -> float:

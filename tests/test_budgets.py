@@ -167,11 +167,13 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
 def drawn(x: Array, y: Array, label: str = "") -> Curve:
     """A curve that is seen from end to end."""
     sight = Sight(np.ones(100, bool), np.ones(100, bool))
-    return Curve(label, "#1f77b4", "line", len(x), x, y, "-", "-", "-", sight=sight)
+    return Curve(label, "#1f77b4", "line", len(x), x, y, "-", "-", "-", 1.0, ("#1f77b4ff",), 1.5, sight)
 
 
 def panel(ylabel: str, curves: Sequence[Curve]) -> Axes:
-    return Axes(True, (0.0, 0.0, 1.0, 1.0), "", "", ylabel, (), (), tuple(curves))
+    ends = (0.0, 1.0)
+    place, scales = (0.0, 0.0, 1.0, 1.0), ("linear", "linear")
+    return Axes(True, place, "", "", ylabel, (), (), tuple(curves), ends, ends, scales, own_ticks=False)
 
 
 def of_panels(*panels: Axes) -> Figure:

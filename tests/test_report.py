@@ -82,9 +82,23 @@ def hostile_charts() -> list[Chart]:
     """A student's words wherever a figure has words, and a colour that is none."""
     colour, x = '"><script>', np.arange(3.0)
     seen = Sight(np.ones(100, bool), np.ones(100, bool))
-    line = Curve(HOSTILE, colour, "line", 3, x, x, "-", "None", "", sight=seen)
+    line = Curve(HOSTILE, colour, "line", 3, x, x, "-", "None", "", 1.0, (colour,), 1.5, seen)
     legend = (Entry(HOSTILE, colour, "-", "None", ""),)
-    axes = Axes(True, (0.0, 0.0, 1.0, 1.0), HOSTILE, HOSTILE, HOSTILE, legend, (), (line,))
+    ends = (0.0, 1.0)
+    axes = Axes(
+        True,
+        (*ends, *ends),
+        HOSTILE,
+        HOSTILE,
+        HOSTILE,
+        legend,
+        (),
+        (line,),
+        ends,
+        ends,
+        (HOSTILE, HOSTILE),
+        own_ticks=False,
+    )
     figure = Figure("saved", HOSTILE, "png", (640, 480), (axes,), title=HOSTILE)
     return [replace(chart, part="sensor_access") for chart in drawn.charts(Drawing((figure,)), [])]
 

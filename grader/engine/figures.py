@@ -17,7 +17,6 @@ from grader.sandbox.wire import Frame
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Bytes = NDArray[np.uint8]
 
 FEWEST_SEEN = 0.12
 """Of the parts of a curve. Of 30,000 curves of 5,000 random sound figures one has less, 0.07, and leaving it out changes hardly
@@ -94,10 +93,10 @@ class Curve:
     style: str
     marker: str
     stroke: str
-    alpha: float = 1.0
-    inks: tuple[str, ...] = ()
-    width: float = 1.0
-    sight: Sight = _NOT_LOOKED_AT
+    alpha: float
+    inks: tuple[str, ...]
+    width: float
+    sight: Sight
 
     @property
     def visible(self) -> bool:
@@ -133,10 +132,10 @@ class Axes:
     legend: tuple[Entry, ...]
     texts: tuple[Placed, ...]
     curves: tuple[Curve, ...]
-    x_limits: tuple[float, float] = (0.0, 1.0)
-    y_limits: tuple[float, float] = (0.0, 1.0)
-    scales: tuple[str, str] = ("linear", "linear")
-    own_ticks: bool = False
+    x_limits: tuple[float, float]
+    y_limits: tuple[float, float]
+    scales: tuple[str, str]
+    own_ticks: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,8 +163,8 @@ class Figure:
     texts: tuple[str, ...] = ()
     legend: tuple[Entry, ...] = ()
     extent: tuple[float, float] = (0.0, 0.0)
-    dots: float = 72.0
-    pixels: Bytes = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8), repr=False)
+    dots: float = 0.0
+    pixels: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
 
     @property
     def is_saved(self) -> bool:
@@ -198,14 +197,14 @@ class Picture:
 
     size_px: tuple[int, int]
     ink: float
-    preview: Bytes
-    palette: Bytes
+    preview: NDArray[np.uint8]
+    palette: NDArray[np.uint8]
 
 
 # --- made of what a rule of `engine.replies` has let pass ----------------------------------------------------------------
 
 _Facts = Mapping[str, Any]
-_Record = TypeVar("_Record", Entry, Placed, Curve, Axes, Figure, Stray, Picture)
+_Record = TypeVar("_Record")
 
 
 def figures_of(frame: Frame) -> tuple[Figure, ...]:
@@ -225,7 +224,7 @@ def picture_of(frame: Frame) -> Picture | None:
 
 def _record(kind: type[_Record], facts: _Facts, **resolved: Any) -> _Record:
     """A record of the facts that are called as its fields are, but for what was resolved already."""
-    told = {name: _frozen(facts[name]) for name in kind.__dataclass_fields__ if name not in resolved}
+    told = {name: _frozen(facts[name]) for name in kind.__annotations__ if name not in resolved}
     return kind(**told, **resolved)
 
 

@@ -84,7 +84,8 @@ class Sheet:
             _curve(self.time, self.rows[sensor][:, axis], "xyz"[axis], _COLOURS[3 * sensor + axis]) for axis in range(3)
         ]
         low = 0.5 - 0.45 * sensor
-        axes = Axes(True, (0.1, low, 0.9, low + 0.4), title, xlabel, ylabel, (), (), (), y_limits=(-20.0, 20.0))
+        place, limits = (0.1, low, 0.9, low + 0.4), ((0.0, 1.2), (-20.0, 20.0))
+        axes = Axes(True, place, title, xlabel, ylabel, (), (), (), *limits, ("linear", "linear"), own_ticks=False)
         return _with_curves(axes, *curves)
 
     def drawing(self, *more: Figure) -> Drawing:
@@ -92,7 +93,7 @@ class Sheet:
 
 
 def _curve(x: Array, y: Array, label: str, colour: str) -> Curve:
-    return Curve(label, colour, "line", len(y), x, y, "-", "None", "", sight=_IN_FULL)
+    return Curve(label, colour, "line", len(y), x, y, "-", "None", "", 1.0, (f"{colour}ff",), 1.5, _IN_FULL)
 
 
 def _with_curves(axes: Axes, *curves: Curve) -> Axes:
@@ -269,6 +270,7 @@ CASES = [
             ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),
             ("another plot saved by a script", drawn(_unsaved, scripts=(_compared(),)), (0.0, ["plot-not-saved"])),
             ("broken off", _broken_off, "raised"),
+            ("beside one that cannot be read", lambda: Plotted(Sheet().drawing(Figure("saved", "odd.png", "png", (640, 480)))), None),
             ("a small one and a large one", lambda: Plotted(Sheet().drawing(replace(Sheet().figure, size_px=(100, 100)))), None),
         ],
         PANELS: [
