@@ -5,10 +5,23 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
 import pytest
 
 from grader.engine import replies
-from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Stray, figures_of, picture_of, strays_of
+from grader.engine.figures import (
+    Axes,
+    Curve,
+    Entry,
+    Figure,
+    Picture,
+    Placed,
+    Sight,
+    Stray,
+    figures_of,
+    picture_of,
+    strays_of,
+)
 from grader.sandbox.wire import Frame
 from tests.random_figures import figure_of, frame_of
 
@@ -57,6 +70,15 @@ def test_of_a_figure_that_cannot_be_read_only_the_file_is_told(frame: Frame) -> 
     (figure,) = figures_of(frame)
     assert (figure.event, figure.path, figure.size_px) == ("saved", "imu_data.png", (640, 480))
     assert (figure.title, figure.axes, figure.texts, figure.legend) == ("", (), (), ())
+    assert (figure.extent, figure.dots, figure.pixels.shape) == ((0.0, 0.0), 0.0, (0, 0, 3))
+
+
+@pytest.mark.parametrize(
+    ("inside", "seen", "hidden"), [(100, 0, True), (100, 11, True), (100, 12, False), (50, 6, False), (0, 0, False)]
+)
+def test_a_curve_is_hidden_where_hardly_an_eighth_of_it_is_seen(inside: int, seen: int, hidden: bool) -> None:
+    parts = np.arange(100)
+    assert Sight(parts < inside, parts < seen).is_hidden is hidden
 
 
 def test_legends_of_the_whole_figure_are_one(frame: Frame) -> None:

@@ -57,6 +57,7 @@ def test_a_curve_that_nobody_looked_at_is_not_seen(axes: Any) -> None:
 
 def test_a_curve_in_the_open_is_seen_from_end_to_end(axes: Any) -> None:
     sight = first_sight(told(axes.figure))
+    assert sight.inside.shape == sight.seen.shape == (100,)
     assert sight.inside.all()
     assert sight.seen.all()
 
