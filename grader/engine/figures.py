@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from grader.sandbox.wire import Frame
 
+T = TypeVar("T")
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -171,8 +172,8 @@ class Figure:
         return self.event == "saved"
 
     @property
-    def visible_axes(self) -> tuple[Axes, ...]:
-        return tuple(axes for axes in self.axes if axes.visible)
+    def visible_axes(self) -> list[Axes]:
+        return [axes for axes in self.axes if axes.visible]
 
 
 @dataclass(frozen=True)
@@ -203,9 +204,6 @@ class Picture:
 
 # --- made of what a rule of `engine.replies` has let pass ----------------------------------------------------------------
 
-_Facts = Mapping[str, Any]
-_Record = TypeVar("_Record")
-
 
 def figures_of(frame: Frame) -> tuple[Figure, ...]:
     """The figures of an answer that tells of drawings."""
@@ -222,7 +220,7 @@ def picture_of(frame: Frame) -> Picture | None:
     return _record(Picture, {**frame.fields, **frame.arrays}) if frame.fields["readable"] else None
 
 
-def _record(kind: type[_Record], facts: _Facts, **resolved: Any) -> _Record:
+def _record(kind: type[T], facts: Mapping[str, Any], **resolved: Any) -> T:
     """A record of the facts that are called as its fields are, but for what was resolved already."""
     told = {name: _frozen(facts[name]) for name in kind.__annotations__ if name not in resolved}
     return kind(**told, **resolved)
@@ -232,7 +230,7 @@ def _frozen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _figure(facts: _Facts, arrays: Mapping[str, NDArray[Any]]) -> Figure:
+def _figure(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Figure:
     if "unreadable" in facts:
         return Figure(facts["event"], facts["path"], facts["format"], tuple(facts["size_px"]))
     axes = tuple(_axes(each, arrays) for each in facts["axes"])
@@ -240,7 +238,7 @@ def _figure(facts: _Facts, arrays: Mapping[str, NDArray[Any]]) -> Figure:
     return _record(Figure, facts, axes=axes, legend=entries, pixels=arrays[facts["seen"]])
 
 
-def _axes(facts: _Facts, arrays: Mapping[str, NDArray[Any]]) -> Axes:
+def _axes(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Axes:
     curves = tuple(
         _record(Curve, curve, x=arrays[curve["x"]], y=arrays[curve["y"]], sight=_NOT_LOOKED_AT)
         for curve in facts["curves"]
@@ -249,5 +247,5 @@ def _axes(facts: _Facts, arrays: Mapping[str, NDArray[Any]]) -> Axes:
     return _record(Axes, facts, legend=_entries(facts["legend"] or ()), texts=texts, curves=curves)
 
 
-def _entries(legend: Iterable[_Facts]) -> tuple[Entry, ...]:
+def _entries(legend: Iterable[Mapping[str, Any]]) -> tuple[Entry, ...]:
     return tuple(_record(Entry, entry) for entry in legend)
