@@ -88,6 +88,12 @@ def test_legends_of_the_whole_figure_are_one(frame: Frame) -> None:
     assert [entry.text for entry in figure.legend] == ["x", "y"]
 
 
+def test_a_text_on_a_panel_keeps_its_place_and_its_colour(frame: Frame) -> None:
+    facts_of(frame)["axes"][0]["texts"] = [{"text": "x", "place": [1.0, 2.0], "colour": "#ff0000"}]
+    (figure,) = figures_of(frame)
+    assert figure.axes[0].texts == (Placed("x", (1.0, 2.0), "#ff0000"),)
+
+
 def test_pictures_beside_the_figures_keep_their_reason() -> None:
     assert strays_of(Frame({"strange": [{"path": "a.png", "reason": "OSError"}]}, {})) == (Stray("a.png", "OSError"),)
 

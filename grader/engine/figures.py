@@ -205,9 +205,9 @@ class Picture:
 # --- made of what a rule of `engine.replies` has let pass ----------------------------------------------------------------
 
 
-def figures_of(frame: Frame) -> tuple[Figure, ...]:
+def figures_of(frame: Frame) -> list[Figure]:
     """The figures of an answer that tells of drawings."""
-    return tuple(_figure(facts, frame.arrays) for facts in frame.fields["figures"])
+    return [_figure(facts, frame.arrays) for facts in frame.fields["figures"]]
 
 
 def strays_of(frame: Frame) -> tuple[Stray, ...]:
