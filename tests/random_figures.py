@@ -12,9 +12,11 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 
+from grader.engine.figures import Figure, Sight, figures_of
 from grader.harness import drawing, figures
 from grader.harness.values import Packer
-from grader.labs.imu.diagnosis.sight import Patience, Sight, looked_at
+from grader.labs.imu.diagnosis.sight import Patience, looked_at
+from grader.sandbox.wire import Frame
 
 _STYLES = ["default", "ggplot", "bmh", "dark_background", "fivethirtyeight", "grayscale", "seaborn-v0_8", "Solarize_Light2",
            "seaborn-v0_8-whitegrid", "seaborn-v0_8-darkgrid", "tableau-colorblind10", "fast", "classic", "seaborn-v0_8-dark"]  # fmt: skip
@@ -53,15 +55,26 @@ def figure_of(seed: int) -> Iterator[Any]:
 def made(seed: int, left_out: str = "") -> Made:
     """The figure of this seed, as facts and pixels, looked at; with a curve that is claimed and not drawn."""
     with figure_of(seed) as figure:
-        packer = Packer()
-        facts = figures._figure(figure, packer)
-        if left_out:
-            _curve_of(figure, left_out).set_visible(False)
-        seen = drawing.look(figure)
+        found = looked_at(told(figure, left_out), Patience())
+    return Made(seed, {curve.label: curve.sight for panel in found.axes for curve in panel.curves if curve.n > 3})
+
+
+def told(figure: Any, left_out: str = "") -> Figure:
+    """What the box tells of a figure; with a curve that is claimed and not drawn."""
+    (record,) = figures_of(frame_of(figure, left_out))
+    return record
+
+
+def frame_of(figure: Any, left_out: str = "") -> Frame:
+    """The same as it comes over the wire."""
+    packer = Packer()
+    facts = figures._figure(figure, packer)
+    if left_out:
+        _curve_of(figure, left_out).set_visible(False)
+    seen = drawing.look(figure)
+    facts |= {"event": "saved", "path": "imu_data.png", "format": "png", "size_px": [640, 480]}
     facts |= {"seen": "seen", "extent": list(seen.extent), "dots": seen.dots}
-    found = looked_at(facts, packer.arrays | {"seen": seen.pixels}, Patience())
-    curves = [curve for panel in found["axes"] for curve in panel["curves"] if curve["n"] > 3]
-    return Made(seed, {curve["label"]: curve["sight"] for curve in curves})
+    return Frame({"figures": [facts]}, packer.arrays | {"seen": seen.pixels})
 
 
 def share_that_differs(seed: int, label: str, least: float) -> float:

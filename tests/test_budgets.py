@@ -5,16 +5,19 @@ from __future__ import annotations
 import gzip
 import io
 import tarfile
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from grader.engine import fingerprint
+from grader.engine.figures import Array, Axes, Curve, Figure, Sight
 from grader.ground.errors import Malformed
 from grader.intake import read_submission
 from grader.labs.imu.diagnosis import comparing, labels
-from grader.labs.imu.diagnosis.sight import Patience, Sight, looked_at
+from grader.labs.imu.diagnosis.sight import Patience, looked_at
 from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
 from tests.budgets import cpu_within, memory_within
@@ -118,9 +121,6 @@ def test_units_in_words_are_still_read() -> None:
     assert labels.unit_of("ускорение (метров в секунду), м/с2") == "m/s²"
 
 
-SEEN = Sight(np.ones(100, bool), np.ones(100, bool))
-
-
 # Replies --------------------------------------------------------------------------------------------------------------
 
 
@@ -146,7 +146,7 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
     """One pair of such curves was compared for nine seconds, and there were 14,400 pairs."""
     axes = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "y_limits": [0.0, 1.0], "legend": None, "texts": []}
     axes |= dict.fromkeys(("xlabel", "ylabel", "title"), "")
-    axes |= {"x_limits": [0.0, 1.0], "scales": ["linear", "linear"]}
+    axes |= {"x_limits": [0.0, 1.0], "scales": ["linear", "linear"], "own_ticks": False}
     figure = {
         "seen": "s",
         "extent": [9.0, 9.0],
@@ -164,6 +164,22 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
         LAB.checked("plot", frame, {}, {})
 
 
+def drawn(x: Array, y: Array, label: str = "") -> Curve:
+    """A curve that is seen from end to end."""
+    sight = Sight(np.ones(100, bool), np.ones(100, bool))
+    return Curve(label, "#1f77b4", "line", len(x), x, y, "-", "-", "-", 1.0, ("#1f77b4ff",), 1.5, sight)
+
+
+def panel(ylabel: str, curves: Sequence[Curve]) -> Axes:
+    ends = (0.0, 1.0)
+    place, scales = (0.0, 0.0, 1.0, 1.0), ("linear", "linear")
+    return Axes(True, place, "", "", ylabel, (), (), tuple(curves), ends, ends, scales, own_ticks=False)
+
+
+def of_panels(*panels: Axes) -> Figure:
+    return Figure("saved", None, "png", (640, 480), panels)
+
+
 def test_many_long_curves_are_compared_in_time() -> None:
     """As many numbers as a reply may hold, as 240 curves of one figure: comparing all pairs took a quarter of an hour."""
     rng = np.random.default_rng(0)
@@ -171,50 +187,27 @@ def test_many_long_curves_are_compared_in_time() -> None:
     widths = [
         3 if number % 2 else 40 for number in range(240)
     ]  # half of them smoother than the others, and none a version of one
-    arrays = {
-        f"y{n}": np.convolve(rng.normal(size=rows + k - 1), np.ones(k) / k, "valid") for n, k in enumerate(widths)
-    }
-    arrays |= {f"x{number}": np.arange(rows) * 1.0 for number in range(240)}
-    words = {"label": "metersec" * 25, "colour": "#1f77b4", "kind": "line", "visible": True, "sight": SEEN, "n": rows}
-    words |= dict.fromkeys(("style", "marker", "stroke"), "-")
-    curves = [{**words, "x": f"x{number}", "y": f"y{number}"} for number in range(240)]
-    axes = {
-        "visible": True,
-        "ylabel": "metersec" * 25,
-        "legend": [],
-        "texts": [],
-        "position": [0, 0, 1, 1],
-        "title": "",
-    }
+    columns = [np.convolve(rng.normal(size=rows + k - 1), np.ones(k) / k, "valid") for k in widths]
+    curves = [drawn(np.arange(rows) * 1.0, y, "metersec" * 25) for y in columns]
     with cpu_within(40):
-        assert comparing.comparisons({"axes": [axes | {"curves": curves}]}, arrays) == []
+        assert comparing.comparisons(of_panels(panel("metersec" * 25, curves))) == []
 
 
 def test_filtered_curves_are_found_among_five_versions_of_each_channel() -> None:
     rng = np.random.default_rng(0)
     raw = rng.normal(size=(500, 6))
     versions = [raw, *(np.apply_along_axis(np.convolve, 0, raw, np.ones(k) / k, "same") for k in (3, 5, 7, 9, 11))]
-    arrays = {f"y{number}": column for number, column in enumerate(np.hstack(versions).T)} | {"x": np.arange(500.0)}
-    words = {"label": "", "colour": "#1f77b4", "kind": "line", "visible": True, "sight": SEEN, "n": 500}
-    words |= dict.fromkeys(("style", "marker", "stroke"), "-")
-    axes = {"visible": True, "ylabel": "m/s²", "legend": [], "texts": [], "position": [0, 0, 1, 1], "title": ""}
-    panels = [
-        axes | {"curves": [words | {"x": "x", "y": f"y{n}"} for n in range(36) if n % 6 // 3 == sensor]}
-        for sensor in (0, 1)
-    ]
-    panels[1]["ylabel"] = "rad/s"
-    assert len(comparing.comparisons({"axes": panels}, arrays)) >= 30
+    curves = [drawn(np.arange(500.0), column) for column in np.hstack(versions).T]
+    of_sensor = [[curve for n, curve in enumerate(curves) if n % 6 // 3 == sensor] for sensor in (0, 1)]
+    assert len(comparing.comparisons(of_panels(panel("m/s²", of_sensor[0]), panel("rad/s", of_sensor[1])))) >= 30
 
 
 def test_a_reply_of_many_curves_in_many_colours_is_looked_at_in_time() -> None:
     """Two hundred and forty curves of sixteen colours each, in panels as large as the picture."""
     rng = np.random.default_rng(0)
-    arrays = {name: rng.uniform(0, 1, 6000) for name in ("x", "y")}
-    arrays["s"] = rng.integers(0, 255, (640, 640, 3)).astype(np.uint8)
-    words = {"kind": "line", "style": "-", "marker": "o", "width": 9.0, "alpha": 1.0, "x": "x", "y": "y", "n": 6000}
-    curves = [words | {"inks": [f"#{n:02x}{k:02x}80" for k in range(0, 256, 16)]} for n in range(240)]
-    panel = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "x_limits": [0.0, 1.0], "y_limits": [0.0, 1.0]}
-    panels = [panel | {"scales": ["linear", "linear"], "curves": curves[10 * n : 10 * n + 10]} for n in range(24)]
-    figure = {"axes": panels, "seen": "s", "extent": [640.0, 640.0], "dots": 50.0}
+    one = replace(drawn(rng.uniform(0, 1, 6000), rng.uniform(0, 1, 6000)), marker="o", width=9.0)
+    curves = [replace(one, inks=tuple(f"#{n:02x}{k:02x}80" for k in range(0, 256, 16))) for n in range(240)]
+    figure = of_panels(*(panel("", curves[10 * n : 10 * n + 10]) for n in range(24)))
+    pixels = rng.integers(0, 255, (640, 640, 3)).astype(np.uint8)
     with cpu_within(20):
-        looked_at(figure, arrays, Patience())
+        looked_at(replace(figure, pixels=pixels, extent=(640.0, 640.0), dots=50.0), Patience())

@@ -19,6 +19,7 @@ from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.kit import give, wheel
+from grader.labs.imu.blind_spot import blind_spot
 from grader.labs.imu.lab import LAB
 from reference.self_contained import self_contained
 from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
@@ -157,12 +158,12 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
     bundle = traces.obtain(
         None, cache, rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
     )
-    assert traces.blind_spot(bundle) == (
+    assert blind_spot(bundle) == (
         "ant.xml: the push moves nothing that its IMU reads, so a run without a push or from another start can hardly be told "
         "from a right one"
     )
-    assert traces.blind_spot(traces.shipped()) == ""
-    assert traces.blind_spot(traces.obtain(None, cache, rubric.Model(rover(tmp_path), "force", "rates"))) == ""
+    assert blind_spot(traces.shipped()) == ""
+    assert blind_spot(traces.obtain(None, cache, rubric.Model(rover(tmp_path), "force", "rates"))) == ""
 
 
 # --- it is this robot, and no other -----------------------------------------------------------------------------------

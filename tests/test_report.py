@@ -13,6 +13,7 @@ import pytest
 from rich.console import Console
 
 from grader.engine.evidence import Chart
+from grader.engine.figures import Axes, Curve, Entry, Figure, Sight
 from grader.engine.mistakes import catalogue
 from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
 from grader.labs.imu.answers import Drawing
@@ -79,13 +80,27 @@ def index(results: Mapping[str, Result]) -> str:
 
 def hostile_charts() -> list[Chart]:
     """A student's words wherever a figure has words, and a colour that is none."""
-    line = {"label": HOSTILE, "colour": '"><script>', "kind": "line", "visible": True, "n": 3, "x": "x", "y": "y"}
-    axes = {"title": HOSTILE, "xlabel": HOSTILE, "ylabel": HOSTILE, "visible": True, "curves": [line]}
-    legend = [{"text": HOSTILE, "colour": '"><script>'}]
-    figure = {"event": "saved", "size_px": [640, 480], "title": HOSTILE, "xlabel": "", "ylabel": "", "legends": []}
-    facts = {**figure, "axes": [{**axes, "legend": legend}]}
-    drawing = Drawing((facts,), {"x": np.arange(3.0), "y": np.arange(3.0)}, ())
-    return [replace(chart, part="sensor_access") for chart in drawn.charts(drawing, [])]
+    colour, x = '"><script>', np.arange(3.0)
+    seen = Sight(np.ones(100, bool), np.ones(100, bool))
+    line = Curve(HOSTILE, colour, "line", 3, x, x, "-", "None", "", 1.0, (colour,), 1.5, seen)
+    legend = (Entry(HOSTILE, colour, "-", "None", ""),)
+    ends = (0.0, 1.0)
+    axes = Axes(
+        True,
+        (*ends, *ends),
+        HOSTILE,
+        HOSTILE,
+        HOSTILE,
+        legend,
+        (),
+        (line,),
+        ends,
+        ends,
+        (HOSTILE, HOSTILE),
+        own_ticks=False,
+    )
+    figure = Figure("saved", HOSTILE, "png", (640, 480), (axes,), title=HOSTILE)
+    return [replace(chart, part="sensor_access") for chart in drawn.charts(Drawing((figure,)), [])]
 
 
 def hostile_standing(id_: str) -> Standing:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from grader.harness import drawing, figures
-from grader.harness.values import Packer
-from grader.labs.imu.diagnosis.sight import Patience, Sight, looked_at
-from tests.random_figures import every, made
+from grader.engine.figures import Curve, Figure, Sight
+from grader.labs.imu.diagnosis.sight import Patience, looked_at
+from tests.random_figures import every, made, told
 
 T = np.linspace(0, 5, 500)
 
@@ -35,46 +35,49 @@ def axes() -> Iterator[Any]:
     plt.close(figure)
 
 
-def facts(axes: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    packer, seen = Packer(), drawing.look(axes.figure)
-    told = figures._figure(axes.figure, packer) | {"seen": "seen", "extent": list(seen.extent), "dots": seen.dots}
-    return told, packer.arrays | {"seen": seen.pixels}
+def curve_of(figure: Figure) -> Curve:
+    """The first curve of a figure."""
+    return figure.axes[0].curves[0]
 
 
-def first_sight(told: dict[str, Any], arrays: dict[str, Any]) -> Sight:
-    sight = looked_at(told, arrays, Patience())["axes"][0]["curves"][0]["sight"]
-    assert isinstance(sight, Sight)
-    return sight
+def claiming(figure: Figure, **claims: Any) -> Figure:
+    """The same picture, of whose first curve something else is claimed."""
+    (panel,) = figure.axes
+    return replace(figure, axes=(replace(panel, curves=(replace(panel.curves[0], **claims), *panel.curves[1:])),))
+
+
+def first_sight(figure: Figure) -> Sight:
+    return curve_of(looked_at(figure, Patience())).sight
+
+
+def test_a_curve_that_nobody_looked_at_is_not_seen(axes: Any) -> None:
+    assert not curve_of(told(axes.figure)).visible
+    assert curve_of(looked_at(told(axes.figure), Patience())).visible
 
 
 def test_a_curve_in_the_open_is_seen_from_end_to_end(axes: Any) -> None:
-    sight = first_sight(*facts(axes))
+    sight = first_sight(told(axes.figure))
+    assert sight.inside.shape == sight.seen.shape == (100,)
     assert sight.inside.all()
     assert sight.seen.all()
 
 
 def test_facts_beside_a_blank_picture_show_nothing(axes: Any) -> None:
-    told, arrays = facts(axes)
-    sight = first_sight(told, arrays | {"seen": np.full_like(arrays["seen"], 255)})
-    assert sight.is_hidden
+    figure = told(axes.figure)
+    assert first_sight(replace(figure, pixels=np.full_like(figure.pixels, 255))).is_hidden
 
 
 def test_facts_of_another_curve_than_the_drawn_one_show_nothing(axes: Any) -> None:
-    told, arrays = facts(axes)
-    curve = told["axes"][0]["curves"][0]
-    moved = arrays | {curve["y"]: np.cos(9 * T)}
-    assert first_sight(told, moved).seen.mean() < 0.4
+    assert first_sight(claiming(told(axes.figure), y=np.cos(9 * T))).seen.mean() < 0.4
 
 
 def test_facts_of_another_colour_show_nothing(axes: Any) -> None:
-    told, arrays = facts(axes)
-    told["axes"][0]["curves"][0] |= {"inks": ["#d62728ff"], "colour": "#d62728"}
-    assert first_sight(told, arrays).is_hidden
+    assert first_sight(claiming(told(axes.figure), inks=("#d62728ff",), colour="#d62728")).is_hidden
 
 
 def test_which_part_lies_outside_is_told(axes: Any) -> None:
     axes.set_xlim(0, 1)
-    sight = first_sight(*facts(axes))
+    sight = first_sight(told(axes.figure))
     assert np.flatnonzero(sight.inside)[[0, -1]].tolist() == pytest.approx([0, 20], abs=1)
     assert not sight.is_hidden
 
@@ -82,7 +85,7 @@ def test_which_part_lies_outside_is_told(axes: Any) -> None:
 def test_a_sheet_over_half_of_a_curve_hides_that_half(axes: Any) -> None:
     axes.axvspan(2.5, 9, color="white", zorder=9)
     axes.set_xlim(0, 5)
-    sight = first_sight(*facts(axes))
+    sight = first_sight(told(axes.figure))
     assert sight.inside.all()
     assert sight.seen[:48].all()
     assert not sight.seen[52:].any()
@@ -90,20 +93,19 @@ def test_a_sheet_over_half_of_a_curve_hides_that_half(axes: Any) -> None:
 
 def test_a_sheet_in_the_curves_own_colour_hides_it(axes: Any) -> None:
     axes.axhspan(-2, 2, color="C0", zorder=9)
-    assert first_sight(*facts(axes)).is_hidden
+    assert first_sight(told(axes.figure)).is_hidden
 
 
 def test_a_curve_that_shines_through_another_is_seen(axes: Any) -> None:
     axes.plot(T, np.sin(2 * T), color="C1", alpha=0.5, linewidth=6)
-    assert first_sight(*facts(axes)).seen.mean() > 0.9
+    assert first_sight(told(axes.figure)).seen.mean() > 0.9
 
 
 @pytest.mark.parametrize("scale", ["symlog", "asinh"])
 def test_on_a_scale_that_is_not_foreseen_the_colour_is_enough(axes: Any, scale: str) -> None:
     axes.set_yscale(scale)
-    assert not first_sight(*facts(axes)).is_hidden
+    assert not first_sight(told(axes.figure)).is_hidden
 
 
 def test_who_sends_too_much_is_not_believed(axes: Any) -> None:
-    told, arrays = facts(axes)
-    assert looked_at(told, arrays, Patience(10))["axes"][0]["curves"][0]["visible"] is False
+    assert not curve_of(looked_at(told(axes.figure), Patience(10))).visible

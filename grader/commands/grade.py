@@ -71,6 +71,7 @@ def grade(
     from grader.course import classroom  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine import traces  # noqa: PLC0415
+    from grader.labs.imu.blind_spot import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
@@ -94,7 +95,7 @@ def grade(
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
         outcome = classroom.grade_class(order, found, audience)
     terminal.show_class(outcome, str(out / "index.html"), screen)
-    if spot := traces.blind_spot(bundle):
+    if spot := blind_spot(bundle):
         say(spot)
     if seed is None:
         say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")

@@ -36,7 +36,6 @@ from grader.ground.text import printable
 SCHEMA = "imugrade/traces/v1"
 CACHE_VARIABLE = "IMUGRADE_CACHE"
 RECORDING_LIMIT_S = 300
-_UNMOVED = 1e-3  # m/s², rad/s: less than what rows are told apart by
 _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 _SOURCES = beside("grader", "").parent
@@ -120,19 +119,6 @@ def match_robot(model: Model, traces: Traces) -> None:
         has, wants = traces.robot, f"{model.file} ({', '.join(model.imu)})"
         said = f"the traces are of {has.file} ({', '.join(has.imu)}), not of {wants}; record them with this rubric"
         refuse(model.source, [(model.line("path"), printable(said, 600))])
-
-
-def blind_spot(traces: Traces) -> str:
-    """What grading on an instructor's robot cannot see, in a sentence; "" for one whose IMU moves when it is pushed."""
-    push = traces["push"]
-    alike = True
-    for key in ("acceleration", "angular_velocity"):
-        still = push[f"alt_no_push_{key}"]
-        alike &= bool(np.abs(push[key][: len(still)] - still).max() <= _UNMOVED)
-    if not alike:
-        return ""
-    what = "the push moves nothing that its IMU reads"
-    return f"{traces.robot.file}: {what}, so a run without a push or from another start can hardly be told from a right one"
 
 
 # --- reading a bundle -----------------------------------------------------------------------------------------------

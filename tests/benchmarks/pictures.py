@@ -18,7 +18,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 
-from grader.labs.imu.diagnosis.sight import FEWEST_SEEN
+from grader.engine.figures import FEWEST_SEEN
 from tests.random_figures import every, made, share_seen, share_that_differs
 
 RECORD = Path(__file__).with_name("pictures.json")

@@ -1,8 +1,7 @@
-"""The checks of Visualization, on made-up facts of figures."""
+"""The checks of Visualization, on made-up figures."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -10,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Sight
 from grader.engine.findings import Fault
-from grader.labs.imu.answers import KEYS, Collection, Drawing
+from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
-from grader.labs.imu.diagnosis.sight import Sight
 from grader.labs.imu.student import Student
 from tests.judging.made import Case, Made, is_as_marked, truth
 
@@ -28,14 +27,13 @@ SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
 )
 _COLOURS = ("#ff0000", "#00ff00", "#0000ff", "#888800", "#008888", "#880088")
 _IN_FULL = Sight(np.ones(100, bool), np.ones(100, bool))
-Figure = dict[str, Any]
 
 
 class Plotted(Made):
     """A student of whom it is known what was drawn, and nothing else."""
 
     def __init__(
-        self, drawing: Drawing, scripts: tuple[Drawing, ...] = (), pictures: Mapping[str, Any] | None = None,
+        self, drawing: Drawing, scripts: tuple[Drawing, ...] = (), pictures: Mapping[str, Picture | None] | None = None,
         broken: tuple[str, ...] = (),
     ) -> None:  # fmt: skip
         super().__init__()
@@ -47,7 +45,7 @@ class Plotted(Made):
     def scripts(self) -> Iterator[Drawing]:
         return iter(self._scripts)
 
-    def picture(self, name: str) -> Mapping[str, Any] | None:
+    def picture(self, name: str) -> Picture | None:
         return self._pictures.get(name)
 
     def simulate(self, *_: Any, **__: Any) -> Collection:
@@ -56,10 +54,9 @@ class Plotted(Made):
 
 
 class Sheet:
-    """The sheet's figure as facts, in parts that a case changes."""
+    """The sheet's figure, which a case changes."""
 
     def __init__(self) -> None:
-        self.arrays: dict[str, np.ndarray] = {}
         series = truth()["tumbling"]
         self.time = series["time"]
         self.rows = (series["acceleration"], series["angular_velocity"])
@@ -69,45 +66,45 @@ class Sheet:
         )
 
     @property
-    def panels(self) -> list[Figure]:
-        axes: list[Figure] = self.figure["axes"]
-        return axes
+    def panels(self) -> tuple[Axes, ...]:
+        return self.figure.axes
 
-    def keep(self, values: Any) -> str:
-        name = f"a{len(self.arrays)}"
-        self.arrays[name] = np.asarray(values, float)
-        return name
+    def says(self, **words: Any) -> None:
+        """Change the figure."""
+        self.figure = replace(self.figure, **words)
 
-    def curve(self, x: Any, y: Any, label: str, colour: str) -> Figure:
-        return {
-            "label": label, "colour": colour, "kind": "line", "visible": True, "n": len(y), "style": "-", "marker": "None",
-            "stroke": "", "x": self.keep(x), "y": self.keep(y), "sight": _IN_FULL,
-        }  # fmt: skip
+    def panel_says(self, which: int, **words: Any) -> None:
+        """Change one of its panels."""
+        panels = list(self.panels)
+        panels[which] = replace(panels[which], **words)
+        self.says(axes=tuple(panels))
 
-    def _axes(self, sensor: int, title: str, ylabel: str, xlabel: str) -> Figure:
+    def _axes(self, sensor: int, title: str, ylabel: str, xlabel: str) -> Axes:
         curves = [
-            self.curve(self.time, self.rows[sensor][:, axis], "xyz"[axis], _COLOURS[3 * sensor + axis])
-            for axis in range(3)
+            _curve(self.time, self.rows[sensor][:, axis], "xyz"[axis], _COLOURS[3 * sensor + axis]) for axis in range(3)
         ]
         low = 0.5 - 0.45 * sensor
-        return {
-            "visible": True, "position": [0.1, low, 0.9, low + 0.4], "title": title, "ylabel": ylabel, "xlabel": xlabel,
-            "legend": [_entry(curve) for curve in curves], "texts": [], "y_limits": [-20.0, 20.0], "curves": curves,
-        }  # fmt: skip
+        place, limits = (0.1, low, 0.9, low + 0.4), ((0.0, 1.2), (-20.0, 20.0))
+        axes = Axes(True, place, title, xlabel, ylabel, (), (), (), *limits, ("linear", "linear"), own_ticks=False)
+        return _with_curves(axes, *curves)
 
     def drawing(self, *more: Figure) -> Drawing:
-        return Drawing((self.figure, *more), self.arrays, ("imu_data.png",))
+        return Drawing((self.figure, *more))
 
 
-def _figure(*axes: Figure) -> Figure:
-    return {
-        "event": "saved", "path": "imu_data.png", "format": "png", "size_px": [1000, 800], "title": "", "xlabel": "",
-        "ylabel": "", "texts": [], "legends": [], "axes": list(axes),
-    }  # fmt: skip
+def _curve(x: Array, y: Array, label: str, colour: str) -> Curve:
+    return Curve(label, colour, "line", len(y), x, y, "-", "None", "", 1.0, (f"{colour}ff",), 1.5, _IN_FULL)
 
 
-def _entry(curve: Figure) -> Figure:
-    return {key: curve[key] for key in ("colour", "style", "marker", "stroke")} | {"text": curve["label"]}
+def _with_curves(axes: Axes, *curves: Curve) -> Axes:
+    """The panel with these curves, and with a legend of them."""
+    return replace(
+        axes, curves=curves, legend=tuple(Entry(c.label, c.colour, c.style, c.marker, c.stroke) for c in curves)
+    )
+
+
+def _figure(*axes: Axes) -> Figure:
+    return Figure("saved", "imu_data.png", "png", (1000, 800), axes)
 
 
 def drawn(change: Callable[[Sheet], Any] = lambda _sheet: None, **more: Any) -> Callable[[], Student]:
@@ -121,20 +118,20 @@ def drawn(change: Callable[[Sheet], Any] = lambda _sheet: None, **more: Any) -> 
     return student
 
 
-def _with(**facts: Any) -> Callable[[], Student]:
-    return drawn(lambda sheet: sheet.figure.update(facts))
+def _with(**words: Any) -> Callable[[], Student]:
+    return drawn(lambda sheet: sheet.says(**words))
 
 
 def _unsaved(sheet: Sheet) -> None:
-    sheet.figure["event"] = "shown"
+    sheet.says(event="shown")
 
 
-def _panel(which: int, **facts: Any) -> Callable[[], Student]:
-    return drawn(lambda sheet: sheet.panels[which].update(facts))
+def _panel(which: int, **words: Any) -> Callable[[], Student]:
+    return drawn(_says(which, **words))
 
 
-def _both(**facts: Any) -> Callable[[], Student]:
-    return drawn(lambda sheet: [panel.update(facts) for panel in sheet.panels])
+def _both(**words: Any) -> Callable[[], Student]:
+    return drawn(_then(_says(0, **words), _says(1, **words)))
 
 
 def _raising(sheet: Sheet) -> Drawing:
@@ -143,41 +140,43 @@ def _raising(sheet: Sheet) -> Drawing:
 
 def _broken_off() -> Student:
     sheet = Sheet()
-    sheet.figure["event"] = "shown"
+    _unsaved(sheet)
     return Plotted(_raising(sheet))
 
 
 def _nothing(**more: Any) -> Callable[[], Student]:
-    return lambda: Plotted(Drawing((), {}, ()), **more)
+    return lambda: Plotted(Drawing(()), **more)
 
 
 def _in_one_panel(sheet: Sheet) -> None:
-    sheet.panels[0]["curves"] += sheet.panels.pop()["curves"]
-    sheet.panels[0]["legend"] = [_entry(curve) for curve in sheet.panels[0]["curves"]]
+    upper, lower = sheet.panels
+    sheet.says(axes=(_with_curves(upper, *upper.curves, *lower.curves),))
 
 
 def _without(*channels: tuple[int, int]) -> Callable[[Sheet], None]:
     def change(sheet: Sheet) -> None:
-        for sensor, axis in sorted(channels, reverse=True):
-            del sheet.panels[sensor]["curves"][axis]
+        for sensor, panel in enumerate(sheet.panels):
+            left = (curve for axis, curve in enumerate(panel.curves) if (sensor, axis) not in channels)
+            sheet.panel_says(sensor, curves=tuple(left))
 
     return change
 
 
-def _values(sensor: int, value: Callable[[np.ndarray], Any]) -> Callable[[Sheet], None]:
-    def change(sheet: Sheet) -> None:
-        for curve in sheet.panels[sensor]["curves"]:
-            sheet.arrays[curve["y"]] = value(sheet.arrays[curve["y"]])
-
-    return change
+def _curves(which: int, change: Callable[[Curve], Curve]) -> Callable[[Sheet], None]:
+    return lambda sheet: sheet.panel_says(which, curves=tuple(map(change, sheet.panels[which].curves)))
 
 
-def _times(value: Callable[[np.ndarray], Any]) -> Callable[[Sheet], None]:
-    def change(sheet: Sheet) -> None:
-        for curve in itertools.chain.from_iterable(panel["curves"] for panel in sheet.panels):
-            sheet.arrays[curve["x"]] = value(sheet.arrays[curve["x"]])
+def _values(sensor: int, value: Callable[[Array], Any]) -> Callable[[Sheet], None]:
+    return _curves(sensor, lambda curve: replace(curve, y=value(curve.y)))
 
-    return change
+
+def _times(value: Callable[[Array], Any]) -> Callable[[Sheet], None]:
+    return _then(*(_curves(which, lambda curve: replace(curve, x=value(curve.x))) for which in (0, 1)))
+
+
+def _first_is_wrong(sheet: Sheet) -> None:
+    first, *others = sheet.panels[0].curves
+    sheet.panel_says(0, curves=(replace(first, y=np.cos(sheet.time)), *others))
 
 
 def _then(*changes: Callable[[Sheet], Any]) -> Callable[[Sheet], None]:
@@ -188,22 +187,31 @@ def _then(*changes: Callable[[Sheet], Any]) -> Callable[[Sheet], None]:
     return change
 
 
-def _says(which: int, **facts: Any) -> Callable[[Sheet], Any]:
-    return lambda sheet: sheet.panels[which].update(facts)
+def _says(which: int, **words: Any) -> Callable[[Sheet], None]:
+    return lambda sheet: sheet.panel_says(which, **words)
 
 
 def _legend(which: int, *names: str) -> Callable[[Sheet], None]:
     def change(sheet: Sheet) -> None:
-        for entry, name in zip(sheet.panels[which]["legend"], names, strict=True):
-            entry["text"] = name
+        entries = zip(sheet.panels[which].legend, names, strict=True)
+        sheet.panel_says(which, legend=tuple(replace(entry, text=name) for entry, name in entries))
 
     return change
 
 
+def _one_legend(sheet: Sheet) -> None:
+    sheet.says(legend=tuple(entry for panel in sheet.panels for entry in panel.legend))
+    _then(_says(0, legend=()), _says(1, legend=()))(sheet)
+
+
 def _exchanged(sheet: Sheet) -> None:
     upper, lower = sheet.panels
-    upper["curves"], lower["curves"] = lower["curves"], upper["curves"]
-    upper["legend"], lower["legend"] = lower["legend"], upper["legend"]
+    sheet.says(axes=(_with_curves(upper, *lower.curves), _with_curves(lower, *upper.curves)))
+
+
+def _untitled(**words: Any) -> Callable[[], Student]:
+    """Panels without titles, in a figure that says something itself."""
+    return drawn(_then(_says(0, title=""), _says(1, title=""), lambda sheet: sheet.says(**words)))
 
 
 def _smooth(x: np.ndarray) -> np.ndarray:
@@ -228,22 +236,18 @@ def _compared(
     sheet = Sheet()
     noisy = sheet.rows[0][:, 0] + np.random.default_rng(1).normal(0, noise, len(sheet.time))
     curves = [
-        sheet.curve(sheet.time, noisy, raw, "#111111"),
-        sheet.curve(sheet.time, other(noisy), smooth, "#222222"),
+        _curve(sheet.time, noisy, raw, "#111111"),
+        _curve(sheet.time, other(noisy), smooth, "#222222"),
     ]
-    axes = sheet.panels[0] | {"curves": curves, "legend": [_entry(curve) for curve in curves]}
-    figure = _figure(axes) | {"event": event, "path": "filtered_imu.png"}
-    return Drawing((figure,), sheet.arrays, ())
+    figure = _figure(_with_curves(sheet.panels[0], *curves))
+    return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
 def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Student]:
-    return lambda: Plotted(Drawing((), {}, ()), scripts=drawings, **more)
+    return lambda: Plotted(Drawing(()), scripts=drawings, **more)
 
 
-_SEEN = {
-    "readable": True, "ink": 0.2, "size_px": (800, 600), "preview": np.zeros((60, 80), np.uint8),
-    "palette": np.full((256, 3), 255, np.uint8),
-}  # fmt: skip
+_SEEN = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8))
 _PICTURE, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
 _STOPPED = replace(
     _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
@@ -255,25 +259,26 @@ CASES = [
     for check, rows in {
         SAVES: [
             ("sound", drawn(), None),
-            ("too narrow", _with(size_px=[399, 800]), (0.5, ["low-resolution"])),
-            ("too low", _with(size_px=[1000, 249]), (0.5, ["low-resolution"])),
-            ("just large enough", _with(size_px=[400, 250]), None),
+            ("too narrow", _with(size_px=(399, 800)), (0.5, ["low-resolution"])),
+            ("too low", _with(size_px=(1000, 249)), (0.5, ["low-resolution"])),
+            ("just large enough", _with(size_px=(400, 250)), None),
             ("never saved", _with(event="shown"), (0.0, ["plot-not-saved"])),
             ("nothing drawn", _nothing(), (0.0, ["plot-not-saved"])),
             ("nothing drawn, a picture handed in", _nothing(**_PICTURE), (0.5, ["plot-not-saved"])),
             ("never saved, a picture handed in", drawn(_unsaved, **_PICTURE), (0.0, ["plot-not-saved"])),
-            ("blank", drawn(lambda s: s.figure.update(axes=[])), (0.0, ["blank-image"])),
+            ("blank", _with(axes=()), (0.0, ["blank-image"])),
             ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),
             ("another plot saved by a script", drawn(_unsaved, scripts=(_compared(),)), (0.0, ["plot-not-saved"])),
             ("broken off", _broken_off, "raised"),
-            ("a small one and a large one", lambda: Plotted(Sheet().drawing(_figure(*Sheet().panels) | {"size_px": [100, 100]})), None),
+            ("beside one that cannot be read", lambda: Plotted(Sheet().drawing(Figure("saved", "odd.png", "png", (640, 480)))), None),
+            ("a small one and a large one", lambda: Plotted(Sheet().drawing(replace(Sheet().figure, size_px=(100, 100)))), None),
         ],
         PANELS: [
             ("sound", drawn(), None),
             ("one panel for both", drawn(_in_one_panel), (0.0, ["one-panel"])),
             ("names exchanged", drawn(_exchanged), (0.0, ["panels-swapped"])),
             ("one label of the other", _panel(1, ylabel="Acceleration (m/s²)"), (0.5, ["panels-swapped"])),
-            ("no gyroscope", drawn(lambda s: s.panels.pop()), (0.0, ["curves-missing"])),
+            ("no gyroscope", drawn(lambda sheet: sheet.says(axes=sheet.panels[:1])), (0.0, ["curves-missing"])),
             ("names that say nothing", drawn(_then(_says(0, title="Top", ylabel="a"), _says(1, title="Bottom", ylabel="b"))), (0.5, [])),
             ("one that says nothing", _panel(0, title="Top", ylabel="a"), (0.5, [])),
             ("no words at all", _both(title="", ylabel=""), (0.5, [])),
@@ -284,7 +289,7 @@ CASES = [
             ("sound", drawn(), None),
             ("five of six", drawn(_without((0, 2))), (0.8333, ["curves-missing"])),
             ("three of six", drawn(_without((1, 0), (1, 1), (1, 2))), (0.5, ["curves-missing"])),
-            ("one of them wrong", drawn(lambda s: s.arrays.update({s.panels[0]["curves"][0]["y"]: np.cos(s.time)})), (0.8333, ["wrong-data-plotted"])),
+            ("one of them wrong", drawn(_first_is_wrong), (0.8333, ["wrong-data-plotted"])),
             ("all wrong", drawn(_then(_values(0, np.cos), _values(1, np.sin))), (0.0, ["wrong-data-plotted"])),
             ("against the index", drawn(_times(lambda t: np.arange(len(t)))), (0.5, ["x-not-time"])),
             ("against milliseconds", drawn(_times(lambda t: 1000 * t)), (0.5, ["x-not-time"])),
@@ -312,20 +317,20 @@ CASES = [
         ],
         LEGEND: [
             ("sound", drawn(), None),
-            ("none", _both(legend=None), (0.0, ["no-legend"])),
-            ("one of two", _panel(0, legend=None), (0.5, ["no-legend"])),
+            ("none", _both(legend=()), (0.0, ["no-legend"])),
+            ("one of two", _panel(0, legend=()), (0.5, ["no-legend"])),
             ("two names alike", drawn(_legend(0, "x", "x", "z")), (0.5, ["no-legend"])),
             ("in another order", drawn(_legend(0, "y", "x", "z")), (0.0, ["legend-order-wrong"])),
             ("names that say no axis", drawn(_legend(0, "one", "two", "three")), None),
-            ("one for the figure", drawn(lambda s: (s.figure.update(legends=[[e for p in s.panels for e in p["legend"]]]), [p.update(legend=None) for p in s.panels])), None),
+            ("one for the figure", drawn(_one_legend), None),
         ],
         TITLES: [
             ("sound", drawn(), None),
             ("none", _both(title=""), (0.0, ["no-title"])),
             ("one of two", _panel(0, title=" "), (0.5, ["no-title"])),
-            ("of the figure", drawn(lambda s: (s.figure.update(title="IMU"), [p.update(title="") for p in s.panels])), None),
-            ("a text of the figure", drawn(lambda s: (s.figure.update(texts=["IMU"]), [p.update(title="") for p in s.panels])), None),
-            ("a letter as a text", drawn(lambda s: (s.figure.update(texts=["ab"]), [p.update(title="") for p in s.panels])), (0.0, ["no-title"])),
+            ("of the figure", _untitled(title="IMU"), None),
+            ("a text of the figure", _untitled(texts=("IMU",)), None),
+            ("a letter as a text", _untitled(texts=("ab",)), (0.0, ["no-title"])),
         ],
         COMPARISON: [
             ("sound", _scripts(_compared()), None),
@@ -337,10 +342,10 @@ CASES = [
             ("without noise, by a reader that is charged", _scripts(_compared(noise=0.0, other=_slow), broken=("NoisyIMU",)), None),
             ("none", _scripts(), (0.0, ["comparison-missing"])),
             ("a picture alone", _scripts(**_FILTERED), (0.5, ["comparison-missing"])),
-            ("an unreadable picture", _scripts(pictures={"filtered_imu.png": {"readable": False}}), (0.0, ["comparison-missing"])),
-            ("an empty picture", _scripts(pictures={"filtered_imu.png": _SEEN | {"ink": 0.005}}), (0.0, ["comparison-missing"])),
-            ("a tiny picture", _scripts(pictures={"filtered_imu.png": _SEEN | {"size_px": (800, 149)}}), (0.0, ["comparison-missing"])),
-            ("a small picture", _scripts(pictures={"filtered_imu.png": _SEEN | {"size_px": (800, 150)}}), (0.5, ["comparison-missing"])),
+            ("an unreadable picture", _scripts(pictures={"filtered_imu.png": None}), (0.0, ["comparison-missing"])),
+            ("an empty picture", _scripts(pictures={"filtered_imu.png": replace(_SEEN, ink=0.005)}), (0.0, ["comparison-missing"])),
+            ("a tiny picture", _scripts(pictures={"filtered_imu.png": replace(_SEEN, size_px=(800, 149))}), (0.0, ["comparison-missing"])),
+            ("a small picture", _scripts(pictures={"filtered_imu.png": replace(_SEEN, size_px=(800, 150))}), (0.5, ["comparison-missing"])),
             ("the same twice", _scripts(_compared(other=np.array)), (0.0, ["comparison-missing"])),
             ("another series", _scripts(_compared(other=np.cos)), (0.0, ["comparison-missing"])),
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),

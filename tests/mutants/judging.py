@@ -39,6 +39,7 @@ _PLACES = (
     "grader/labs/imu/checks/*.py",
     "grader/labs/imu/diagnosis/*.py",
     "grader/labs/imu/recordings.py",
+    "grader/engine/figures.py",
     "grader/engine/findings.py",
     "grader/engine/rubric.py",
 )
@@ -54,6 +55,7 @@ _MORE_TESTS = {
     "rubric": ("tests/test_rubric.py",),
     "findings": ("tests/judging/test_check_sensor_access.py", "tests/test_withheld.py"),
     "labels": ("tests/test_languages.py",),
+    "figures": ("tests/test_figures.py", "tests/test_sight.py"),
     "noise_laws": ("tests/test_unforeseen_noise_filter.py",),
     "filter_outputs": ("tests/test_unforeseen_noise_filter.py",),
     "filtering": ("tests/test_unforeseen_noise_filter.py",),
@@ -69,7 +71,7 @@ _MORE_TESTS |= dict.fromkeys(
 _PARTS = {
     "sensor_access": ("check_sensor_access", "reading", "handling"),
     "data_collection": ("check_data_collection", "collection", "recordings"),
-    "visualization": ("check_visualization", "plots", "labels", "comparing"),
+    "visualization": ("check_visualization", "plots", "labels", "comparing", "figures"),
     "noise_model": ("check_noise_model", "noise_runs", "noise", "noise_laws", "noise_twins"),
     "filtering": ("check_filtering", "filtering", "filter_outputs"),
     "complementary_filter": ("check_complementary_filter", "tilting"),

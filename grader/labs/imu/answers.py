@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grader.engine.figures import Figure, Stray, figures_of, strays_of
 from grader.engine.findings import Fault
 from grader.labs.imu.diagnosis.sight import Patience, looked_at
 from grader.sandbox.wire import Frame
@@ -345,26 +346,17 @@ class Drawing:
 
     Attributes
     ----------
-    figures : facts of each, with what is seen of each curve
-    arrays : those that the facts name
-    pictures : names of the picture files
-    strange : those that show none of the figures, with the reason why they cannot be read, if they cannot
+    figures : each with what is seen of its curves
+    strange : the picture files that show none of them
     """
 
-    figures: tuple[Mapping[str, Any], ...]
-    arrays: Arrays
-    pictures: tuple[str, ...]
+    figures: tuple[Figure, ...]
     fault: Fault | None = None
-    strange: tuple[Mapping[str, str], ...] = ()
+    strange: tuple[Stray, ...] = ()
 
 
 def drawing_of(frame: Frame) -> Drawing:
     """What an answer tells of figures and pictures."""
     patience = Patience()
-    return Drawing(
-        tuple(looked_at(figure, frame.arrays, patience) for figure in frame.fields["figures"]),
-        frame.arrays,
-        tuple(frame.fields["pictures"]),
-        Fault.of(frame.fields.get("error")),
-        tuple(frame.fields["strange"]),
-    )
+    figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
+    return Drawing(figures, Fault.of(frame.fields.get("error")), strays_of(frame))

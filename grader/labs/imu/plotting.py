@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from grader.engine.conversation import Conversation, Missing, is_run
+from grader.engine.figures import Picture, picture_of
 from grader.engine.lab import Lab
 from grader.engine.loaded import Loaded
 from grader.engine.question import key_of
@@ -132,19 +133,19 @@ class Plotting(Conversation):
             except NoAnswer:
                 return None
 
-    def picture(self, name: str) -> Mapping[str, Any] | None:
-        """What can be seen of a handed-in picture; None where it was not handed in."""
+    def picture(self, name: str) -> Picture | None:
+        """What can be seen of a handed-in picture; None where it was not handed in, or cannot be read."""
         if name not in self.files:
             return None
         return self.known_as(name, ("picture", name), lambda: self._decode(name))
 
-    def _decode(self, name: str) -> Mapping[str, Any]:
+    def _decode(self, name: str) -> Picture | None:
         content = np.frombuffer(self.files[name], dtype=np.uint8)
         try:
             frame = self.retried(lambda: self.ask_aside("image", {}, {"bytes": content}))
-            return {**self._lab.checked("image", frame, {}, {}).fields, **frame.arrays}
+            return picture_of(self._lab.checked("image", frame, {}, {}))
         except NoAnswer:
-            return {"readable": False, "reason": "it could not be decoded"}
+            return None
 
     def further_scripts(self) -> list[str]:
         """Programs that nothing is asked of: they save a figure, or may call what does, as nobody imports them."""

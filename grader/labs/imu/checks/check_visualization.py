@@ -1,4 +1,4 @@
-"""Visualization: clear, labelled plots of the sensor data, judged from the facts of the figure that the code draws."""
+"""Visualization: clear, labelled plots of the sensor data, judged by the figure that the code draws."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from grader.engine.conversation import Missing
 from grader.engine.examination import check
+from grader.engine.figures import Figure, Sight
 from grader.engine.findings import A_PERSON_MAY, Fault, Lost, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
@@ -28,8 +29,7 @@ from grader.labs.imu.checks.plot_runs import (
     share,
 )
 from grader.labs.imu.diagnosis import comparing, labels, plots
-from grader.labs.imu.diagnosis.plots import Channel, Facts, Panel
-from grader.labs.imu.diagnosis.sight import Sight
+from grader.labs.imu.diagnosis.plots import Channel, Panel
 from grader.labs.imu.student import Student
 
 _COMPARISON = "filtered_imu.png"
@@ -76,32 +76,32 @@ def check_saves_image(student: Student, truth: Traces) -> None:
     if not full:
         return _not_saved(student, truth, drawing)
     _nothing_is_overwritten(candidates(student, truth, drawing))
-    width, height = max((tuple(f["size_px"]) for f in full), key=lambda size: size[0] * size[1])
+    width, height = max((figure.size_px for figure in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
         raise Lost(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
-    if all(f["format"] in _OTHER_FORMS for f in full):
+    if all(figure.format in _OTHER_FORMS for figure in full):
         hint = "The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4)."
-        raise Lost("a PNG picture", f"a picture as {full[0]['format'].upper()} alone", keeps=0.8, hint=hint)
+        raise Lost("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
 
 
-def _look(figure: Facts) -> tuple[tuple[str, str, int], ...]:
+def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
     """What makes a figure the same plot with other data: titles, labels, number of curves."""
-    return tuple((axes["title"], axes["ylabel"], len(axes["curves"])) for axes in figure["axes"])
+    return tuple((axes.title, axes.ylabel, len(axes.curves)) for axes in figure.axes)
 
 
-def _saved_curves(drawing: Drawing) -> list[Facts]:
-    return [f for f in drawing.figures if f["event"] == "saved" and has_curves(f)]
+def _saved_curves(drawing: Drawing) -> list[Figure]:
+    return [figure for figure in drawing.figures if figure.is_saved and has_curves(figure)]
 
 
 def _nothing_is_overwritten(drawn: list[Plot]) -> None:
     """What a figure showed that is in no file at the end is lost to the reader."""
     standing, gone = (
-        {channel for plot in drawn if plot.figure["event"] == event for channel in plot.drawn}
+        {channel for plot in drawn if plot.figure.event == event for channel in plot.drawn}
         for event in ("saved", "overwritten")
     )
     if gone - standing:
-        path = next(plot.figure["path"] for plot in drawn if plot.figure["event"] == "overwritten")
+        path = next(plot.figure.path for plot in drawn if plot.figure.event == "overwritten")
         missing = " and ".join(_SENSOR_WORDS[s] for s in (0, 1) if s in {sensor for sensor, _ in gone - standing})
         raise Lost(
             "each figure in a picture file of its own",
@@ -112,16 +112,16 @@ def _nothing_is_overwritten(drawn: list[Plot]) -> None:
 
 
 def _not_saved(student: Student, truth: Traces, drawing: Drawing) -> None:
-    events = {figure["event"] for figure in drawing.figures if has_curves(figure)}
-    broken = next((picture for picture in drawing.strange if picture["reason"]), None)
+    events = {figure.event for figure in drawing.figures if has_curves(figure)}
+    broken = next((picture for picture in drawing.strange if picture.reason), None)
     if events & {"overwritten", "forgotten"} and broken is not None:
         hint = "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
-        raise Lost("a picture that can be read", f"{_shown(broken['path'])}, which no program can open", hint=hint)
+        raise Lost("a picture that can be read", f"{_shown(broken.path)}, which no program can open", hint=hint)
     if "overwritten" in events:
         hint = "Save the figure last, under a name that nothing else is written to afterwards (Step 4)."
         got = "a file in which the figure no longer stands at the end"
         raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
-    if any(figure["event"] == "saved" for figure in drawing.figures):
+    if any(figure.is_saved for figure in drawing.figures):
         raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
     if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
         if not handed_in.counts(student, truth):
@@ -158,7 +158,7 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
 
 def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
     """What is written on a panel of this sensor and speaks of the other one alone."""
-    texts = [panel.facts["title"], panel.facts["ylabel"]]
+    texts = [panel.axes.title, panel.axes.ylabel]
     if not _shown_elsewhere(plot, 1 - sensor, panel):
         return []
     if labels.claims(texts[0]) | labels.claims(texts[1]) == {1 - sensor}:
@@ -169,7 +169,7 @@ def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
 def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
     expected = f"{_SENSOR_WORDS[sensor]} under its own name"
     got = f"a panel labelled “{_shown(' | '.join(wrong))}” that shows the {_SENSOR_WORDS[sensor]}"
-    if all(text in wrong for text in (panel.facts["title"], panel.facts["ylabel"]) if text.strip()):
+    if all(text in wrong for text in (panel.axes.title, panel.axes.ylabel) if text.strip()):
         raise Lost(expected, got, mistakes=["panels-swapped"])
     hint = (
         "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
@@ -187,14 +187,9 @@ def _is_named(plot: Plot, sensor: int) -> bool:
     panels = plot.of_sensor(sensor)
     if not panels or any(sensor in labels.claims(p.words) for p in panels):
         return True
-    title_only = all(not p.facts["ylabel"].strip() for p in panels) or all(not p.facts["title"].strip() for p in panels)
-    names = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
-    whole = [
-        plot.figure["title"],
-        plot.figure["ylabel"],
-        *names,
-        *(t["text"] for p in panels for t in p.facts["texts"]),
-    ]
+    title_only = all(not p.axes.ylabel.strip() for p in panels) or all(not p.axes.title.strip() for p in panels)
+    names = [name or "" for p in panels for name in plots.names_of(p, plot.figure)]
+    whole = [plot.figure.title, plot.figure.ylabel, *names, *(text.text for p in panels for text in p.axes.texts)]
     written = any(p.words.replace("|", "").strip() for p in panels)
     return any(sensor in labels.claims(text) for text in whole) or (title_only and written)
 
@@ -273,22 +268,19 @@ def _axis_is_time(plot: Plot) -> None:
 
 def _own_ticks(plot: Plot) -> bool:
     """Whether the numbers beside the time axis may be others than those that are drawn."""
-    return any(panel.facts.get("own_ticks") is True for panel in plot.panels)
+    return any(panel.axes.own_ticks for panel in plot.panels)
 
 
 def _scale_is_labelled(plot: Plot) -> None:
     for panel in plot.panels:
-        said = (
-            labels.unit_of(panel.facts["ylabel"])
-            or labels.unit_of(plot.figure["ylabel"])
-            or labels.unit_of(panel.facts["title"])
-        )
+        texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
+        said = next(filter(None, map(labels.unit_of, texts)), None)
         for shown in panel.shown:
             family = plots.UNITS[shown.sensor]
             wrong = said in family and said != shown.unit
             unsaid = said is None and shown.unit != family[0]
             if wrong or unsaid:
-                got = f"numbers in {shown.unit} under the label “{_shown(panel.facts['ylabel'])}”"
+                got = f"numbers in {shown.unit} under the label “{_shown(panel.axes.ylabel)}”"
                 hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
                 raise Lost(
                     "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=hint
@@ -303,9 +295,9 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
     lost: list[tuple[str, str]] = []
     for sensor in (0, 1):
         panels = plot.of_sensor(sensor)
-        written = [p.facts["ylabel"] for p in panels] + [plot.figure["ylabel"]]
-        named = [name or "" for p in panels for name in plots.names_of(p, plot.figure, plot.drawing.arrays)]
-        beside = [p.facts["title"] for p in panels] + list(plot.figure["texts"]) + named
+        written = [p.axes.ylabel for p in panels] + [plot.figure.ylabel]
+        named = [name or "" for p in panels for name in plots.names_of(p, plot.figure)]
+        beside = [*(p.axes.title for p in panels), *plot.figure.texts, *named]
         elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
         if panels and elsewhere.isdisjoint(written):  # the other sensor's label: another check charges that name
             lost += _label_problem(written, beside, sensor)
@@ -346,7 +338,7 @@ def _time_problem(plot: Plot) -> list[tuple[str, str]]:
 
 
 def _x_labels(plot: Plot) -> list[str]:
-    return [panel.facts["xlabel"] for panel in plot.panels] + [plot.figure["xlabel"], *plot.figure["texts"]]
+    return [panel.axes.xlabel for panel in plot.panels] + [plot.figure.xlabel, *plot.figure.texts]
 
 
 @check("visualization.legend_names_curves", lab_step=4)
@@ -357,7 +349,7 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
     crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
-        named = list(zip(panel.shown, plots.names_of(panel, plot.figure, plot.drawing.arrays), strict=True))
+        named = list(zip(panel.shown, plots.names_of(panel, plot.figure), strict=True))
         told = {(name, shown.channel) for shown, name in named if name}
         if {channel for _, channel in told} < panel.channels or len({name for name, _ in told}) < len(panel.channels):
             nameless.append(panel)
@@ -382,19 +374,13 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
 def check_titles(student: Student, truth: Traces) -> None:
     """The panels, or the figure, have a title"""
     plot = plot_of(student, truth)
-    places = {
-        tuple(axes["position"]) for axes in plot.figure["axes"] if axes["title"].strip()
-    }  # twin axes share a title
-    panels = plot.main_panels
-    titled = [tuple(panel.facts["position"]) in places for panel in panels]
-    if (
-        plot.figure["title"].strip()
-        or any(len(t.strip()) > 2 for t in plot.figure["texts"])
-        or (titled and all(titled))
-    ):
+    figure, panels = plot.figure, plot.main_panels
+    places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
+    titled = [panel.axes.position in places for panel in panels]
+    if figure.title.strip() or any(len(text.strip()) > 2 for text in figure.texts) or (titled and all(titled)):
         return
-    columns = {panel.facts["position"][0] for panel, has in zip(panels, titled, strict=True) if has}
-    if len(panels) > 2 and columns >= {panel.facts["position"][0] for panel in panels}:
+    columns = {panel.axes.position[0] for panel, has in zip(panels, titled, strict=True) if has}
+    if len(panels) > 2 and columns >= {panel.axes.position[0] for panel in panels}:
         return  # one title over each column of panels
     raise Lost(
         "a title",
@@ -422,10 +408,10 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     for drawing in student.scripts():
         broken_off = broken_off or drawing.fault
         unread = unread or (drawing.fault is not None and drawing.fault.type in _NO_PYTHON)
-        seen = seen or next((_curves_in_words(f, drawing) for f in drawing.figures if _is_meant(f, drawing)), "")
-        pairs = [(f, _compared(student, f, drawing)) for f in drawing.figures]
+        seen = seen or next((_curves_in_words(figure) for figure in drawing.figures if _is_meant(figure)), "")
+        pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
-        saved = [of_it for figure, of_it in compared if figure["event"] == "saved"]
+        saved = [of_it for figure, of_it in compared if figure.is_saved]
         if saved:
             _names_are_right(saved)
             _noise_is_shown(saved, student)
@@ -462,23 +448,19 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     )
 
 
-def _compared(student: Student, figure: plots.Facts, drawing: Drawing) -> list[comparing.Compared]:
+def _compared(student: Student, figure: Figure) -> list[comparing.Compared]:
     """The raw and filtered curves; those of a filter that has been charged already go by their names."""
-    found = comparing.comparisons(figure, drawing.arrays)
-    charged = "LowPassFilter" in student.broken
-    return found or (comparing.named_comparisons(figure, drawing.arrays) if charged else [])
+    found = comparing.comparisons(figure)
+    return found or (comparing.named_comparisons(figure) if "LowPassFilter" in student.broken else [])
 
 
-def _is_meant(figure: Facts, drawing: Drawing) -> bool:
+def _is_meant(figure: Figure) -> bool:
     """Whether a figure is meant to compare raw and filtered data: its file's name says so, or its curves' names."""
-    return PurePath(figure["path"] or "").name == _COMPARISON or bool(
-        comparing.named_comparisons(figure, drawing.arrays)
-    )
+    return PurePath(figure.path or "").name == _COMPARISON or bool(comparing.named_comparisons(figure))
 
 
-def _curves_in_words(figure: Facts, drawing: Drawing) -> str:
-    series = comparing.series_drawn(figure, drawing.arrays)
-    unseen = comparing.unseen(figure, drawing.arrays)
+def _curves_in_words(figure: Figure) -> str:
+    series, unseen = comparing.series_drawn(figure), comparing.unseen(figure)
     if len(series) > 1 and unseen and not all(np.array_equal(one, series[0]) for one in series):
         named = f" “{_shown(unseen[0])}”" if unseen[0] else ""
         return f"a plot on which the curve{named} cannot be seen"

@@ -22,9 +22,7 @@ _SMALLEST_PX = 150
 def shows_something(student: Student, name: str) -> bool:
     """Whether a picture of that name was handed in, and may be a plot."""
     picture = student.picture(name)
-    if picture is None or not picture["readable"]:
-        return False
-    return bool(_INK[0] < picture["ink"] < _INK[1] and min(picture["size_px"]) >= _SMALLEST_PX)
+    return picture is not None and _INK[0] < picture.ink < _INK[1] and min(picture.size_px) >= _SMALLEST_PX
 
 
 def counts(student: Student, truth: Traces) -> bool:
@@ -37,7 +35,7 @@ def _counts(student: Student, truth: Traces) -> bool:
         return False
     picture = student.picture(PICTURE)
     assert picture is not None
-    shown = sensors_shown(picture["preview"], picture["palette"], series_of(truth, "push"))
+    shown = sensors_shown(picture.preview, picture.palette, series_of(truth, "push"))
     if shown == {0, 1}:
         student.note(
             f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
@@ -53,5 +51,5 @@ def _is_drawn(student: Student, truth: Traces) -> bool:
         pass
     figures = (figure for drawing in student.scripts() for figure in drawing.figures)
     return any(
-        has_curves(figure) and len(figure["axes"]) > 1 and "filter" not in str(figure["path"]) for figure in figures
+        has_curves(figure) and len(figure.axes) > 1 and "filter" not in (figure.path or "") for figure in figures
     )

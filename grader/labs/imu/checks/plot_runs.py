@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.engine.conversation import Missing
+from grader.engine.figures import Figure, Sight
 from grader.engine.findings import Raised, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import KEYS, Array, Drawing
 from grader.labs.imu.diagnosis import plots
-from grader.labs.imu.diagnosis.plots import Channel, Facts, Panel
-from grader.labs.imu.diagnosis.sight import Sight, together
+from grader.labs.imu.diagnosis.plots import Channel, Panel
+from grader.labs.imu.diagnosis.sight import together
 from grader.labs.imu.recordings import torso_ids
 from grader.labs.imu.student import Student
 
@@ -25,11 +26,10 @@ _ENOUGH = 0.5
 
 @dataclass(frozen=True)
 class Plot:
-    """The figure under judgement, its panels, and what else was drawn."""
+    """The figure under judgement, and its panels."""
 
-    figure: Facts
+    figure: Figure
     panels: list[Panel]
-    drawing: Drawing
 
     @property
     def main_panels(self) -> list[Panel]:
@@ -52,7 +52,7 @@ class Plot:
 
     def sight(self, channel: Channel) -> Sight:
         """What is seen of a channel in all panels together."""
-        return together(s.curve["sight"] for panel in self.panels for s in panel.shown if s.channel == channel)
+        return together(s.curve.sight for panel in self.panels for s in panel.shown if s.channel == channel)
 
     def cut_off(self) -> dict[Channel, Sight]:
         """The channels that the limits of the axes leave outside for the most part."""
@@ -117,17 +117,15 @@ def drawn_plot(student: Student, truth: Traces) -> Plot:
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
     """Each figure, and those that were saved as one: a picture for each sensor. Of equal ones the first counts."""
-    saved = [f for f in drawing.figures if f["event"] == "saved"]
-    ever_saved = [f for f in drawing.figures if f["event"] in ("saved", "overwritten")]
+    saved = [figure for figure in drawing.figures if figure.is_saved]
+    ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]
     joined = [plots.joined(figures) for figures in (saved, ever_saved) if len(figures) > 1]
-    drawn = (*drawing.figures, *joined)
     series = series_of(truth)
-    panels = student.once("panels", lambda: [plots.panels(f, drawing.arrays, series) for f in drawn])
-    return [Plot(figure, its, drawing) for figure, its in zip(drawn, panels, strict=True)]
+    return student.once("plots", lambda: [Plot(f, plots.panels(f, series)) for f in (*drawing.figures, *joined)])
 
 
 def _showing(plot: Plot) -> tuple[int, int, bool]:
-    return len(plot.drawn), len(plot.hidden), plot.figure["event"] == "saved"
+    return len(plot.drawn), len(plot.hidden), plot.figure.is_saved
 
 
 def limits_fit(student: Student, truth: Traces, plot: Plot) -> bool:
@@ -138,15 +136,13 @@ def limits_fit(student: Student, truth: Traces, plot: Plot) -> bool:
     if not plot.cut_off():
         return True
     drawing = drawing_of_data(student, truth, "push")
-    curves = [
-        curve for figure in drawing.figures for axes in figure["axes"] for curve in axes["curves"]
-        if curve["n"] >= plots.FEWEST_POINTS
-    ]  # fmt: skip
-    return bool(curves) and all(curve["sight"].inside.mean() >= _ENOUGH for curve in curves)
+    curves = [curve for figure in drawing.figures for axes in figure.axes for curve in axes.curves]
+    long = [curve for curve in curves if curve.n >= plots.FEWEST_POINTS]
+    return bool(long) and all(curve.sight.inside.mean() >= _ENOUGH for curve in long)
 
 
-def has_curves(figure: Facts) -> bool:
-    return any(curve["n"] > 3 for axes in figure["axes"] if axes["visible"] for curve in axes["curves"])
+def has_curves(figure: Figure) -> bool:
+    return any(curve.n > 3 for axes in figure.visible_axes for curve in axes.curves)
 
 
 def share(mask: np.ndarray) -> int:

@@ -8,9 +8,10 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.labs.imu.answers import Array, Arrays
+from grader.engine.figures import Axes, Curve, Figure
+from grader.labs.imu.answers import Array
 from grader.labs.imu.diagnosis.labels import says_raw, says_smooth, unit_of
-from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, Facts, is_reference, name_of, points_of
+from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, is_reference, name_of
 
 Index = NDArray[np.intp]
 
@@ -44,72 +45,64 @@ class Compared:
         return says_raw(self.raw) or says_smooth(self.smooth)
 
 
-def comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
+def comparisons(figure: Figure) -> list[Compared]:
     """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
-    drawn = [(axes, curve) for axes in figure["axes"] if axes["visible"] for curve in _seen_curves(axes, arrays)]
+    drawn = _seen_curves(figure)
     pairs = (
         (above, raw, below, smooth)
         for above, raw in drawn
         for below, smooth in drawn
-        if raw is not smooth and (above is below or unit_of(above["ylabel"]) == unit_of(below["ylabel"]))
+        if raw is not smooth and (above is below or unit_of(above.ylabel) == unit_of(below.ylabel))
     )
     return [
-        Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw, arrays)[1]))
+        Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw)[1]))
         for above, raw, below, smooth in islice(pairs, _MOST_PAIRS)
-        if _is_smoothed(*_at_the_same_points(_last_points(raw, arrays), _last_points(smooth, arrays)))
+        if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)))
     ]
 
 
-def _last_points(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
-    x, y = points_of(curve, arrays)
+def _last_points(curve: Curve) -> tuple[Array, Array]:
+    x, y = curve.points
     return x[-_MOST_POINTS:], y[-_MOST_POINTS:]
 
 
-def named_comparisons(figure: Facts, arrays: Arrays) -> list[Compared]:
+def named_comparisons(figure: Figure) -> list[Compared]:
     """Curves under the names of raw and filtered data in a figure, whatever the filter has made of them."""
-    named = [
-        (_name_on(axes, curve), curve)
-        for axes in figure["axes"] if axes["visible"]
-        for curve in _seen_curves(axes, arrays)
-    ]  # fmt: skip
+    named = [(_name_on(axes, curve), curve) for axes, curve in _seen_curves(figure)]
     return [
-        Compared(raw, smooth, _has_noise(_last_points(curve, arrays)[1]))
+        Compared(raw, smooth, _has_noise(_last_points(curve)[1]))
         for raw, curve in named if says_raw(raw)
         for smooth, _ in named if says_smooth(smooth)
     ]  # fmt: skip
 
 
-def series_drawn(figure: Facts, arrays: Arrays) -> list[Array]:
+def series_drawn(figure: Figure) -> list[Array]:
     """The values of every curve of data in a figure."""
-    return [points_of(c, arrays)[1] for axes in figure["axes"] if axes["visible"] for c in _long_curves(axes, arrays)]
+    return [curve.points[1] for axes in figure.visible_axes for curve in _long_curves(axes)]
 
 
-def unseen(figure: Facts, arrays: Arrays) -> list[str]:
+def unseen(figure: Figure) -> list[str]:
     """The names of the curves that are drawn, and that nobody sees."""
+    seen = [curve for _, curve in _seen_curves(figure)]
+    return [_name_on(axes, curve) for axes in figure.axes for curve in _long_curves(axes) if curve not in seen]
+
+
+def _name_on(axes: Axes, curve: Curve) -> str:
+    return name_of(curve, axes.legend, axes.texts) or ""
+
+
+def _seen_curves(figure: Figure) -> list[tuple[Axes, Curve]]:
     return [
-        _name_on(axes, curve)
-        for axes in figure["axes"]
-        for curve in _long_curves(axes, arrays)
-        if not (axes["visible"] and _is_seen(curve))
+        (axes, curve)
+        for axes in figure.visible_axes
+        for curve in _long_curves(axes)
+        if curve.visible and curve.sight.seen.mean() >= _SEEN
     ]
 
 
-def _name_on(axes: Facts, curve: Facts) -> str:
-    return name_of(curve, axes["legend"] or (), axes["texts"]) or ""
-
-
-def _seen_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
-    return [curve for curve in _long_curves(axes, arrays) if _is_seen(curve)]
-
-
-def _is_seen(curve: Facts) -> bool:
-    return bool(curve["visible"] and curve["sight"].seen.mean() >= _SEEN)
-
-
-def _long_curves(axes: Facts, arrays: Arrays) -> list[Facts]:
-    drawn = [c for c in axes["curves"] if c["kind"] != "nothing"]
-    long = [c for c in drawn if not is_reference(arrays[c["x"]], arrays[c["y"]])]
-    return [c for c in long if len(points_of(c, arrays)[1]) >= FEWEST_POINTS]
+def _long_curves(axes: Axes) -> list[Curve]:
+    drawn = [curve for curve in axes.curves if curve.kind != "nothing" and not is_reference(curve)]
+    return [curve for curve in drawn if len(curve.points[1]) >= FEWEST_POINTS]
 
 
 def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -> tuple[Array, Array, int]:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.labs.imu.diagnosis.sight import Array, Mask, Pixels, commonest
+from grader.engine.figures import Array, Mask
+from grader.labs.imu.diagnosis.sight import Pixels, commonest
 
 _DURATIONS = (5.0, 3.0, 10.0, 2.0, 1.2)  # s: the sheet's first
 _STRONG, _WEAK = (

@@ -1,4 +1,4 @@
-"""Reading a figure from its facts: which curve shows which channel, and under which name.
+"""Reading a figure: which curve shows which channel, and under which name.
 
 Curves are tied to the data that the plot function was given, not to their labels; the labels are then held against the curves.
 """
@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.labs.imu.answers import KEYS, Array, Arrays, Collection, column_named
+from grader.engine.figures import Axes, Curve, Entry, Figure, Placed
+from grader.labs.imu.answers import KEYS, Array, Collection, column_named
 from grader.labs.imu.diagnosis.labels import axis_of
 
 SENSORS = KEYS[1:]
@@ -22,7 +22,6 @@ _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not
 _MATCH = 1e-3
 """Of the channel's range. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more."""
 
-Facts = Mapping[str, Any]
 Channel = tuple[int, int]
 """Sensor 0 or 1, axis 0 to 2."""
 
@@ -35,7 +34,7 @@ class Shown:
     axis: int
     unit: str
     x: str
-    curve: Facts
+    curve: Curve
 
     @property
     def channel(self) -> Channel:
@@ -46,9 +45,9 @@ class Shown:
 class Panel:
     """One set of axes with what it shows: known channels, curves that show none, and channels whose curves nobody sees."""
 
-    facts: Facts
+    axes: Axes
     shown: tuple[Shown, ...]
-    strange: tuple[Facts, ...]
+    strange: tuple[Curve, ...]
     hidden: tuple[Shown, ...] = ()
 
     @property
@@ -67,7 +66,7 @@ class Panel:
 
     @property
     def area(self) -> float:
-        left, low, right, high = self.facts["position"]
+        left, low, right, high = self.axes.position
         return float((right - left) * (high - low))
 
     def is_inset_of(self, other: Panel) -> bool:
@@ -78,68 +77,67 @@ class Panel:
     @property
     def words(self) -> str:
         """Everything that is written on the panel to say what it shows."""
-        return " | ".join([self.facts["title"], self.facts["ylabel"]])
+        return " | ".join([self.axes.title, self.axes.ylabel])
 
 
-def joined(figures: Sequence[Facts]) -> Facts:
+def joined(figures: Sequence[Figure]) -> Figure:
     """Several figures as the panels of one, each with what its own figure says of all its panels."""
-    axes = [
-        one
-        | {key: one[key] or figure[key] for key in ("title", "xlabel", "ylabel")}
-        | {"legend": [*(one["legend"] or ()), *(entry for legend in figure["legends"] for entry in legend)]}
-        | {"position": [number + value for value in one["position"]]}  # no panel lies over one of another figure
-        for number, figure in enumerate(figures)
-        for one in figure["axes"]
-    ]
-    words = {"title": "", "xlabel": "", "ylabel": "", "legends": []}
-    return {**figures[0], **words, "axes": axes, "texts": [text for figure in figures for text in figure["texts"]]}
+    axes = tuple(_alone(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
+    texts = tuple(text for figure in figures for text in figure.texts)
+    return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts)
 
 
-def panels(figure: Facts, arrays: Arrays, series: Mapping[str, Array]) -> list[Panel]:
+def _alone(axes: Axes, figure: Figure, number: int) -> Axes:
+    left, low, right, high = axes.position
+    return replace(
+        axes,
+        title=axes.title or figure.title,
+        xlabel=axes.xlabel or figure.xlabel,
+        ylabel=axes.ylabel or figure.ylabel,
+        legend=axes.legend + figure.legend,
+        position=(number + left, number + low, number + right, number + high),  # over no panel of another figure
+    )
+
+
+def panels(figure: Figure, series: Mapping[str, Array]) -> list[Panel]:
     """The axes that hold at least one curve of data."""
-    found = []
-    for axes in figure["axes"]:
-        if axes["visible"]:
-            panel = _panel(axes, arrays, series)
-            if panel.shown or panel.strange or panel.hidden:
-                found.append(panel)
-    return found
+    found = (_panel(axes, series) for axes in figure.visible_axes)
+    return [panel for panel in found if panel.shown or panel.strange or panel.hidden]
 
 
-def _panel(axes: Facts, arrays: Arrays, series: Mapping[str, Array]) -> Panel:
+def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
     shown: list[Shown] = []
     hidden: list[Shown] = []
     strange = []
-    for curve in axes["curves"]:
-        if curve["kind"] == "nothing":
+    for curve in axes.curves:
+        if curve.kind == "nothing":
             continue
-        x, y = arrays[curve["x"]], arrays[curve["y"]]
-        match = _channel(x, y, series)
+        match = _channel(curve, series)
         if match is not None:
-            (shown if curve["visible"] else hidden).append(Shown(*match, curve))
-        elif curve["visible"] and not is_reference(x, y):
+            (shown if curve.visible else hidden).append(Shown(*match, curve))
+        elif curve.visible and not is_reference(curve):
             strange.append(curve)
     seen = {match.channel for match in shown}  # one channel drawn twice hides itself
     shown += [match for match in hidden if match.channel in seen]
     return Panel(axes, tuple(shown), tuple(strange), tuple(match for match in hidden if match.channel not in seen))
 
 
-def is_reference(x: Array, y: Array) -> bool:
+def is_reference(curve: Curve) -> bool:
     """Whether a curve is a line at a fixed value or moment: `axhline`, `axvline` and their like."""
-    return len(y) <= 3 or float(np.ptp(y)) == 0.0 or float(np.ptp(x)) == 0.0
+    return len(curve.y) <= 3 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
 
 
-def _channel(x: Array, y: Array, series: Mapping[str, Array]) -> tuple[int, int, str, str] | None:
-    if len(y) < FEWEST_POINTS:
+def _channel(curve: Curve, series: Mapping[str, Array]) -> tuple[int, int, str, str] | None:
+    if len(curve.y) < FEWEST_POINTS:
         return None
     time = series["time"]
-    for kind, stamps in _abscissae(x, time):
+    for kind, stamps in _abscissae(curve.x, time):
         for sensor, key in enumerate(SENSORS):
             for axis in range(3):
                 channel = series[key][:, axis]
                 wanted = np.interp(stamps, time, channel)
                 for unit, scale in _UNITS[sensor]:
-                    if np.all(np.abs(y - scale * wanted) <= _MATCH * scale * np.ptp(channel)):
+                    if np.all(np.abs(curve.y - scale * wanted) <= _MATCH * scale * np.ptp(channel)):
                         return sensor, axis, unit, kind
     return None
 
@@ -204,51 +202,42 @@ def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterato
 # --- legends -------------------------------------------------------------------------------------------------------------
 
 
-def names_of(panel: Panel, figure: Facts, arrays: Arrays) -> list[str | None]:
+def names_of(panel: Panel, figure: Figure) -> list[str | None]:
     """What the reader is told about each shown curve: its legend entry, or a text beside it."""
-    entries = list(panel.facts["legend"] or ()) + [entry for legend in figure["legends"] for entry in legend]
-    for other in figure["axes"]:
-        if other is not panel.facts and other["legend"] and other["position"] == panel.facts["position"]:
-            entries += other["legend"]  # twin axes share one legend
-    texts = panel.facts["texts"]
-    own = {s.curve["colour"] for s in panel.shown}
-    neutral = [text for text in texts if text["colour"] not in own]
-    room = _NEAR * float(np.ptp(panel.facts["y_limits"]))
-    return [name_of(s.curve, entries, texts) or _beside(s, neutral, arrays, room) for s in panel.shown]
+    axes = panel.axes
+    entries = [*axes.legend, *figure.legend]
+    for other in figure.axes:
+        if other is not axes and other.position == axes.position:
+            entries += other.legend  # twin axes share one legend
+    own = {s.curve.colour for s in panel.shown}
+    neutral = [text for text in axes.texts if text.colour not in own]
+    room = _NEAR * float(np.ptp(axes.y_limits))
+    return [name_of(s.curve, entries, axes.texts) or _beside(s, neutral, room) for s in panel.shown]
 
 
-def _beside(shown: Shown, texts: Sequence[Facts], arrays: Arrays, room: float) -> str | None:
+def _beside(shown: Shown, texts: Sequence[Placed], room: float) -> str | None:
     """A text in a colour of its own that names the curve's axis and stands near it.
 
     Where curves run close together nobody can tell which of them such a text stands nearest to, so none is called wrong by it.
     """
-    x, y = points_of(shown.curve, arrays)
+    x, y = shown.curve.points
     for text in texts:
-        at, height = text["place"]
+        at, height = text.place
         within = x.min() - _NEAR * np.ptp(x) <= at <= x.max() + _NEAR * np.ptp(x)
-        if within and y.min() - room <= height <= y.max() + room and axis_of(text["text"]) == shown.axis:
-            return str(text["text"])
+        if within and y.min() - room <= height <= y.max() + room and axis_of(text.text) == shown.axis:
+            return text.text
     return None
 
 
-def name_of(curve: Facts, entries: Sequence[Facts], texts: Sequence[Facts]) -> str | None:
-    alike = [e for e in entries if e["colour"] == curve["colour"]]
+def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> str | None:
+    alike = [e for e in entries if e.colour == curve.colour]
     most = max((_likeness(e, curve) for e in alike), default=None)
     for entry in (e for e in alike if _likeness(e, curve) == most):
-        if entry["text"].strip() and not entry["text"].startswith("_"):
-            return str(entry["text"])
-    beside = [t["text"] for t in texts if t["text"].strip() and t["colour"] == curve["colour"]]
-    return str(beside[0]) if beside else None
+        if entry.text.strip() and not entry.text.startswith("_"):
+            return entry.text
+    return next((text.text for text in texts if text.text.strip() and text.colour == curve.colour), None)
 
 
-def _likeness(entry: Facts, curve: Facts) -> tuple[bool, bool]:
+def _likeness(entry: Entry, curve: Curve) -> tuple[bool, bool]:
     """How far a legend's sample looks like a curve of its colour: by style and marker, then by dashes, width and opacity."""
-    style = (entry["style"], entry["marker"]) == (curve["style"], curve["marker"])
-    return style, entry["stroke"] == curve["stroke"]
-
-
-def points_of(curve: Facts, arrays: Arrays) -> tuple[Array, Array]:
-    """The points of a curve without those that are not drawn: while a filter warms up there is nothing to show."""
-    x, y = arrays[curve["x"]], arrays[curve["y"]]
-    known = np.isfinite(x) & np.isfinite(y)
-    return x[known], y[known]
+    return (entry.style, entry.marker) == (curve.style, curve.marker), entry.stroke == curve.stroke

@@ -8,17 +8,15 @@ point, goes from what is around it towards the curve's colour.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Arrays = Mapping[str, Array]
-Facts = Mapping[str, Any]
-Mask = NDArray[np.bool_]
+from grader.engine.figures import PARTS, Array, Axes, Curve, Figure, Mask, Sight
+
 Pixels = NDArray[np.float32]
 
 _TOWARDS = 0.3
@@ -27,33 +25,9 @@ _FAINTEST = 0.03  # difference of two colours, each channel 0 to 1, that nobody 
 _ASIDE = 0.05  # that two renderings of one colour differ by, blended or not
 _AROUND = 8  # pixels: how far what is around a point reaches
 _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
-FEWEST_SEEN = 0.12
-"""Of the parts of a curve. Of 30,000 curves of 5,000 random sound figures one has less, 0.07, and leaving it out changes hardly
-any column of the whole picture; the next has 0.13. Of 500 that are claimed and not drawn, among five that are, 426 have less; the
-others take the place of curves of their colour, or of mixtures of it (`python -m tests.benchmarks.pictures`)."""
 _NO_STROKE = ("None", "none", "", " ")
 _FEW = 6  # colours of other curves that one is seen through
 _SOME = 3  # pixels
-_PARTS = 100
-"""Of a curve along its abscissa: dashes and thinned points leave gaps, and are seen from part to part."""
-
-
-@dataclass(frozen=True)
-class Sight:
-    """How much of a curve is in the picture.
-
-    Attributes
-    ----------
-    inside, seen : (100,) ndarray of bool, which parts along its abscissa lie within the limits, and which of these can be seen
-    """
-
-    inside: Mask
-    seen: Mask
-
-    @property
-    def is_hidden(self) -> bool:
-        """Whether hardly anything can be seen of what lies within the limits."""
-        return bool(self.inside.any()) and float(self.seen.sum() / self.inside.sum()) < FEWEST_SEEN
 
 
 def together(sights: Iterable[Sight]) -> Sight:
@@ -73,37 +47,33 @@ class Patience:
         return self._left >= 0
 
 
-def looked_at(figure: Facts, arrays: Mapping[str, NDArray[Any]], patience: Patience) -> Facts:
-    """The figure with what is seen of each curve: `sight`, and whether it is `visible` at all."""
-    if not figure["axes"]:
+def looked_at(figure: Figure, patience: Patience) -> Figure:
+    """The figure with what is seen of each curve."""
+    if not figure.axes:
         return figure
-    found = sights(figure, arrays[figure["seen"]], arrays, patience)
     axes = [
-        {**panel, "curves": [
-            {**curve, "sight": sight, "visible": not sight.is_hidden}
-            for curve, sight in zip(panel["curves"], its, strict=True)
-        ]}
-        for panel, its in zip(figure["axes"], found, strict=True)
-    ]  # fmt: skip
-    return {**figure, "axes": axes}
+        replace(panel, curves=tuple(replace(c, sight=s) for c, s in zip(panel.curves, its, strict=True)))
+        for panel, its in zip(figure.axes, _sights(figure, patience), strict=True)
+    ]
+    return replace(figure, axes=tuple(axes))
 
 
-def sights(figure: Facts, pixels: NDArray[np.uint8], arrays: Arrays, patience: Patience) -> list[list[Sight]]:
+def _sights(figure: Figure, patience: Patience) -> list[list[Sight]]:
     """What is seen of each curve of each panel."""
-    picture = np.divide(pixels, 255, dtype=np.float32)
-    places = [[_places(panel, curve, figure, arrays) for curve in panel["curves"]] for panel in figure["axes"]]
+    picture = np.divide(figure.pixels, 255, dtype=np.float32)
+    places = [[_places(panel, curve, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken([place for panel in places for place in panel], picture.shape[:2])
     found = []
-    for panel, its in zip(figure["axes"], places, strict=True):
+    for panel, its in zip(figure.axes, places, strict=True):
         window = _window(panel, picture, free)
-        inks = [_inks(curve) for curve in panel["curves"]]
+        inks = [_inks(curve) for curve in panel.curves]
         found.append(
             [
-                _sight(curve, place, window, _others(inks, number), figure["dots"] / 72, arrays, patience)
-                for number, (curve, place) in enumerate(zip(panel["curves"], its, strict=True))
+                _sight(curve, place, window, _others(inks, number), figure.dots / 72, patience)
+                for number, (curve, place) in enumerate(zip(panel.curves, its, strict=True))
             ]
         )
-    return found  # fmt: skip
+    return found
 
 
 # --- where a curve must stand --------------------------------------------------------------------------------------------
@@ -119,14 +89,12 @@ class _Places:
     known: bool
 
 
-def _places(panel: Facts, curve: Facts, figure: Facts, arrays: Arrays) -> _Places:
-    x, y = arrays[curve["x"]], arrays[curve["y"]]
+def _places(panel: Axes, curve: Curve, figure: Figure) -> _Places:
     (across, across_known), (along, along_known) = (
-        _shares(values, panel[limits], scale)
-        for values, limits, scale in zip((x, y), ("x_limits", "y_limits"), panel["scales"], strict=True)
+        _shares(*each) for each in zip((curve.x, curve.y), (panel.x_limits, panel.y_limits), panel.scales, strict=True)
     )
-    left, low, right, high = panel["position"]
-    width, height = figure["extent"]
+    left, low, right, high = panel.position
+    width, height = figure.extent
     inside = (across >= 0) & (across <= 1) & (along >= 0) & (along <= 1)
     columns = np.where(inside, (left + across * (right - left)) * width, 0)
     rows = np.where(inside, height - (low + along * (high - low)) * height, 0)
@@ -196,14 +164,14 @@ class _Window:
         return np.where(count >= 4, total / np.maximum(count, 1), whole).astype(np.float32)
 
 
-def _window(panel: Facts, picture: Pixels, free: Mask) -> _Window | None:
+def _window(panel: Axes, picture: Pixels, free: Mask) -> _Window | None:
     """None where the panel is switched off, or no larger than a stroke."""
-    left, low, right, high = panel["position"]
+    left, low, right, high = panel.position
     height, width = picture.shape[:2]
     rows = slice(*sorted(int(np.clip(share * height, 0, height)) for share in (1 - high, 1 - low)))
     columns = slice(*sorted(int(np.clip(share * width, 0, width)) for share in (left, right)))
     small = min(abs(right - left), abs(high - low)) < _SMALLEST
-    if not panel["visible"] or small or rows.start == rows.stop or columns.start == columns.stop:
+    if not panel.visible or small or rows.start == rows.stop or columns.start == columns.stop:
         return None
     part, its = picture[rows, columns], free[rows, columns]
     ground = commonest(part[its] if its.any() else part)
@@ -212,8 +180,8 @@ def _window(panel: Facts, picture: Pixels, free: Mask) -> _Window | None:
     return _Window(its, ground, marked, off[marked], _boxed(its, marked), (rows.start, columns.start))
 
 
-def _inks(curve: Facts) -> list[Array]:
-    return [ink for ink in map(_rgba, curve["inks"]) if ink is not None]
+def _inks(curve: Curve) -> list[Array]:
+    return [ink for ink in map(_rgba, curve.inks) if ink is not None]
 
 
 def _others(inks: Sequence[Sequence[Array]], number: int) -> list[Array]:
@@ -222,40 +190,34 @@ def _others(inks: Sequence[Sequence[Array]], number: int) -> list[Array]:
 
 
 def _sight(
-    curve: Facts,
-    place: _Places,
-    window: _Window | None,
-    others: Sequence[Array],
-    scale: float,
-    arrays: Arrays,
-    patience: Patience,
+    curve: Curve, place: _Places, window: _Window | None, others: Sequence[Array], scale: float, patience: Patience
 ) -> Sight:
-    x = arrays[curve["x"]]
-    known = np.isfinite(x) & np.isfinite(arrays[curve["y"]])
+    x = curve.x
+    known = np.isfinite(x) & np.isfinite(curve.y)
     if not known.any():
-        nothing = np.zeros(_PARTS, bool)
+        nothing = np.zeros(PARTS, bool)
         return Sight(nothing, nothing)
     shown = np.zeros(len(x), bool)
     if window is not None:
-        shown = _shown_points(curve, place, window, others, scale * curve["width"], patience)
+        shown = _shown_points(curve, place, window, others, scale * curve.width, patience)
     inside = place.inside & known if place.known else known
     return _by_parts(x[known], inside[known], shown[known])
 
 
 def _by_parts(x: Array, inside: Mask, seen: Mask) -> Sight:
     """A part is inside, or seen, where the point next to its middle is, or any point within it."""
-    middles = x.min() + (np.arange(_PARTS) + 0.5) / _PARTS * np.ptp(x)
+    middles = x.min() + (np.arange(PARTS) + 0.5) / PARTS * np.ptp(x)
     order = np.argsort(x, kind="stable")
     next_to = order[np.clip(np.searchsorted(x[order], middles), 0, len(x) - 1)]
-    part = np.clip(((x - x.min()) / max(float(np.ptp(x)), 1e-300) * _PARTS).astype(np.intp), 0, _PARTS - 1)
+    part = np.clip(((x - x.min()) / max(float(np.ptp(x)), 1e-300) * PARTS).astype(np.intp), 0, PARTS - 1)
     within, shown = (
-        (np.bincount(part[which], minlength=_PARTS) > 0) | which[next_to] for which in (inside, inside & seen)
+        (np.bincount(part[which], minlength=PARTS) > 0) | which[next_to] for which in (inside, inside & seen)
     )
     return Sight(within, within & shown)
 
 
 def _shown_points(
-    curve: Facts, place: _Places, window: _Window, others: Sequence[Array], wide: float, patience: Patience
+    curve: Curve, place: _Places, window: _Window, others: Sequence[Array], wide: float, patience: Patience
 ) -> Mask:
     """Which points of a curve can be told from what is around them."""
     shown = np.zeros(len(place.rows), bool)
@@ -271,9 +233,9 @@ def _shown_points(
     return shown
 
 
-def _reach(curve: Facts, wide: float) -> int:
+def _reach(curve: Curve, wide: float) -> int:
     """How far from its point a curve may leave its colour: a hollow marker does at its rim."""
-    plain = curve["kind"] == "line" and curve["marker"] in _NO_STROKE
+    plain = curve.kind == "line" and curve.marker in _NO_STROKE
     return 1 if plain else 2 + int(min(wide, 6.0) / 2)
 
 
@@ -289,12 +251,12 @@ def _near(stands_out: Mask, place: _Places, window: _Window, reach: int) -> Mask
 
 
 def _strength(
-    window: _Window, ink: Array | None, others: Sequence[Array], curve: Facts, wide: float
+    window: _Window, ink: Array | None, others: Sequence[Array], curve: Curve, wide: float
 ) -> tuple[Pixels, float]:
     """How much of the curve's colour is in each marked pixel, 0 to 1, and how much of it the curve has to leave."""
     if ink is None:
         return _largest(window.off), 2 * _FAINTEST
-    opacity = ink[3] if ink[3] < 1 else min(max(curve["alpha"], 0.0), 1.0)
+    opacity = ink[3] if ink[3] < 1 else min(max(curve.alpha, 0.0), 1.0)
     way = ink[:3] - window.ground
     contrast = float(np.abs(way).max())
     if contrast * opacity < _FAINTEST:
@@ -302,7 +264,7 @@ def _strength(
     strength = share_of_way(window.off, way)
     for other in others:
         strength = np.maximum(strength, _share_beside(window.off, way, other - window.ground))
-    dotted = curve["kind"] == "points" or curve["style"] in _NO_STROKE
+    dotted = curve.kind == "points" or curve.style in _NO_STROKE
     promised = opacity * min(1.0, wide * wide / 4 if dotted else wide)
     return strength, max(_TOWARDS * promised, _FAINTEST / contrast)
 

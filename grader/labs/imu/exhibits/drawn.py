@@ -1,14 +1,15 @@
-"""What the student's code drew, from the facts that it is judged by: curves, labels, legends and titles."""
+"""What the student's code drew, from the figures that it is judged by: curves, labels, legends and titles."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from grader.engine import figures
 from grader.engine.evidence import Chart, Curve, Panel
+from grader.engine.figures import Axes, Entry, Figure
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.compare import Array
@@ -20,26 +21,24 @@ _CURVES = 12
 _FED = "A test recording was fed in, so the curves are not those of your own simulation."
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
-Facts = Mapping[str, Any]
-
 
 def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
     """What `plot_imu_data` drew, then what the scripts drew; of figures that look the same the first one."""
     told: set[tuple[object, ...]] = set()
     for drawing in (*([plotted] if plotted else []), *drawings):
-        for figure in sorted(drawing.figures, key=lambda facts: facts["event"] != "saved"):
-            panels = _panels(figure, drawing.arrays)
+        for figure in sorted(drawing.figures, key=lambda figure: not figure.is_saved):
+            panels = _panels(figure)
             look = tuple((panel.title, panel.y_label, len(panel.curves)) for panel in panels)
             if panels and look not in told and len(told) < _FIGURES:
                 told.add(look)
                 yield _chart(figure, panels, by_function=drawing is plotted)
 
 
-def _chart(figure: Facts, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
-    width, height = figure["size_px"]
-    saved = f"Saved, {width} × {height} pixels" if figure["event"] == "saved" else "Drawn and not saved"
+def _chart(figure: Figure, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
+    width, height = figure.size_px
+    saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn and not saved"
     who = "What plot_imu_data draws" if by_function else "What your files draw"
-    title = _words(figure["title"], 80)
+    title = _words(figure.title, 80)
     return Chart(
         "visualization",
         f"{who}: {title}" if title else who,
@@ -48,40 +47,37 @@ def _chart(figure: Facts, panels: tuple[Panel, ...], *, by_function: bool) -> Ch
     )
 
 
-def _panels(figure: Facts, arrays: Mapping[str, Array]) -> tuple[Panel, ...]:
-    found = (_panel(axes, figure, arrays) for axes in figure["axes"] if axes["visible"])
+def _panels(figure: Figure) -> tuple[Panel, ...]:
+    found = (_panel(axes, figure) for axes in figure.visible_axes)
     return tuple(panel for panel in found if panel.curves)[:_PANELS]
 
 
-def _panel(axes: Facts, figure: Facts, arrays: Mapping[str, Array]) -> Panel:
-    entries = axes["legend"] or [entry for legend in figure["legends"] for entry in legend]
-    across = _reach(axes, arrays)
+def _panel(axes: Axes, figure: Figure) -> Panel:
+    entries, across = axes.legend or figure.legend, _reach(axes)
     curves = [
-        _curve(each, entries, arrays, across)
-        for each in axes["curves"][:_CURVES]
-        if each["visible"] and each["n"] > 1 and each["kind"] != "nothing"
+        _curve(each, entries, across)
+        for each in axes.curves[:_CURVES]
+        if each.visible and each.n > 1 and each.kind != "nothing"
     ]
-    x_label, y_label = (_words(axes[key] or figure[key], 120) for key in ("xlabel", "ylabel"))
-    return Panel(_words(axes["title"], 120), x_label, y_label, tuple(each for each in curves if len(each.x) > 1))
+    x_label, y_label = _words(axes.xlabel or figure.xlabel, 120), _words(axes.ylabel or figure.ylabel, 120)
+    return Panel(_words(axes.title, 120), x_label, y_label, tuple(each for each in curves if len(each.x) > 1))
 
 
-def _reach(axes: Facts, arrays: Mapping[str, Array]) -> Array:
+def _reach(axes: Axes) -> Array:
     """First and last x of the curves that are more than a straight line."""
-    shown = [arrays[each["x"]] for each in axes["curves"] if each["visible"]]
-    ends = [x[[0, -1]] for x in shown if len(x) > 2]
+    ends = [each.x[[0, -1]] for each in axes.curves if each.visible and len(each.x) > 2]
     return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
 
 
-def _curve(each: Facts, entries: Iterable[Facts], arrays: Mapping[str, Array], across: Array) -> Curve:
+def _curve(each: figures.Curve, entries: Sequence[Entry], across: Array) -> Curve:
     """Named as the legend names it: a label that no legend shows is not seen by a reader either."""
-    colour = each["colour"] if _COLOUR.fullmatch(each["colour"]) else "#000000"
-    shown = [entry["text"] for entry in entries if entry["colour"] == each["colour"]]
-    name = each["label"] if each["label"] in shown else shown[0] if len(shown) == 1 else ""
-    x, y = arrays[each["x"]], arrays[each["y"]]
+    colour = each.colour if _COLOUR.fullmatch(each.colour) else "#000000"
+    shown = [entry.text for entry in entries if entry.colour == each.colour]
+    name = each.label if each.label in shown else shown[0] if len(shown) == 1 else ""
+    x, y = each.x, each.y
     if len(x) == len(y) == 2 and x[0] == 0 and x[1] == 1 and y[0] == y[1]:
         x = across  # axhline goes from border to border
-    n = min(len(x), len(y))
-    rows = thinned(n) if n else slice(0)
+    rows = thinned(len(x)) if len(x) else slice(0)
     return curve(_words(name, 60), "drawn", x[rows], y[rows], colour)
 
 

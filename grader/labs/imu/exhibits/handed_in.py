@@ -4,30 +4,29 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping
-from typing import Any
 
 from grader.engine.evidence import Chart
+from grader.engine.figures import Picture
 
 
-def chart(name: str, facts: Mapping[str, Any] | None) -> Chart | None:
+def chart(name: str, picture: Picture | None) -> Chart | None:
     """What the box made out of the picture `name`; None where it was not looked at or could not be read."""
-    if facts is None or not facts["readable"]:
+    if picture is None:
         return None
-    width, height = facts["size_px"]
+    width, height = picture.size_px
     return Chart(
         "visualization",
         f"{name} as it was handed in",
         f"{width} × {height} pixels, set here in fewer. It counts where no code of the submission draws it.",
-        png=_png(facts["preview"], facts["palette"]),
+        png=_png(picture),
     )
 
 
-def _png(preview: Any, palette: Any) -> str:
+def _png(picture: Picture) -> str:
     from PIL import Image  # noqa: PLC0415 - few submissions need it
 
-    picture = Image.fromarray(preview)
-    picture.putpalette(palette.tobytes())
+    image = Image.fromarray(picture.preview)
+    image.putpalette(picture.palette.tobytes())
     stream = io.BytesIO()
-    picture.save(stream, format="PNG", optimize=True)
+    image.save(stream, format="PNG", optimize=True)
     return base64.b64encode(stream.getvalue()).decode()

@@ -1,0 +1,22 @@
+"""What grading on an instructor's robot cannot see."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.traces import Traces
+
+_UNMOVED = 1e-3  # m/s², rad/s: less than what rows are told apart by
+
+
+def blind_spot(truth: Traces) -> str:
+    """What cannot be seen, in a sentence; "" for a robot whose IMU moves when it is pushed."""
+    push = truth["push"]
+    for key in ("acceleration", "angular_velocity"):
+        still = push[f"alt_no_push_{key}"]
+        if np.abs(push[key][: len(still)] - still).max() > _UNMOVED:
+            return ""
+    what = "the push moves nothing that its IMU reads"
+    return (
+        f"{truth.robot.file}: {what}, so a run without a push or from another start can hardly be told from a right one"
+    )
