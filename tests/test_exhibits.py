@@ -16,18 +16,20 @@ from grader.course.record import Key, Store
 from grader.engine import rubric, traces
 from grader.engine.conversation import Conversation
 from grader.engine.evidence import Chart, Evidence, Panel, packed, unpacked
+from grader.engine.figures import Sight
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
 from grader.intake import read_submission
 from grader.labs.imu import exhibits
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
-from grader.labs.imu.exhibits import filtering, motion, noise
+from grader.labs.imu.exhibits import drawn, filtering, motion, noise
 from grader.labs.imu.exhibits.points import curve, worst_of_each
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.report import charts as drawing
 from grader.report.pages import report_page
 from tests.examples import FOLDER
+from tests.judging.test_check_visualization import Sheet
 from tests.made_up import SHA
 from tests.made_up import result as made_up
 
@@ -181,6 +183,30 @@ def test_thinning_takes_the_worst_of_each_stretch() -> None:
     assert len(kept) <= 50
     assert {3, 500, 1000} <= set(kept.tolist())
     assert np.all(np.diff(kept) > 0)
+
+
+def test_what_nobody_sees_of_what_was_drawn_is_set_as_that() -> None:
+    """The last two of five seconds lie outside the limits of one curve; of another nothing can be seen; the third is whole."""
+    seen, hidden = Sight(np.ones(100, bool), np.ones(100, bool)), Sight(np.ones(100, bool), np.zeros(100, bool))
+    x = np.linspace(0.0, 5.0, 51)
+    cut, covered = Sheet().panels
+    cut = replace(cut, x_limits=(0.0, 3.0), y_limits=(-2.0, 2.0), curves=tuple(
+        replace(each, x=x, y=np.sin(x), n=51, sight=seen) for each in cut.curves[:1]
+    ))  # fmt: skip
+    covered = replace(covered, x_limits=(0.0, 5.0), y_limits=(-2.0, 2.0), curves=tuple(
+        replace(each, x=x, y=np.cos(x), n=51, sight=sight) for each, sight in zip(covered.curves, (hidden, seen), strict=False)
+    ))  # fmt: skip
+    sheet = Sheet()
+    sheet.says(axes=(cut, covered))
+    (chart,) = drawn.charts(sheet.drawing(), ())
+    first, second = chart.panels
+    assert [(c.name, c.role, c.x[0], c.x[-1]) for c in first.curves] == [
+        ("x", "drawn", 0.0, pytest.approx(3.1)), ("", "unseen", pytest.approx(3.1), 5.0),
+    ]  # fmt: skip
+    assert [(c.name, c.role, len(c.x)) for c in second.curves] == [("x", "unseen", 51), ("y", "drawn", 51)]
+    assert chart.caption.endswith("Nobody sees in the picture what is dotted.")
+    (whole,) = drawn.charts(Sheet().drawing(), ())
+    assert "dotted" not in whole.caption
 
 
 def test_points_that_cannot_be_drawn_are_left_out() -> None:

@@ -214,6 +214,12 @@ def _untitled(**words: Any) -> Callable[[], Student]:
     return drawn(_then(_says(0, title=""), _says(1, title=""), lambda sheet: sheet.says(**words)))
 
 
+def _with_a_panel_of_lengths(sheet: Sheet) -> None:
+    lengths = _curve(sheet.time, np.linalg.norm(sheet.rows[0], axis=1), "", "#123456")
+    beside = replace(sheet.panels[0], title="", position=(0.92, 0.1, 0.99, 0.9), curves=(lengths,), legend=())
+    sheet.says(axes=(*sheet.panels, beside))
+
+
 def _smooth(x: np.ndarray) -> np.ndarray:
     y = x.copy()
     for n in range(1, len(y)):
@@ -330,6 +336,7 @@ CASES = [
             ("one of two", _panel(0, title=" "), (0.5, ["no-title"])),
             ("of the figure", _untitled(title="IMU"), None),
             ("a text of the figure", _untitled(texts=("IMU",)), None),
+            ("another panel without, of other numbers", drawn(_with_a_panel_of_lengths), None),
             ("a letter as a text", _untitled(texts=("ab",)), (0.0, ["no-title"])),
         ],
         COMPARISON: [

@@ -374,7 +374,7 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
 def check_titles(student: Student, truth: Traces) -> None:
     """The panels, or the figure, have a title"""
     plot = plot_of(student, truth)
-    figure, panels = plot.figure, plot.main_panels
+    figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
     titled = [panel.axes.position in places for panel in panels]
     if figure.title.strip() or any(len(text.strip()) > 2 for text in figure.texts) or (titled and all(titled)):

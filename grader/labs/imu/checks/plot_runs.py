@@ -36,6 +36,11 @@ class Plot:
         """The panels that need words of their own: all but the insets."""
         return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
 
+    @property
+    def titled_panels(self) -> list[Panel]:
+        """Those of them that show the data; what else is drawn beside these may stand without a title."""
+        return [panel for panel in self.main_panels if panel.shown] or self.main_panels
+
     def of_sensor(self, sensor: int) -> list[Panel]:
         """The sensor's own panels; where it has none, those that it shares."""
         own = [panel for panel in self.panels if panel.mainly == {sensor}]

@@ -9,7 +9,7 @@ import numpy as np
 
 from grader.engine import figures
 from grader.engine.evidence import Chart, Curve, Panel
-from grader.engine.figures import Axes, Entry, Figure
+from grader.engine.figures import Axes, Entry, Figure, Mask
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.compare import Array
@@ -18,6 +18,8 @@ from grader.labs.imu.exhibits.points import curve, thinned
 _FIGURES = 3
 _PANELS = 6
 _CURVES = 12
+_PIECES = 20  # of a curve that goes in and out
+_UNSEEN = "Nobody sees in the picture what is dotted."
 _FED = "A test recording was fed in, so the curves are not those of your own simulation."
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
@@ -39,12 +41,9 @@ def _chart(figure: Figure, panels: tuple[Panel, ...], *, by_function: bool) -> C
     saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn and not saved"
     who = "What plot_imu_data draws" if by_function else "What your files draw"
     title = _words(figure.title, 80)
-    return Chart(
-        "visualization",
-        f"{who}: {title}" if title else who,
-        f"{saved}; set here from what the grader read of it and judges.{' ' + _FED if by_function else ''}",
-        panels,
-    )
+    unseen = any(each.role == "unseen" for panel in panels for each in panel.curves)
+    said = [f"{saved}; set here from what the grader read of it and judges.", _FED * by_function, _UNSEEN * unseen]
+    return Chart("visualization", f"{who}: {title}" if title else who, " ".join(filter(None, said)), panels)
 
 
 def _panels(figure: Figure) -> tuple[Panel, ...]:
@@ -55,9 +54,10 @@ def _panels(figure: Figure) -> tuple[Panel, ...]:
 def _panel(axes: Axes, figure: Figure) -> Panel:
     entries, across = axes.legend or figure.legend, _reach(axes)
     curves = [
-        _curve(each, entries, across)
+        piece
         for each in axes.curves[:_CURVES]
-        if each.visible and each.n > 1 and each.kind != "nothing"
+        if each.n > 1 and each.kind != "nothing"
+        for piece in _pieces(each, axes, entries, across)
     ]
     x_label, y_label = _words(axes.xlabel or figure.xlabel, 120), _words(axes.ylabel or figure.ylabel, 120)
     return Panel(_words(axes.title, 120), x_label, y_label, tuple(each for each in curves if len(each.x) > 1))
@@ -69,16 +69,34 @@ def _reach(axes: Axes) -> Array:
     return np.array([np.min(ends), np.max(ends)]) if ends else np.array([0.0, 1.0])
 
 
-def _curve(each: figures.Curve, entries: Sequence[Entry], across: Array) -> Curve:
-    """Named as the legend names it: a label that no legend shows is not seen by a reader either."""
+def _pieces(each: figures.Curve, axes: Axes, entries: Sequence[Entry], across: Array) -> Iterator[Curve]:
+    """What a reader sees of a curve, and what nobody does: all of one that is hidden, of others what the limits leave outside.
+
+    Named as the legend names it: a label that no legend shows is not seen by a reader either.
+    """
     colour = each.colour if _COLOUR.fullmatch(each.colour) else "#000000"
     shown = [entry.text for entry in entries if entry.colour == each.colour]
     name = each.label if each.label in shown else shown[0] if len(shown) == 1 else ""
     x, y = each.x, each.y
     if len(x) == len(y) == 2 and x[0] == 0 and x[1] == 1 and y[0] == y[1]:
         x = across  # axhline goes from border to border
-    rows = thinned(len(x)) if len(x) else slice(0)
-    return curve(_words(name, 60), "drawn", x[rows], y[rows], colour)
+    if not len(x):
+        return
+    rows = thinned(len(x))
+    seen = _within(x[rows], axes.x_limits) & _within(y[rows], axes.y_limits) & each.visible
+    turns = np.flatnonzero(np.diff(seen)) + 1
+    if len(turns) > _PIECES:
+        seen, turns = np.full(len(rows), each.visible), turns[:0]
+    for piece in np.split(np.arange(len(rows)), turns):
+        whole = rows[piece[0] : piece[-1] + 2]  # up to where the next one starts
+        there = bool(seen[piece[0]])
+        named = _words(name, 60) if there or not seen.any() else ""
+        yield curve(named, "drawn" if there else "unseen", x[whole], y[whole], colour)
+
+
+def _within(values: Array, limits: tuple[float, float]) -> Mask:
+    low, high = sorted(limits)
+    return np.asarray(~((values < low) | (values > high)))
 
 
 def _words(text: str, limit: int) -> str:
