@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +19,9 @@ from grader.ground.files import write_whole
 from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
+
+_AHEAD = 16
+"""Submissions whose files wait for the disk: some two megabytes."""
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
@@ -33,26 +38,60 @@ def write_class(out: Path, standings: Mapping[str, Standing], store: Store, lab:
 
 
 def publish(out: Path, standing: Standing, store: Store, lab: Lab) -> None:
-    """Write the two files of one submission, unless they are current.
+    """Write the two files of one submission, unless they are current."""
+    publish_all(out, [standing], store, lab)
+
+
+def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab) -> None:
+    """Write the two files of each submission, unless they are current.
 
     `result.json` holds the automatic marks alone; the report is made from the whole standing. Digests of both are on record. Charts
     stay as they stand in the report that is there, as long as they are those of the record.
     """
-    folder = out / "submissions" / standing.id
+    with ThreadPoolExecutor(
+        1
+    ) as disk:  # to put one file in another's place waits for the disk: the next is made meanwhile
+        ahead: deque[tuple[str, str, Future[None]]] = deque()
+        for standing in standings:
+            files, digests = _due(out / "submissions" / standing.id, standing, store, lab)
+            if files:
+                ahead.append((standing.id, digests, disk.submit(_write, files)))
+            while len(ahead) > _AHEAD:
+                _keep(store, *ahead.popleft())
+        for each in ahead:
+            _keep(store, *each)
+
+
+def _write(files: Mapping[Path, bytes]) -> None:
+    for path, content in files.items():
+        write_whole(path, content)
+
+
+def _keep(store: Store, id_: str, digests: str, written: Future[None]) -> None:
+    written.result()
+    store.keep_page_digest(id_, digests)
+
+
+def _due(folder: Path, standing: Standing, store: Store, lab: Lab) -> tuple[dict[Path, bytes], str]:
+    """The files of a submission that are not current, and the digests to keep once they are written."""
     known = _Known.of(store.page_digest(standing.id))
-    record = _record(folder / "result.json", standing, known)
-    facts = _digest(record, repr((standing.hand_in, standing.adjustments, standing.unseen)))
-    report = folder / "report.html"
-    if report.is_file() and (known.record, known.report) == (record, facts):
-        return
+    record, report = folder / "result.json", folder / "report.html"
+    result, files = repr(standing.result), {}
+    made_from = _digest(result, _bytes(record))
+    if made_from != known.record:
+        files[record] = to_json(standing.result).encode()
+        made_from = _digest(result, files[record])
+    facts = _digest(made_from, repr((standing.hand_in, standing.adjustments, standing.unseen)))
+    if report.is_file() and known.report == facts:
+        return files, f"{known.record} {known.report} {known.figures}"
     packed = store.packed_charts(standing.id)
     there = drawn_in(_bytes(report).decode("utf-8", "replace"))
     same = (
         _of_figures(there, standing, packed) == known.figures
     )  # to draw them takes ten times as long as all the rest of a page
     page = report_around(there if same else drawn(store.charts(standing.id)), standing, catalogue(lab))
-    write_whole(report, page)
-    store.keep_page_digest(standing.id, f"{record} {facts} {_of_figures(drawn_in(page), standing, packed)}")
+    files[report] = page.encode("utf-8", "replace")
+    return files, f"{made_from} {facts} {_of_figures(drawn_in(page), standing, packed)}"
 
 
 @dataclass(frozen=True)
@@ -67,17 +106,6 @@ class _Known:
     def of(cls, text: str) -> _Known:
         digests = text.split()
         return cls(*digests) if len(digests) == 3 else cls()
-
-
-def _record(path: Path, standing: Standing, known: _Known) -> str:
-    """Write `result.json` unless it is current; its digest."""
-    result = repr(standing.result)
-    there = _digest(result, _bytes(path))
-    if there == known.record:
-        return there
-    text = to_json(standing.result).encode()
-    write_whole(path, text)
-    return _digest(result, text)
 
 
 def _of_figures(figures: Drawn, standing: Standing, packed: bytes) -> str:

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
@@ -63,7 +64,7 @@ class Part:
     share: float
     unjudged: bool
     rows: Rows
-    folded: tuple[tuple[str, Rows], ...]
+    folded: Markup
     figures: Markup
 
 
@@ -106,12 +107,12 @@ _FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<sec
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
     """Charts, set. By far the most of what a page costs."""
-    figure = _environment().get_template("charts.html.j2").module.figure  # type: ignore[attr-defined] # a macro of it
+    macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, Markup] = {}
     for chart in shown:
         if (views := charts.views(chart)) or chart.png:
             set_ = Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
-            found[chart.part] = found.get(chart.part, Markup()) + figure(set_)
+            found[chart.part] = found.get(chart.part, Markup()) + macros.figure(set_)
     return found
 
 
@@ -274,14 +275,21 @@ def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part
     return Part(extension.id, title, words.extension_points(extension), share, False, rows, folded, set_)
 
 
-def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, tuple[tuple[str, Rows], ...]]:
+def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:
     """What has something to say, and what is folded below a heading."""
 
     rows = [(check.outcome, (_anchor(check), words.row(check, part, lab))) for check in checks]
     headings = {"skipped": "not reached", "passed": "earned"}
     folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}
     telling = tuple(row for outcome, row in rows if outcome not in headings)
-    return telling, tuple((f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
+    return telling, Markup().join(_folded(f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
+
+
+@lru_cache(maxsize=1024)
+def _folded(heading: str, rows: Rows) -> Markup:
+    """What was earned reads the same in most reports of a class."""
+    macros: Any = _environment().get_template("checks.html.j2").module
+    return Markup(macros.folded(heading, rows))
 
 
 def _many(count: int, what: str) -> str:
