@@ -18,7 +18,6 @@ from grader.course.kept import LARGEST, pack, unpack
 from grader.course.record import FILE_NAME, Store
 from grader.desk.cliques import cliques
 from grader.engine import rubric
-from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.findings import A_PERSON_MAY
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
@@ -227,7 +226,7 @@ NEEDY = (
     Student("open", {ADDRESS: None}, status="incomplete"),
     Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
     Student("torn", status="unreadable", notes=("It is no archive.",)),
-    Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"got": NOT_UNDERSTOOD.got}}),
+    Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"not_understood": True}}),
     Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
     Student("late", hand_in=HandIn(late=Lateness("", None))),
     Student("drew", notes=(f"imu_data.png was handed in: {A_PERSON_MAY} for it",)),
@@ -460,6 +459,9 @@ def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, ou
     desk.post("/cost", {"price:sensor-id-as-address": "1", "do": "mark"})
     assert [row(out, id_)["total"] for id_ in ("bob", "cyd")] == ["99", "98"]
     assert "99 / 100" in words(desk.get("/submission/bob").text)
+    desk.book.settled()
+    totals = {id_: words((out / "submissions" / id_ / "report.html").read_text()) for id_ in ("ada", "bob", "cyd")}
+    assert [f"{total} / 100" in totals[id_] for id_, total in (("ada", 100), ("bob", 99), ("cyd", 98))] == [True] * 3
 
 
 def test_a_rubric_that_is_none_is_refused_with_its_reasons(desk: Desk) -> None:
