@@ -8,6 +8,7 @@ import re
 import sqlite3
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,14 +17,15 @@ from grader import cli
 from grader.course.groups import groups
 from grader.course.kept import LARGEST, pack, unpack
 from grader.course.record import FILE_NAME, Store
-from grader.desk.cliques import cliques
+from grader.desk.cliques import Clique, cliques
+from grader.desk.looks import looks
 from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
-from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person
+from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person, Standing
 from grader.report.similarity import Pair
-from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, words
+from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, result_of, words
 
 ADDRESS, TITLES = "sensor_access.follows_address", "visualization.titles"
 MISTAKE = {"got": "x", "misconceptions": ("sensor-id-as-address",)}
@@ -254,6 +256,18 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
         only = words(desk.get("/?kind=alike").text)
         assert "twin1 l 100 , twin2 100 , twin3 100" in only
         assert "No .py" not in only
+
+
+def test_who_handed_in_the_same_files_is_not_listed_as_alike_as_well() -> None:
+    made = {id_: result_of(Student(id_)) for id_ in ("ada", "bob", "cyd")}
+    shared = made["ada"].provenance
+    standings = {
+        id_: Standing(id_, replace(each, provenance=made["cyd"].provenance if id_ == "cyd" else shared))
+        for id_, each in made.items()
+    }
+    groups = [Clique(("ada", "bob"), (1.0, 1.0), (50, 50)), Clique(("ada", "bob", "cyd"), (0.6, 1.0), (30, 50))]
+    listed = [(each.reason.kind, each.ids) for each in looks(standings, groups, {}, (), {})]
+    assert listed == [("same-files", ("ada", "bob")), ("alike", ("ada", "bob", "cyd"))]
 
 
 def test_a_tick_is_recorded_with_who_and_when_and_can_be_taken_back(tmp_path: Path) -> None:
