@@ -72,7 +72,7 @@ def stumbling(by: Rubric, bundle: Traces) -> Iterator[Marker]:
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A class of five: one of each case and a sound one, graded as `grade` does."""
+    """A class of seven: one of each case, a sound one and two that are the same, graded as `grade` does."""
     students, made = tmp_path_factory.mktemp("class"), tmp_path_factory.mktemp("graded") / "out"
     pictures = {
         name: (FOLDER / "s01-sheet-verbatim" / name).read_bytes() for name in ("imu_data.png", "filtered_imu.png")
@@ -84,6 +84,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "undrawn": {**undrawn(), **pictures},
         "png": pictures,
         "sound": verbatim(),
+        **dict.fromkeys(("twin1", "twin2"), edit(verbatim(), "filters.py", ("# Test filtering", "# Tests"))),
     }
     for name, files in folders.items():
         write(files, students / name)
@@ -136,3 +137,12 @@ def test_a_fault_of_ours_takes_no_point_and_the_sound_one_is_not_listed(desk: De
     assert (standings["ours"].final, standings["nearly"].final, standings["sound"].final) == (None, 89.5, 100.0)
     found = desk.book.on_thread(lambda: all_looks(desk.book))
     assert [each.reason.kind for each in found if each.id == "sound"] == []
+
+
+def test_two_who_handed_in_the_sheets_own_code_are_told_as_the_same_and_as_no_more(desk: Desk) -> None:
+    page = words(desk.get("/alike/twin1/twin2").text)
+    assert "They handed in the same files, byte for byte." in page
+    assert page.count("Nothing that is shared goes beyond what the sheet and the kit give") == 2
+    assert "byte for byte" not in words(desk.get("/alike/twin1/sound").text)
+    ((_, sentence, _),) = listed(desk, "same-files")
+    assert sentence == "2 handed in the same files."
