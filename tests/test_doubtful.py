@@ -139,6 +139,15 @@ def test_a_fault_of_ours_takes_no_point_and_the_sound_one_is_not_listed(desk: De
     assert [each.reason.kind for each in found if each.id == "sound"] == []
 
 
+def test_pictures_without_any_code_are_shown_to_whoever_looks(desk: Desk) -> None:
+    page = desk.get("/submission/png").text
+    addresses = re.findall(r'src="(/submission/png/picture/[^"]*)"', page)
+    sent = {desk.get(address).data for address in addresses}
+    assert sent == {
+        (FOLDER / "s01-sheet-verbatim" / name).read_bytes() for name in ("imu_data.png", "filtered_imu.png")
+    }
+
+
 def test_two_who_handed_in_the_sheets_own_code_are_told_as_the_same_and_as_no_more(desk: Desk) -> None:
     page = words(desk.get("/alike/twin1/twin2").text)
     assert "They handed in the same files, byte for byte." in page
