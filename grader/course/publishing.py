@@ -85,13 +85,15 @@ def _due(folder: Path, standing: Standing, store: Store, lab: Lab) -> tuple[dict
     if report.is_file() and known.report == facts:
         return files, f"{known.record} {known.report} {known.figures}"
     packed = store.packed_charts(standing.id)
-    there = drawn_in(_bytes(report).decode("utf-8", "replace"))
-    same = (
-        _of_figures(there, standing, packed) == known.figures
-    )  # to draw them takes ten times as long as all the rest of a page
-    page = report_around(there if same else drawn(store.charts(standing.id)), standing, catalogue(lab))
+    figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
+    drawn_anew = _of_figures(figures, standing, packed) != of_figures
+    if drawn_anew:  # takes ten times as long as all the rest of a page
+        figures = drawn(store.charts(standing.id))
+    page = report_around(figures, standing, catalogue(lab))
+    if drawn_anew:
+        of_figures = _of_figures(drawn_in(page), standing, packed)
     files[report] = page.encode("utf-8", "replace")
-    return files, f"{made_from} {facts} {_of_figures(drawn_in(page), standing, packed)}"
+    return files, f"{made_from} {facts} {of_figures}"
 
 
 @dataclass(frozen=True)
