@@ -8,6 +8,7 @@ import re
 import sqlite3
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,15 +17,15 @@ from grader import cli
 from grader.course.groups import groups
 from grader.course.kept import LARGEST, pack, unpack
 from grader.course.record import FILE_NAME, Store
-from grader.desk.cliques import cliques
+from grader.desk.cliques import Clique, cliques
+from grader.desk.looks import looks
 from grader.engine import rubric
-from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.findings import A_PERSON_MAY
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
-from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person
+from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person, Standing
 from grader.report.similarity import Pair
-from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, words
+from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, result_of, words
 
 ADDRESS, TITLES = "sensor_access.follows_address", "visualization.titles"
 MISTAKE = {"got": "x", "misconceptions": ("sensor-id-as-address",)}
@@ -227,7 +228,7 @@ NEEDY = (
     Student("open", {ADDRESS: None}, status="incomplete"),
     Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
     Student("torn", status="unreadable", notes=("It is no archive.",)),
-    Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"got": NOT_UNDERSTOOD.got}}),
+    Student("odd", {ADDRESS: 0.0}, {ADDRESS: {"not_understood": True}}),
     Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
     Student("late", hand_in=HandIn(late=Lateness("", None))),
     Student("drew", notes=(f"imu_data.png was handed in: {A_PERSON_MAY} for it",)),
@@ -255,6 +256,18 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
         only = words(desk.get("/?kind=alike").text)
         assert "twin1 l 100 , twin2 100 , twin3 100" in only
         assert "No .py" not in only
+
+
+def test_who_handed_in_the_same_files_is_not_listed_as_alike_as_well() -> None:
+    made = {id_: result_of(Student(id_)) for id_ in ("ada", "bob", "cyd")}
+    shared = made["ada"].provenance
+    standings = {
+        id_: Standing(id_, replace(each, provenance=made["cyd"].provenance if id_ == "cyd" else shared))
+        for id_, each in made.items()
+    }
+    groups = [Clique(("ada", "bob"), (1.0, 1.0), (50, 50)), Clique(("ada", "bob", "cyd"), (0.6, 1.0), (30, 50))]
+    listed = [(each.reason.kind, each.ids) for each in looks(standings, groups, {}, (), {})]
+    assert listed == [("same-files", ("ada", "bob")), ("alike", ("ada", "bob", "cyd"))]
 
 
 def test_a_tick_is_recorded_with_who_and_when_and_can_be_taken_back(tmp_path: Path) -> None:
@@ -460,6 +473,9 @@ def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, ou
     desk.post("/cost", {"price:sensor-id-as-address": "1", "do": "mark"})
     assert [row(out, id_)["total"] for id_ in ("bob", "cyd")] == ["99", "98"]
     assert "99 / 100" in words(desk.get("/submission/bob").text)
+    desk.book.settled()
+    totals = {id_: words((out / "submissions" / id_ / "report.html").read_text()) for id_ in ("ada", "bob", "cyd")}
+    assert [f"{total} / 100" in totals[id_] for id_, total in (("ada", 100), ("bob", 99), ("cyd", 98))] == [True] * 3
 
 
 def test_a_rubric_that_is_none_is_refused_with_its_reasons(desk: Desk) -> None:

@@ -117,7 +117,10 @@ def test_the_labs_folder_is_found_up_to_four_levels_down(tmp_path: Path, pack: P
 @EVERY_WAY
 def test_five_levels_down_nothing_is_found(tmp_path: Path, pack: Pack) -> None:
     submission = read_submission(pack(tmp_path, below("a/b/c/d/e")), LAB.files)
-    assert (submission.status, submission.files) == ("empty", {})
+    assert (submission.status, submission.files) == (
+        "empty",
+        {f"a/b/c/d/e/{name}": text for name, text in HANDED_IN.items()},
+    )
     assert submission.notes == (
         "No .py or .ipynb file was found up to 4 folders down.",
         "There is code further down, in a/b/c/d/e; hand in that folder itself.",

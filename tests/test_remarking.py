@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
@@ -25,6 +25,8 @@ from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.people.lateness import judged
 from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
+from grader.report import charts
+from grader.report.pages import drawn_in
 from grader.sandbox.box import Box
 from tests.examples import FOLDER, folders
 from tests.made_up import Nobody, lost, result
@@ -139,6 +141,7 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
     by = changed(PRICES, text=SHIPPED + LATE)
     keep(tmp_path / "anew", changed())
     with Store(tmp_path / "anew") as store:
+        written(tmp_path / "anew", store)
         after = remarking.remark(tmp_path / "anew", store, by)
         for standing in after.values():
             publish(tmp_path / "anew", standing, store, LAB)
@@ -155,6 +158,46 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
     assert len(names) > 2 * 3
     for name in names:
         assert (tmp_path / "anew" / name).read_bytes() == (tmp_path / "again" / name).read_bytes(), name
+
+
+def written(out: Path, store: Store) -> dict[str, bytes]:
+    """Every report, up to date."""
+    for standing in publish_class(out, store, LAB).values():
+        publish(out, standing, store, LAB)
+    return {path.parent.name: path.read_bytes() for path in sorted(out.glob("submissions/*/report.html"))}
+
+
+def test_other_points_leave_the_charts_of_a_report_as_they_stand_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    keep(tmp_path, changed())
+    with Store(tmp_path) as store:
+        before = written(tmp_path, store)
+        with monkeypatch.context() as nothing:
+            nothing.setattr(charts, "views", lambda _: pytest.fail("a chart was drawn again"))
+            remarking.remark(tmp_path, store, changed(PRICES))
+            after = written(tmp_path, store)
+            assert written(tmp_path, store) == after
+        figures = [(drawn_in(before[id_].decode()), drawn_in(after[id_].decode())) for id_ in before]
+    assert all(before[id_] != after[id_] for id_ in before)
+    assert all(old == new for old, new in figures)
+    assert len(figures[0][0]) > 2
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda page: page.replace(b"<polyline", b"<line", 1), lambda page: page[:60_000], lambda page: b""]
+)
+def test_charts_that_are_not_as_they_were_written_are_drawn_again(
+    tmp_path: Path, damage: Callable[[bytes], bytes]
+) -> None:
+    names = ("s02-vectorised",)
+    keep(tmp_path / "damaged", changed(), names)
+    keep(tmp_path / "whole", changed(PRICES), names)
+    report = tmp_path / "damaged" / "submissions" / names[0] / "report.html"
+    with Store(tmp_path / "damaged") as store, Store(tmp_path / "whole") as other:
+        report.write_bytes(damage(written(tmp_path / "damaged", store)[names[0]]))
+        remarking.remark(tmp_path / "damaged", store, changed(PRICES))
+        assert written(tmp_path / "damaged", store) == written(tmp_path / "whole", other)
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,26 @@ def test_what_a_check_found_is_written_in_fields_and_as_one_text_and_read_back()
     assert from_dict(record).criteria[0].checks == (found,)
 
 
+def test_an_answer_that_was_not_understood_is_a_field_of_its_check_and_no_other_has_it() -> None:
+    odd = lost(id="filtering.titles", not_understood=True)
+    record = to_dict(result(check(), odd))
+    VALID.validate(record)
+    rows = record["criteria"][0]["checks"]
+    assert [row.get("not_understood") for row in rows] == [None, True]
+    assert from_dict(record).criteria[0].checks[1].not_understood
+    rows[1]["not_understood"] = "yes"
+    with pytest.raises(ValueError, match="no such result"):
+        from_dict(record)
+
+
+@pytest.mark.parametrize(
+    "made", [*RESULTS, result(lost(where=Where("lab.py", 3)), lost(misconceptions=()), notes=("é\n", "\u2028"))]
+)
+def test_the_text_is_set_as_json_sets_it(made: Result) -> None:
+    plain = json.dumps(to_dict(made), indent=2, ensure_ascii=False)
+    assert to_json(made) == plain.replace("\u2028", "\\u2028") + "\n"
+
+
 def test_a_record_from_before_there_were_fields_keeps_its_message() -> None:
     record = to_dict(result(check("failed", 0.0, expected="a", got="b")))
     row = record["criteria"][0]["checks"][0]

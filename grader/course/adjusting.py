@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
-from grader.course.publishing import publish, write_class
+from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
@@ -94,8 +94,8 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str =
         said = store.adjustments()
         after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
         write_class(out, after, store, lab)
-        for id_ in dict.fromkeys(each.id for each in made if each.fresh):
-            publish(out, after[id_], store, lab)
+        fresh = dict.fromkeys(each.id for each in made if each.fresh)
+        publish_all(out, (after[id_] for id_ in fresh), store, lab)
     return [_told(each, after[each.id]) for each in made]
 
 

@@ -15,7 +15,7 @@ from grader.course import cluster
 from grader.course.kept import pack
 from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
-from grader.course.publishing import publish, publish_class
+from grader.course.publishing import publish, publish_all, publish_class
 from grader.course.record import Key, Store
 from grader.course.remarks import forgotten, outdated, remarks
 from grader.engine.evidence import Evidence
@@ -223,8 +223,7 @@ class _Run:
 
     def publish_known(self) -> None:
         """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
-        for standing in self._audience.pages(self._known):
-            publish(self._order.out, standing, self._store, self._order.rubric.lab)
+        publish_all(self._order.out, self._audience.pages(self._known), self._store, self._order.rubric.lab)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
+from grader import __version__
 from grader.course.record import Store
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
@@ -14,7 +18,10 @@ from grader.engine.results import to_json
 from grader.ground.files import write_whole
 from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
-from grader.report.pages import index_page, report_page
+from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
+
+_AHEAD = 16
+"""Submissions whose files wait for the disk: some two megabytes."""
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
@@ -31,22 +38,90 @@ def write_class(out: Path, standings: Mapping[str, Standing], store: Store, lab:
 
 
 def publish(out: Path, standing: Standing, store: Store, lab: Lab) -> None:
-    """Write the two files of one submission, unless they are current.
+    """Write the two files of one submission, unless they are current."""
+    publish_all(out, [standing], store, lab)
 
-    `result.json` holds the automatic marks alone; the report is made from the whole standing. A digest of both is on record.
+
+def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab) -> None:
+    """Write the two files of each submission, unless they are current.
+
+    `result.json` holds the automatic marks alone; the report is made from the whole standing. Digests of both are on record. Charts
+    stay as they stand in the report that is there, as long as they are those of the record.
     """
-    folder = out / "submissions" / standing.id
-    known = store.page_digest(standing.id)
-    if (folder / "report.html").is_file() and known == _digest(standing, _bytes(folder / "result.json")):
-        return
-    text = to_json(standing.result)
-    write_whole(folder / "report.html", report_page(standing, store.charts(standing.id), catalogue(lab)))
-    write_whole(folder / "result.json", text)
-    store.keep_page_digest(standing.id, _digest(standing, text.encode()))
+    with ThreadPoolExecutor(
+        1
+    ) as disk:  # to put one file in another's place waits for the disk: the next is made meanwhile
+        ahead: deque[tuple[str, str, Future[None]]] = deque()
+        for standing in standings:
+            files, digests = _due(out / "submissions" / standing.id, standing, store, lab)
+            if files:
+                ahead.append((standing.id, digests, disk.submit(_write, files)))
+            while len(ahead) > _AHEAD:
+                _keep(store, *ahead.popleft())
+        for each in ahead:
+            _keep(store, *each)
 
 
-def _digest(standing: Standing, record: bytes) -> str:
-    return hashlib.sha256(repr(standing).encode("utf-8", "replace") + record).hexdigest()
+def _write(files: Mapping[Path, bytes]) -> None:
+    for path, content in files.items():
+        write_whole(path, content)
+
+
+def _keep(store: Store, id_: str, digests: str, written: Future[None]) -> None:
+    written.result()
+    store.keep_page_digest(id_, digests)
+
+
+def _due(folder: Path, standing: Standing, store: Store, lab: Lab) -> tuple[dict[Path, bytes], str]:
+    """The files of a submission that are not current, and the digests to keep once they are written."""
+    known = _Known.of(store.page_digest(standing.id))
+    record, report = folder / "result.json", folder / "report.html"
+    result, files = repr(standing.result), {}
+    made_from = _digest(result, _bytes(record))
+    if made_from != known.record:
+        files[record] = to_json(standing.result).encode()
+        made_from = _digest(result, files[record])
+    facts = _digest(made_from, repr((standing.hand_in, standing.adjustments, standing.unseen)))
+    if report.is_file() and known.report == facts:
+        return files, f"{known.record} {known.report} {known.figures}"
+    packed = store.packed_charts(standing.id)
+    figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
+    drawn_anew = _of_figures(figures, standing, packed) != of_figures
+    if drawn_anew:  # takes ten times as long as all the rest of a page
+        figures = drawn(store.charts(standing.id))
+    page = report_around(figures, standing, catalogue(lab))
+    if drawn_anew:
+        of_figures = _of_figures(drawn_in(page), standing, packed)
+    files[report] = page.encode("utf-8", "replace")
+    return files, f"{made_from} {facts} {of_figures}"
+
+
+@dataclass(frozen=True)
+class _Known:
+    """Digests of what the files of a submission were made from, and of the charts in its report; "" where none is on record."""
+
+    record: str = ""
+    report: str = ""
+    figures: str = ""
+
+    @classmethod
+    def of(cls, text: str) -> _Known:
+        digests = text.split()
+        return cls(*digests) if len(digests) == 3 else cls()
+
+
+def _of_figures(figures: Drawn, standing: Standing, packed: bytes) -> str:
+    """What they were drawn from, by which program, for which parts; and how they came out."""
+    parts = [part.id for part in standing.result.parts if part.checks]
+    return _digest(__version__, repr(parts), packed, *(figures[part] for part in parts if part in figures))
+
+
+def _digest(*facts: str | bytes) -> str:
+    digest = hashlib.sha256()
+    for fact in facts:
+        content = fact if isinstance(fact, bytes) else fact.encode("utf-8", "replace")
+        digest.update(len(content).to_bytes(8, "little") + content)
+    return digest.hexdigest()
 
 
 def _bytes(path: Path) -> bytes:

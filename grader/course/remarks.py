@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.results import Result
 from grader.ground.text import printable
 from grader.people.standing import Adjustment, HandIn, Standing, summed, under, worth
@@ -63,7 +62,7 @@ def _outdated(standing: Standing, adjustment: Adjustment) -> str:
 
 
 def not_understood(result: Result) -> bool:
-    return any(check.got == NOT_UNDERSTOOD.got for part in result.parts for check in part.checks)
+    return any(check.not_understood for part in result.parts for check in part.checks)
 
 
 def equal(standings: Iterable[Standing]) -> Iterator[list[str]]:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from grader.course.adjusting import Made, Wish, decide
 from grader.course.kept import Kept, unpack
-from grader.course.publishing import publish, publish_class
+from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Appeal, Store, Tick
 from grader.course.remarking import remark
 from grader.desk.cliques import Clique, cliques
@@ -131,9 +131,9 @@ class Classbook:
 
     def mark_by(self, rubric: Rubric) -> None:
         """Mark the class anew by another rubric, from what is on record."""
-        remark(self.out, self._store, rubric)
+        marked = remark(self.out, self._store, rubric)
         self.rubric, self._seen = rubric, -1
-        self._publisher.changed(id_ for id_, _ in self._store.history())  # it may have been at work on them meanwhile
+        self._publisher.changed(marked)
 
     def appeals(self) -> list[Appeal]:
         return self._store.appeals()
@@ -208,5 +208,4 @@ class _Publisher:
     def _publish(self, ids: set[str]) -> None:
         with _Beside(self._out, self._keep) as store:
             standings = publish_class(self._out, store, self._lab)
-            for id_ in sorted(ids):
-                publish(self._out, standings[id_], store, self._lab)
+            publish_all(self._out, (standings[id_] for id_ in sorted(ids)), store, self._lab)

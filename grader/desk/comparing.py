@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from starlette.responses import Response
 
 from grader.course.groups import alike
+from grader.course.remarks import equal
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.code import Line, coloured, source
@@ -53,8 +54,10 @@ def show(book: Classbook, ask: Ask) -> Response:
         raise RequestError("There is no such pair")
     shared = book.shared(first.id, second.id)
     pair = next((each for each in book.alikes().pairs if {each.first, each.second} == {first.id, second.id}), None)
-    sides = [(each, excerpts(book.kept(each).files, shared)) for each in (first, second)]
-    return framed(book, ask, "pair.html.j2", sides=sides, pair=pair, others=_others(book, first, second))
+    kept = [book.kept(each).files for each in (first, second)]
+    sides = [(each, excerpts(files, shared), bool(files)) for each, files in zip((first, second), kept, strict=True)]
+    same = any(equal((first, second)))
+    return framed(book, ask, "pair.html.j2", sides=sides, pair=pair, same=same, others=_others(book, first, second))
 
 
 def _others(book: Classbook, first: Standing, second: Standing) -> list[Pair]:

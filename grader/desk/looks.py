@@ -160,11 +160,13 @@ def _near_a_boundary(standing: Standing, result: Result) -> Iterator[Reason]:
 def _of_several(
     standings: Mapping[str, Standing], cliques: Sequence[Clique]
 ) -> Iterator[tuple[tuple[str, ...], Reason]]:
-    for ids in equal(standings.values()):
-        yield tuple(ids), Reason("same-files", f"{len(ids)} handed in the same files.", tuple(ids))
+    same = [tuple(ids) for ids in equal(standings.values())]
+    for ids in same:
+        yield ids, Reason("same-files", f"{len(ids)} handed in the same files.", ids)
     for clique in cliques:
-        share = f"{100 * clique.share[1]:.0f} % of the smaller one's own code"
-        yield clique.ids, Reason("alike", f"Code that is alike beyond the sheet, up to {share}.", clique.ids)
+        if not any(set(ids) >= set(clique.ids) for ids in same):  # that the same files are alike is no second reason
+            share = f"{100 * clique.share[1]:.0f} % of the smaller one's own code"
+            yield clique.ids, Reason("alike", f"Code that is alike beyond the sheet, up to {share}.", clique.ids)
 
 
 def _appeal(appeal: Appeal) -> Reason:

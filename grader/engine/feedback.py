@@ -26,6 +26,7 @@ class Told:
     expected: str = ""
     got: str = ""
     where: Where | None = None
+    not_understood: bool = False
 
     @property
     def message(self) -> str:
@@ -149,7 +150,8 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the harness was changed" in str(finding) else ()
     got = "something that is not an answer to the question asked"
-    return Told("crashed", 0.0, expected="an answer", got=got, hint=NOT_UNDERSTOOD.hint, mistakes=named)
+    hint = NOT_UNDERSTOOD.hint
+    return Told("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)
 
 
 def no_answer(outcome: Outcome, why: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Told:
@@ -165,5 +167,6 @@ NOT_UNDERSTOOD = Told(
     expected="an answer as the lab sheet describes it",
     got="one that could not be understood",
     hint="Return plain arrays and numbers of the sheet's shapes; a note asks your instructor to look at it.",
+    not_understood=True,
 )
 """Words for an answer that the judging stumbles over, although it takes those of sound code."""

@@ -222,6 +222,7 @@ class Marker:
             misconceptions=told.mistakes,
             duration_s=round(judgement.duration_s, 4),
             keeps=told.keeps,
+            not_understood=told.not_understood,
         )
 
     def _provenance(self, submission: Submission) -> dict[str, Any]:

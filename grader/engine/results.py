@@ -11,7 +11,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Literal, get_args
 
 from grader.engine.evidence import Evidence
@@ -28,7 +28,8 @@ class CheckResult:
     """One row: what one check found. `points` is None when the grader could not judge.
 
     It says either a sentence, `said`, or what was `expected` and what came, `got`, which may have further lines; and `where` in the
-    student's files. `keeps` is the share of its points that is earned, whatever those are worth: what `marks` marks anew.
+    student's files. `keeps` is the share of its points that is earned, whatever those are worth: what `marks` marks anew. With
+    `not_understood` an answer came that nobody could make anything of: a person has to look at it.
     """
 
     id: str
@@ -45,6 +46,7 @@ class CheckResult:
     misconceptions: tuple[str, ...] = ()
     duration_s: float = 0.0
     keeps: float | None = field(default=None, compare=False, repr=False)
+    not_understood: bool = False
 
     @property
     def message(self) -> str:
@@ -195,6 +197,7 @@ def _row(check: CheckResult) -> dict[str, Any]:
         "lab_step": check.lab_step,
         "misconceptions": list(check.misconceptions),
         "duration_s": check.duration_s,
+        **({"not_understood": True} if check.not_understood else {}),
     }
 
 
@@ -221,9 +224,32 @@ def _extra_credit(result: Result) -> dict[str, Any]:
 
 def to_json(result: Result) -> str:
     """The text of `result.json`: UTF-8 safe, sorted as the contract lists the fields, ending in a newline."""
-    text = json.dumps(to_dict(result), indent=2, ensure_ascii=False, allow_nan=False)
+    text = _indented(to_dict(result), "\n")
     shown = _UNSEEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
     return shown.encode("utf-8", "replace").decode("utf-8") + "\n"
+
+
+def _indented(value: Any, line: str) -> str:
+    """As `json.dumps` sets it with ``indent=2``, which writes number by number: here what holds no filled list is set at once."""
+    within = line + "  "
+    if not _holds(value):
+        return _encoder(line).encode(value)
+    if not any(map(_holds, value.values() if isinstance(value, dict) else value)):
+        text = _encoder(within).encode(value)
+        return f"{text[0]}{within}{text[1:-1]}{line}{text[-1]}"
+    if isinstance(value, dict):
+        rows = [f"{_encoder(line).encode(key)}: {_indented(each, within)}" for key, each in value.items()]
+        return f"{{{within}{f',{within}'.join(rows)}{line}}}"
+    return f"[{within}{f',{within}'.join([_indented(each, within) for each in value])}{line}]"
+
+
+def _holds(value: object) -> bool:
+    return isinstance(value, (dict, list)) and bool(value)
+
+
+@lru_cache
+def _encoder(line: str) -> json.JSONEncoder:
+    return json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(f",{line}", ": "))
 
 
 _UNSEEN = re.compile(
@@ -284,6 +310,7 @@ def _hold_to_their_kinds(result: Result) -> None:
         or not all(check.outcome in _OUTCOMES for check in checks)
         or not all(isinstance(each, (int, float)) for each in (*numbers, *points, result.duration_s))
         or not all(isinstance(text, str) for text in (*texts, *(place.file for place in places)))
+        or not all(isinstance(check.not_understood, bool) for check in checks)
         or not all(place.line is None or isinstance(place.line, int) for place in places)
         or not isinstance(result.provenance, dict)
     ):

@@ -39,7 +39,7 @@ class Submission:
         Its original name.
     files
         Relative posix path to the file's bytes: first what is inside the lab's folder, then what lies beside it and above,
-        by its path there. Empty unless `status` is "ready".
+        by its path there. Unless `status` is "ready" nothing runs: they are what there was to find, by its path from the top.
     notes
         Sentences for the report, safe to print.
     status
@@ -99,10 +99,10 @@ def read_submission(
     try:
         pile = _gather(path, sources)
     except Unreadable as reason:
-        return _without_files(id, name, "unreadable", (str(reason),))
+        return _nothing_to_mark(id, name, "unreadable", (str(reason),), {})
     layout = lay_out(pile, required)
     if layout is None:
-        return _without_files(id, name, *_nothing_found(pile))
+        return _nothing_to_mark(id, name, *_nothing_found(pile), pile.files)
     levels = {**dict.fromkeys(layout.inside, 0), **layout.above}
     files = {path: pile.files[outwards(layout.folder, level) + path] for path, level in levels.items()}
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
@@ -112,7 +112,7 @@ def read_submission(
 
 def unread(id: str, name: str, why: str) -> Submission:
     """A submission that could not be read, for a reason that lies outside this package."""
-    return _without_files(id, name, "unreadable", (why,))
+    return _nothing_to_mark(id, name, "unreadable", (why,), {})
 
 
 def _gather(path: Path, sources: Sources) -> Pile:
@@ -166,10 +166,12 @@ def _nothing_found(pile: Pile) -> tuple[Literal["empty", "unreadable"], tuple[st
     return ("unreadable" if pile.broken or alone else "empty"), (*said, *pile.notes())
 
 
-def _without_files(id: str, name: str, status: Literal["empty", "unreadable"], notes: tuple[str, ...]) -> Submission:
-    """No files to hash: the notes stand in, so that another fault makes another record."""
-    digest = _digest((note, status.encode()) for note in notes)
-    return Submission(id, name, {}, notes, status, digest)
+def _nothing_to_mark(
+    id: str, name: str, status: Literal["empty", "unreadable"], notes: tuple[str, ...], files: Mapping[str, bytes]
+) -> Submission:
+    """Files are for people to look at. The notes are hashed with them, so that another fault makes another record."""
+    digest = _digest([*((note, status.encode()) for note in notes), *files.items()])
+    return Submission(id, name, files, notes, status, digest)
 
 
 def _digest(items: Iterable[tuple[str, bytes]]) -> str:

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
@@ -63,8 +64,8 @@ class Part:
     share: float
     unjudged: bool
     rows: Rows
-    folded: tuple[tuple[str, Rows], ...]
-    figures: tuple[Figure, ...] = ()
+    folded: Markup
+    figures: Markup
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,32 @@ class ByHand:
     author: str
 
 
+Drawn = Mapping[str, Markup]
+"""The charts of each part, by its id, as they stand in a page."""
+_FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<section id="'
+
+
+def drawn(shown: Iterable[Chart]) -> Drawn:
+    """Charts, set. By far the most of what a page costs."""
+    macros: Any = _environment().get_template("charts.html.j2").module
+    found: dict[str, Markup] = {}
+    for chart in shown:
+        if (views := charts.views(chart)) or chart.png:
+            set_ = Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
+            found[chart.part] = found.get(chart.part, Markup()) + macros.figure(set_)
+    return found
+
+
+def drawn_in(page: str) -> Drawn:
+    """The same, out of a page that has them. Words of a student hold no tag there."""
+    found = {}
+    for section in page.split(_SECTION)[1:]:
+        starts, ends = section.find(_FIGURE), section.rfind(_FIGURE_ENDS)
+        if 0 <= starts < ends:
+            found[section.partition('"')[0]] = Markup(section[starts : ends + len(_FIGURE_ENDS)])
+    return found
+
+
 def report_page(
     standing: Standing, shown: tuple[Chart, ...] = (), catalogue: Mapping[str, Mistake] | None = None
 ) -> str:
@@ -113,6 +140,11 @@ def report_page(
     catalogue
         The lab's mistakes, to explain those that are named.
     """
+    return report_around(drawn(shown), standing, catalogue)
+
+
+def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mistake] | None = None) -> str:
+    """The same around charts that are drawn already."""
     result = standing.result
     extensions = [extension for extension in result.extensions if extension.checks]
     return _page(
@@ -126,11 +158,11 @@ def report_page(
         late=_late(standing),
         by_hand=_by_hand(standing),
         status=words.STATUS[result.status],
-        parts=[_criterion(criterion, standing, shown) for criterion in result.criteria],
-        extensions=[_extension(extension, result.lab, shown) for extension in extensions],
+        parts=[_criterion(criterion, standing, figures) for criterion in result.criteria],
+        extensions=[_extension(extension, result.lab, figures) for extension in extensions],
         losses=_losses(result, catalogue or {}),
         marked=result.status not in ("empty", "unreadable"),
-        charts=bool(shown),
+        charts=bool(figures),
         extra_credit=words.extra_credit(result),
         notes=words.notes(result),
         provenance=_provenance(result),
@@ -224,45 +256,44 @@ def _inlined(name: str) -> tuple[Markup, str]:
     return Markup(text), f"sha256-{digest}"
 
 
-def _criterion(criterion: CriterionResult, standing: Standing, shown: tuple[Chart, ...]) -> Part:
+def _criterion(criterion: CriterionResult, standing: Standing, figures: Drawn) -> Part:
     """With the points that count: those by hand, where a person gave some."""
     points = standing.points(criterion)
     share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
     rows, folded = _rows(criterion.checks, criterion.id, standing.result.lab)
     told = words.fraction(points, criterion.max_points)
     title = printable(criterion.title, 300)
-    figures = _figures(criterion.id, shown)
-    return Part(criterion.id, title, told, round(share, 1), points is None, rows, folded, figures)
+    set_ = figures.get(criterion.id, Markup())
+    return Part(criterion.id, title, told, round(share, 1), points is None, rows, folded, set_)
 
 
-def _extension(extension: ExtensionResult, lab: LabName, shown: tuple[Chart, ...]) -> Part:
+def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part:
     share = round(100 * extension.points / extension.max_points, 1) if extension.max_points else 0.0
     rows, folded = _rows(extension.checks, extension.id, lab)
     title = printable(extension.id.replace("_", " ").capitalize(), 300)
-    figures = _figures(extension.id, shown)
-    return Part(extension.id, title, words.extension_points(extension), share, False, rows, folded, figures)
+    set_ = figures.get(extension.id, Markup())
+    return Part(extension.id, title, words.extension_points(extension), share, False, rows, folded, set_)
 
 
-def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, tuple[tuple[str, Rows], ...]]:
+def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:
     """What has something to say, and what is folded below a heading."""
 
     rows = [(check.outcome, (_anchor(check), words.row(check, part, lab))) for check in checks]
     headings = {"skipped": "not reached", "passed": "earned"}
     folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}
     telling = tuple(row for outcome, row in rows if outcome not in headings)
-    return telling, tuple((f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
+    return telling, Markup().join(_folded(f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
+
+
+@lru_cache(maxsize=1024)
+def _folded(heading: str, rows: Rows) -> Markup:
+    """What was earned reads the same in most reports of a class."""
+    macros: Any = _environment().get_template("checks.html.j2").module
+    return Markup(macros.folded(heading, rows))
 
 
 def _many(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _figures(part: str, shown: tuple[Chart, ...]) -> tuple[Figure, ...]:
-    return tuple(
-        Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
-        for chart in shown
-        if chart.part == part and ((views := charts.views(chart)) or chart.png)
-    )
 
 
 def _anchor(check: CheckResult) -> str:
