@@ -3,10 +3,11 @@ from __future__ import annotations
 import base64
 import io
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from PIL import Image
 from grader.course.record import Key, Store
 from grader.engine import rubric, traces
 from grader.engine.conversation import Conversation
-from grader.engine.evidence import Chart, Evidence, Panel, packed, unpacked
+from grader.engine.evidence import Chart, Evidence, Panel, Role, packed, unpacked
 from grader.engine.figures import Sight
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
@@ -201,9 +202,9 @@ def test_what_nobody_sees_of_what_was_drawn_is_set_as_that() -> None:
     (chart,) = drawn.charts(sheet.drawing(), ())
     first, second = chart.panels
     assert [(c.name, c.role, c.x[0], c.x[-1]) for c in first.curves] == [
-        ("x", "drawn", 0.0, pytest.approx(3.1)), ("", "unseen", pytest.approx(3.1), 5.0),
+        ("x", "drawn", 0.0, pytest.approx(3.1)), ("", "not-seen", pytest.approx(3.1), 5.0),
     ]  # fmt: skip
-    assert [(c.name, c.role, len(c.x)) for c in second.curves] == [("x", "unseen", 51), ("y", "drawn", 51)]
+    assert [(c.name, c.role, len(c.x)) for c in second.curves] == [("x", "not-seen", 51), ("y", "drawn", 51)]
     assert chart.caption.endswith("Nobody sees in the picture what is dotted.")
     (whole,) = drawn.charts(Sheet().drawing(), ())
     assert "dotted" not in whole.caption
@@ -322,3 +323,8 @@ def test_a_curve_runs_from_border_to_border() -> None:
 
 def test_a_chart_is_told_in_words() -> None:
     assert view(0.0, 1.0).told == "Chart of a: y from 0 to 1, over x from 1 to 2."
+
+
+def test_no_role_of_a_curve_is_a_class_that_means_something_else() -> None:
+    style = (Path(drawing.__file__).parent / "templates" / "style.css").read_text(encoding="utf-8")
+    assert [role for role in get_args(Role) if re.search(rf"(?m)^\.{role}\b(?![-.])", style)] == ["bars"]

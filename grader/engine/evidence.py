@@ -13,7 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-Role = Literal["x", "y", "z", "true-x", "true-y", "true-z", "own", "wanted", "model", "raw", "bars", "drawn", "unseen"]
+Role = Literal[
+    "x", "y", "z", "true-x", "true-y", "true-z", "own", "wanted", "model", "raw", "bars", "drawn", "not-seen"
+]
 """How a curve is set: an axis, the truth beneath it, the student's own, the sheet's, a law, an input, bars, as it was drawn, or as
 it was drawn where nobody sees it."""
 

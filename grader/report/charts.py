@@ -13,7 +13,7 @@ _TOP, _BOTTOM, _RIGHT = 8, 26, 10
 _DIGIT = 7.6  # width of one in the ticks' font
 _INTERVALS = 5  # about
 _WIDE = ("true-x", "true-y", "true-z", "wanted")
-_SPOKEN = {"bars": "bars", "model": "dashed line", "unseen": "not to be seen in the picture"} | dict.fromkeys(
+_SPOKEN = {"bars": "bars", "model": "dashed line", "not-seen": "not to be seen in the picture"} | dict.fromkeys(
     _WIDE, "wide line"
 )
 
@@ -83,7 +83,7 @@ def _view(panel: Panel) -> View:
         strokes=strokes,
         legend=_legend(strokes),
         told=_told(panel, curves, x, y),
-        as_drawn=any(curve.role in ("drawn", "unseen") for curve in curves),
+        as_drawn=any(curve.role in ("drawn", "not-seen") for curve in curves),
     )
 
 

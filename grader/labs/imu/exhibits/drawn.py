@@ -41,7 +41,7 @@ def _chart(figure: Figure, panels: tuple[Panel, ...], *, by_function: bool) -> C
     saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn and not saved"
     who = "What plot_imu_data draws" if by_function else "What your files draw"
     title = _words(figure.title, 80)
-    unseen = any(each.role == "unseen" for panel in panels for each in panel.curves)
+    unseen = any(each.role == "not-seen" for panel in panels for each in panel.curves)
     said = [f"{saved}; set here from what the grader read of it and judges.", _FED * by_function, _UNSEEN * unseen]
     return Chart("visualization", f"{who}: {title}" if title else who, " ".join(filter(None, said)), panels)
 
@@ -91,7 +91,7 @@ def _pieces(each: figures.Curve, axes: Axes, entries: Sequence[Entry], across: A
         whole = rows[piece[0] : piece[-1] + 2]  # up to where the next one starts
         there = bool(seen[piece[0]])
         named = _words(name, 60) if there or not seen.any() else ""
-        yield curve(named, "drawn" if there else "unseen", x[whole], y[whole], colour)
+        yield curve(named, "drawn" if there else "not-seen", x[whole], y[whole], colour)
 
 
 def _within(values: Array, limits: tuple[float, float]) -> Mask:
