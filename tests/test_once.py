@@ -143,12 +143,11 @@ def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(marker
     )
 
 
-def test_biases_in_each_others_place_bear_no_name_of_another_mistake(marker: Marker) -> None:
+def test_biases_in_each_others_place_are_told_as_that(marker: Marker) -> None:
     change = ("accel + self.accel_bias", "accel + self.gyro_bias"), ("gyro + self.gyro_bias", "gyro + self.accel_bias")
     noise = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *change))
     (row,) = (check for check in noise.checks if check.outcome != "passed")
-    assert (row.id, row.misconceptions) == ("noise_model.given_bias", ())
-    assert row.hint.endswith("and at the bias that each one gets (Step 5).")
+    assert (row.id, row.misconceptions) == ("noise_model.given_bias", ("biases-exchanged",))
 
 
 def test_a_filter_that_is_negated_is_charged_for_its_recursion_and_the_report_says_where_the_rest_went(
