@@ -247,6 +247,85 @@ FAULTY = [
 # --- sound ones ---------------------------------------------------------------------------------------------------------------
 
 _CANVAS = ("fig.canvas.draw()", "pixels = np.asarray(fig.canvas.buffer_rgba())")
+_HEAD = "import matplotlib.pyplot as plt\nimport numpy as np\n\n\n"
+_SENSORS = '(("acceleration", "m/s^2"), ("angular_velocity", "rad/s"))'
+
+_ANIMATED = f'''\
+def plot_imu_data(imu_data):
+    from matplotlib.animation import FuncAnimation
+
+    fig, axes = plt.subplots(2, 1, sharex=True)
+    lines, t = [], imu_data["time"]
+    for ax, (key, unit) in zip(axes, {_SENSORS}):
+        lines += [(ax.plot([], [], label=name)[0], imu_data[key][:, k]) for k, name in enumerate("xyz")]
+        low, high = imu_data[key].min(), imu_data[key].max()
+        ax.set(title=key, ylabel=f"{{key}} [{{unit}}]", xlim=(0, t[-1]), ylim=(low, high))
+        ax.legend()
+    axes[1].set_xlabel("time [s]")
+
+    def update(n):
+        for line, y in lines:
+            line.set_data(t[:n], y[:n])
+        return [line for line, _ in lines]
+
+    animation = FuncAnimation(fig, update, frames=range(1, len(t) + 1, 50), interval=20, repeat=False)
+    plt.show()
+    update(len(t))
+    fig.savefig("imu_data.png")
+    return animation
+'''
+
+_IN_PAUSES = f'''\
+def plot_imu_data(imu_data):
+    plt.ion()
+    fig, axes = plt.subplots(2, 1, sharex=True)
+    n = len(imu_data["time"])
+    for stop in (n // 3, 2 * n // 3, n):
+        for ax, (key, unit) in zip(axes, {_SENSORS}):
+            ax.cla()
+            ax.plot(imu_data["time"][:stop], imu_data[key][:stop], label=["x", "y", "z"])
+            ax.set(title=key, ylabel=f"{{key}} [{{unit}}]")
+            ax.legend()
+        axes[1].set_xlabel("time [s]")
+        plt.pause(0.01)
+    plt.ioff()
+    plt.savefig("imu_data.png")
+'''
+
+_WRAPPED = f'''\
+def draw(*args, plotter=None, **options):
+    return (plotter or plt.plot)(*args, **options)
+
+
+def plot_imu_data(imu_data):
+    plt.figure(figsize=(9, 7))
+    for n, (key, unit) in enumerate({_SENSORS}, start=1):
+        plt.subplot(2, 1, n)
+        for k, name in enumerate("XYZ"):
+            draw(imu_data["time"], imu_data[key][:, k], label=name)
+        plt.title(key)
+        plt.ylabel(f"{{key}} [{{unit}}]")
+        plt.xlabel("time [s]")
+        plt.legend()
+    plt.savefig("imu_data.png")
+'''
+
+
+def _beside(projection: str, drawn: str) -> dict[str, str]:
+    """Each panel has another one beside it, without words, which shows the same in another way."""
+    return lab(plot=f'''\
+def plot_imu_data(imu_data):
+    fig = plt.figure(figsize=(12, 8))
+    for n, (key, unit) in enumerate({_SENSORS}):
+        ax = fig.add_subplot(2, 2, 1 + 2 * n)
+        ax.plot(imu_data["time"], imu_data[key], label=["x", "y", "z"])
+        ax.set(title=key, ylabel=f"{{key}} [{{unit}}]", xlabel="time [s]")
+        ax.legend()
+        fig.add_subplot(2, 2, 2 + 2 * n, projection="{projection}").plot({drawn})
+    fig.savefig("imu_data.png")
+''')
+
+
 _SOUND = {
     "saved-by-pillow": _saved(*_CANVAS, "from PIL import Image", "Image.fromarray(pixels).convert('RGB').save('imu_data.png')", "plt.close(fig)"),
     "saved-by-imsave": _saved(*_CANVAS, "plt.imsave('imu_data.png', pixels)", "plt.close(fig)"),
@@ -289,6 +368,13 @@ _SOUND = {
     "room-made-by-the-layout": _plot(("sharex=True)", "sharex=True, layout='constrained')"), (_LAYOUT, "")),
     "equal-axes": _late("bottom.set_aspect('auto')", "top.set_box_aspect(0.2)"),
     "saved-tight": _saved("fig.savefig('imu_data.png', bbox_inches='tight', dpi=100)", "plt.close(fig)"),
+    "an-inset-of-the-start": _on_each("inset = ax.inset_axes([0.6, 0.1, 0.35, 0.35])", "for line in list(ax.lines):", "    inset.plot(*(row[:100] for row in line.get_data()))", "ax.indicate_inset_zoom(inset)"),
+    "in-space-beside": _beside("3d", "*imu_data[key].T"),
+    "round-a-pole-beside": _beside("polar", "np.arctan2(imu_data[key][:, 1], imu_data[key][:, 0]), np.linalg.norm(imu_data[key], axis=1)"),
+    "an-animation-that-ends": lab(plot=_ANIMATED),
+    "drawn-in-pauses": lab(plot=_IN_PAUSES),
+    "through-a-wrapper": lab(plot=_WRAPPED),
+    "by-another-file": lab(plot="import plots\n\n\ndef plot_imu_data(imu_data):\n    plots.make(imu_data)\n") | {"plots.py": _HEAD + PLOT_LOOP.replace("plot_imu_data", "make")},
     "drawn-twice": _on_each("for line in list(ax.lines):", "    ax.plot(*line.get_data(), color=line.get_color(), alpha=0.3, linewidth=5)"),
 }  # fmt: skip
 
