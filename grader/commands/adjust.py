@@ -29,7 +29,7 @@ def adjust(
         bool, typer.Option("--withdraw", help="Give the criterion its automatic points again.")
     ] = False,
     undo: Annotated[
-        bool, typer.Option("--undo", help="Take the last word on it back: what stood before stands again.")
+        bool, typer.Option("--undo", help="Take the last adjustment back: the one before it counts again.")
     ] = False,
     having: Annotated[
         str | None,
@@ -37,7 +37,7 @@ def adjust(
     ] = None,
     take_back: Annotated[
         int | None,
-        typer.Option("--take-back", metavar="N", help="Take decision N on several back, as the list numbers it."),
+        typer.Option("--take-back", metavar="N", help="Take back decision N, which was on several people; the list has the numbers."),
     ] = None,
     table: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE", help="Many: columns id, criterion, points, comment.")

@@ -10,7 +10,7 @@ import typer
 
 def diff(
     first: Annotated[Path, typer.Argument(metavar="OUT1", help="A graded class.")],
-    second: Annotated[Path, typer.Argument(metavar="OUT2", help="The same class, graded otherwise.")],
+    second: Annotated[Path, typer.Argument(metavar="OUT2", help="The same class, graded another time.")],
 ) -> int:
     """Tell whose marks moved from one grading to another, by which checks, and what had changed.
 

@@ -45,8 +45,9 @@ def export(
 ) -> int:
     """Write the final points of a graded class as a platform's upload.
 
-    A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Who is not in
-    both is told, and keeps what the file had; so is who had another grade there. csv is a table for everything else.
+    A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Rows of people
+    who are not in the class stay as they were; these people, those of the class who have no row, and every grade that is replaced
+    are listed. csv is a table for everything else.
 
     \b
     Examples:
