@@ -194,7 +194,7 @@ NAMES = [
     Edit("default-raises", changed(plot=("(imu_data):", "(imu_data=DATA):")), {"visualization": 16}, ("visualization",)),
     Edit("ids-are-deleted", below("plotting", "del accel_id, gyro_id"), {"visualization": 4}),
     Edit("model-is-deleted", below("filtering", "del model, data, imu_data")),
-    Edit("reader-is-deleted", below("plotting", "del get_imu_readings"), {"sensor_access": 20, "visualization": 2}, ("sensor_access",)),
+    Edit("reader-is-deleted", below("plotting", "del get_imu_readings"), {"sensor_access": 20, "visualization": 4}, ("sensor_access",)),
     Edit("defined-in-a-try", {**STEPS, "filter": "try:\n    import scipy\n" + "".join(f"    {line}" if line.strip() else line for line in STEPS["filter"].splitlines(True)) + "except ImportError:\n    pass\n"}),
     Edit("defined-in-an-if", {**STEPS, "noise": "if True:\n" + "".join(f"    {line}" if line.strip() else line for line in STEPS["noise"].splitlines(True))}),
     Edit("functions-in-a-loop", above("recorder", "for name in ('accel', 'gyro'):\n    exec(f'def read_{name}(): return {name}_id')")),
