@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -196,6 +197,14 @@ def test_rows_that_one_treatment_makes_are_the_same_run(change: Callable[[np.nda
 def test_rows_of_chance_are_no_treatment_of_any_run() -> None:
     series = recorded(slice(None), lambda x: RNG.normal(0, 9.81, x.shape))
     assert collection.explain_altered(series, WORLDS) is None
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("shorter", collection.SENSORS)
+def test_a_sensor_with_fewer_rows_than_the_other_is_told_as_far_as_both_reach(shorter: str) -> None:
+    series = recorded(slice(None), np.negative)
+    series = replace(series, **{shorter: getattr(series, shorter)[:-3]})
+    assert collection.explain_altered(series, WORLDS) == Story(altered=collection.SENSORS)
 
 
 @pytest.mark.quick

@@ -37,7 +37,11 @@ def adjust(
     ] = None,
     take_back: Annotated[
         int | None,
-        typer.Option("--take-back", metavar="N", help="Take back decision N, which was on several people; the list has the numbers."),
+        typer.Option(
+            "--take-back",
+            metavar="N",
+            help="Take back decision N, which was on several people; the list has the numbers.",
+        ),
     ] = None,
     table: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE", help="Many: columns id, criterion, points, comment.")

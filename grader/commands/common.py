@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 Word = TypeVar("Word", bound=str | None)
 
 SECRET_VARIABLE = "IMUGRADE_SEED"
-RubricOption = Annotated[Path | None, typer.Option("--rubric", metavar="FILE", help="Mark by this rubric.yaml in place of the shipped one.")]
+RubricOption = Annotated[
+    Path | None, typer.Option("--rubric", metavar="FILE", help="Mark by this rubric.yaml in place of the shipped one.")
+]
 SeedOption = Annotated[
     str | None,
     typer.Option(

@@ -167,7 +167,8 @@ class Story:
         if self.exchanged:
             accel, gyro = gyro, accel
         true_accel, true_gyro = worlds.series[self.world]
-        rows, wanted = _rows(self, len(accel) if self.altered else series.filled_rows, len(true_accel))
+        there = min(len(accel), len(gyro))
+        rows, wanted = _rows(self, there if self.altered else series.filled_rows, len(true_accel))
         if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip))):
             return False
         if self.altered == SENSORS:
