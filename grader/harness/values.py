@@ -17,6 +17,13 @@ _MAX_DEPTH = 4
 _SHORT = 16
 
 
+def numbers(value: Any) -> np.ndarray:
+    """An array or a sequence as float64, for which it may raise; what is masked is no number, whatever stands in its place."""
+    if isinstance(value, np.ma.MaskedArray):
+        return np.asarray(np.ma.asarray(value, dtype=np.float64).filled(np.nan))
+    return np.asarray(value, dtype=np.float64)
+
+
 class Packer:
     """Collects the arrays of one answer and hands out their names."""
 
@@ -57,10 +64,10 @@ class Packer:
         if value.dtype.kind == "c" and not np.any(np.imag(value)):
             value = np.real(value)
         try:
-            numbers = np.asarray(value, dtype=np.float64)
+            known = numbers(value)
         except (TypeError, ValueError):
             return {"kind": "other", "type": f"array of {value.dtype}"[:60]}
-        return {"kind": kind, "key": self.keep(numbers), "dtype": str(value.dtype)[:20]}
+        return {"kind": kind, "key": self.keep(known), "dtype": str(value.dtype)[:20]}
 
     def _sequence(self, value: Any, depth: int) -> dict[str, Any]:
         kind = "tuple" if isinstance(value, tuple) else "list"

@@ -279,7 +279,7 @@ Figure.get_axes = lambda self: list(plt.figure(1).axes)
     hidden_curves("panels-outside-the-figure", "", "ax.set_position([2, 2, 0.4, 0.4])"),
     hidden_curves("panels-as-small-as-a-point", "", "ax.set_position([0.5, 0.5, 1e-4, 1e-4])"),
     hidden_curves("curves-behind-a-sheet", "", "ax.add_patch(plt.Rectangle((0, 0), 1, 1, transform=ax.transAxes, color='w', zorder=99))"),
-    hidden_curves("curves-clipped-away", ", clip_path=__import__('matplotlib').path.Path([(0, 0), (0, 0)]).__class__ and None", "[line.set_clip_box(__import__('matplotlib').transforms.Bbox([[0, 0], [0, 0]])) for line in ax.lines]"),
+    hidden_curves("curves-clipped-away", ", clip_path=__import__('matplotlib').path.Path([(0, 0), (0, 0)]).__class__ and None", "[line.set_clip_box(__import__('matplotlib').transforms.Bbox([[0, 0], [1, 1]])) for line in ax.lines]"),
     Program("labels-in-white", "forgery", lab(plot=HIDDEN.replace("@LOOK@", "").replace("@AFTER@", "for text in (ax.title, ax.xaxis.label, ax.yaxis.label): text.set_color('white')")), NAMED_ONLY, "visualization"),
     Program("labels-as-small-as-dust", "forgery", lab(plot=HIDDEN.replace("@LOOK@", "").replace("@AFTER@", "for text in (ax.title, ax.xaxis.label, ax.yaxis.label, *ax.get_legend().get_texts()): text.set_fontsize(0.1)")), BARE, "visualization"),
     Program("canned-picture-copied-at-run-time", "forgery", {

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from grader.harness import loading
-from grader.harness.values import Packer
+from grader.harness.values import Packer, numbers
 
 from . import live
 from .questions import Reply, examined, move_on, put_in_state, simulation_of
@@ -74,7 +74,7 @@ def _roll_and_pitch(value: Any) -> tuple[float, float]:
         if hasattr(value, "keys"):
             return _named({str(key): value[key] for key in value.keys()})  # noqa: SIM118 - any mapping
         if hasattr(value, "__len__"):
-            flat = np.asarray(value, dtype=np.float64).ravel()
+            flat = numbers(value).ravel()
             return (float(flat[0]), float(flat[1])) if len(flat) >= 2 else (np.nan, np.nan)
         return _named(dict(vars(value)))
     except (TypeError, ValueError, KeyError):

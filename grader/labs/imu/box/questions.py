@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from grader.harness import faults, figures, loading, saved, world
-from grader.harness.values import Packer
+from grader.harness.values import Packer, numbers
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 _SHORT_RUN_S = 0.1
@@ -338,7 +338,7 @@ def _filtered(
     given = measurement.copy()
     value = instance.update(given)
     try:
-        row = np.array(value, dtype=np.float64).reshape(measurement.shape)
+        row = numbers(value).copy().reshape(measurement.shape)
     except (TypeError, ValueError):
         row = np.full(measurement.shape, np.nan)
         answer["odd"] = answer["odd"] or packer.node(value)
