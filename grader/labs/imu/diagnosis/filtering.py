@@ -14,6 +14,12 @@ from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.diagnosis.filter_outputs import ATOL, window
 
+_AWAY = 1e4
+"""m/s², rad/s. No measurement of the lab's comes near; beyond it a sum loses the digits that are compared."""
+_FEWEST = 6
+"""Outputs that tell two coefficients, with more equations than unknowns."""
+_COUNTS = 0.01
+"""Of a weight: less than a tenth of the smallest that is asked for is as good as nothing."""
 _NOW_AND_THEN = 0.2
 """Of all outputs: one that is the measurement more often is no recursion that starts again."""
 
@@ -23,8 +29,19 @@ def obeys(x: Array, y: Array, a: float, b: float) -> bool:
     return same(y[1:], a * x[1:] + b * y[:-1], ATOL)
 
 
+def runs_away(x: Array, y: Array) -> bool:
+    """Whether a recursion into which measurements go grows by itself, so that these are soon not seen in what comes out."""
+    found = recursion_of(x, y)
+    return found is not None and abs(found[0]) > _COUNTS and abs(found[1]) > 1 + _COUNTS
+
+
 def recursion_of(x: Array, y: Array) -> tuple[float, float] | None:
-    """The coefficients (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, or None."""
+    """The coefficients (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, or None; until the output has run away."""
+    away = np.abs(y).max(axis=1) > _AWAY
+    end = int(away.argmax()) if away.any() else len(y)
+    x, y = x[:end], y[:end]
+    if len(y) < _FEWEST:
+        return None
     columns = np.stack([x[1:].ravel(), y[:-1].ravel()], axis=1)
     (a, b), *_ = np.linalg.lstsq(columns, y[1:].ravel(), rcond=None)
     return (float(a), float(b)) if obeys(x, y, a, b) else None
