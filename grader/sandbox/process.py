@@ -30,7 +30,7 @@ class WallClock:
 
     def __init__(self, pid: int) -> None:
         self._waits = f"/proc/{pid}/schedstat"
-        self._waited_s = 0.0
+        self._waited_s = self._read_s = 0.0
         self._began = self._now()
 
     def _now(self) -> float:
@@ -39,8 +39,9 @@ class WallClock:
         return time.monotonic() - self._waited_s
 
     def read(self) -> float:
-        """Seconds since it was made."""
-        return self._now() - self._began
+        """Seconds since it was made; never fewer than it said before, though a wait for a processor is told when it is over."""
+        self._read_s = max(self._read_s, self._now() - self._began)
+        return self._read_s
 
 
 class Process(Protocol):
