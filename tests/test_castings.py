@@ -13,9 +13,8 @@ from grader.labs.imu.lab import LAB
 from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
 from tests.corpus.faulty import FAULTY
 from tests.corpus.pieces import lab
-from tests.scoreboard import Case, cases, graded_by
+from tests.scoreboard import Case, graded_by, recast
 
-RECAST = [case for case in cases() if case.part == "recast"]
 SAMPLE = (
     "state-of-the-class",
     "first-reading-kept",
@@ -31,7 +30,7 @@ def marker() -> Iterator[Marker]:
         yield opened
 
 
-@pytest.mark.parametrize("case", [case for case in RECAST if case.name in SAMPLE], ids=lambda case: case.name)
+@pytest.mark.parametrize("case", list(recast(SAMPLE)), ids=lambda case: case.name)
 def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case, marker: Marker) -> None:
     assert graded_by(marker, case).troubles == []
 

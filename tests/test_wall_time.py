@@ -144,7 +144,9 @@ def test_a_clock_that_nobody_tells_of_waiting_runs_as_the_one_on_the_wall() -> N
 
 
 def test_a_wait_that_is_told_late_never_turns_the_clock_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = iter([10.0, 11.0, 10.5, 11.25])  # what is left of the time once the waits are taken off, each time it is asked
+    told = iter(
+        [10.0, 11.0, 10.5, 11.25]
+    )  # what is left of the time once the waits are taken off, each time it is asked
     monkeypatch.setattr(WallClock, "_now", lambda self: next(told))
     clock = WallClock(-1)
     assert [clock.read() for _ in range(3)] == [1.0, 1.0, 1.25]

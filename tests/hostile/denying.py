@@ -197,6 +197,7 @@ def nested(depth: int = 6) -> bytes:
     return data
 
 
+@cache
 def picture_bomb() -> bytes:
     """A PNG that says it has a gigapixel."""
     def chunk(kind: bytes, data: bytes) -> bytes:

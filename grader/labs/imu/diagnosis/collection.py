@@ -6,7 +6,6 @@ samples became rows (late by one, several steps a row, references to one array, 
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -234,15 +233,17 @@ def explain_altered(series: Collection, worlds: Worlds) -> Story | None:
 
 
 def _stories(series: Collection, worlds: Worlds) -> Iterator[Story]:
-    for world, exchanged in itertools.product(worlds.series, (False, True)):
-        for lag in {0, 1, -1, -_missing_at_first(series, worlds, world)}:
-            yield Story(world, lag, exchanged=exchanged)
-        for skip in sorted(_strides(series, worlds)):
-            for first in {0, skip - 1}:
-                yield Story(world, skip=skip, first=first, exchanged=exchanged)
-        if at := _steps_by_stamps(series, worlds):
-            yield Story(world, skip=max(2, round((at[-1] - at[0]) / (len(at) - 1))), at=at, exchanged=exchanged)
-        yield Story(world, exchanged=exchanged, aliased=True)
+    strides, at = sorted(_strides(series, worlds)), _steps_by_stamps(series, worlds)
+    apart = max(2, round((at[-1] - at[0]) / (len(at) - 1))) if at else 1
+    for world in worlds.series:
+        lags = {0, 1, -1, -_missing_at_first(series, worlds, world)}
+        for exchanged in (False, True):
+            yield from (Story(world, lag, exchanged=exchanged) for lag in lags)
+            for skip in strides:
+                yield from (Story(world, skip=skip, first=first, exchanged=exchanged) for first in {0, skip - 1})
+            if at:
+                yield Story(world, skip=apart, at=at, exchanged=exchanged)
+            yield Story(world, exchanged=exchanged, aliased=True)
 
 
 def _strides(series: Collection, worlds: Worlds) -> set[int]:
