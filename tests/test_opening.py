@@ -24,10 +24,10 @@ def hand_in(folder: Path, *names: str) -> Path:
     return folder
 
 
-def test_the_first_line_says_what_was_found_and_what_was_not(tmp_path: Path) -> None:
+def test_the_second_line_says_what_was_found_and_what_was_not(tmp_path: Path) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "filters.py", "imu_reader.py"), LAB.files)
     assert opening.found(LAB, submission) == (
-        "me: imu_reader.py, filters.py found; no noisy_imu.py, no imu_data.png, no filtered_imu.png"
+        "imu_reader.py, filters.py found; no noisy_imu.py, no imu_data.png, no filtered_imu.png"
     )
 
 
@@ -43,23 +43,32 @@ def test_a_folder_without_anything_of_the_lab_is_asked_about(tmp_path: Path) -> 
 def test_a_notebook_alone_stands_for_the_files(tmp_path: Path) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "lab.ipynb"), LAB.files)
     assert opening.found(LAB, submission).startswith(
-        "me: lab.ipynb (for imu_reader.py, noisy_imu.py, filters.py) found; no imu_data.png, no filtered_imu.png"
+        "lab.ipynb (for imu_reader.py, noisy_imu.py, filters.py) found; no imu_data.png, no filtered_imu.png"
     )
     beside = read_submission(hand_in(tmp_path / "both", "lab.ipynb", "filters.py"), LAB.files)
-    assert opening.found(LAB, beside).startswith("both: filters.py found; no imu_reader.py")
+    assert opening.found(LAB, beside).startswith("filters.py found; no imu_reader.py")
 
 
 def test_another_program_alone_is_said_to_have_none_of_the_files(tmp_path: Path) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "lab.py"), LAB.files)
-    assert opening.found(LAB, submission).startswith("me: no imu_reader.py, no noisy_imu.py")
+    assert opening.found(LAB, submission).startswith("no imu_reader.py, no noisy_imu.py")
 
 
 def test_a_name_of_a_folder_cannot_colour_the_terminal(tmp_path: Path) -> None:
-    assert "\x1b" not in opening.found(LAB, read_submission(hand_in(tmp_path / "\x1b[31mred", "filters.py"), LAB.files))
+    assert "\x1b" not in opening.begins(tmp_path / "\x1b[31mred")
+
+
+def test_what_is_checked_is_said_before_it_is_read_but_not_of_what_is_not_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(hand_in(tmp_path / "me"))
+    assert opening.begins(Path()) == "checking me …"
+    assert cli.main(["check", "nowhere"]) == 2
+    assert capsys.readouterr().out == ""
 
 
 @pytest.mark.parametrize(("only", "count"), [("filtering", "6 public checks."), ("sensor_access", "5 public checks.")])
-def test_the_second_line_counts_the_public_checks(tmp_path: Path, only: str, count: str) -> None:
+def test_the_third_line_counts_the_public_checks(tmp_path: Path, only: str, count: str) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
     line = opening.waiting(submission, load(LAB), traces.shipped(), only, secret=False)
     assert line.startswith(count)
@@ -105,10 +114,10 @@ def test_a_check_knows_of_the_secret_by_the_environment(
     monkeypatch.setenv("IMUGRADE_SEED", secret)
     monkeypatch.setattr(checking, "check", lambda *_, **__: result())
     assert cli.main(["check", str(hand_in(tmp_path / "me", "filters.py"))]) == 0
-    assert said in capsys.readouterr().out.splitlines()[1]
+    assert said in capsys.readouterr().out.splitlines()[2]
 
 
-def test_both_lines_stand_above_the_result(
+def test_these_lines_stand_above_the_result(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def checked(*_: object, **__: object) -> Result:
@@ -117,9 +126,10 @@ def test_both_lines_stand_above_the_result(
     monkeypatch.setattr(checking, "check", checked)
     assert cli.main(["check", str(hand_in(tmp_path / "me", "filters.py"))]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("me: filters.py found")
-    assert "public checks. " in lines[1]
-    assert lines[2] == ""
+    assert lines[0] == "checking me …"
+    assert lines[1].startswith("filters.py found")
+    assert "public checks. " in lines[2]
+    assert lines[3] == ""
 
 
 def test_nothing_is_said_of_files_where_nothing_was_handed_in(

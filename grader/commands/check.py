@@ -49,23 +49,26 @@ def check(
       imugrade check my_lab --only filtering --watch
       imugrade check my_lab.zip --html report.html
     """
+    wanted = _Wanted(path, only, html, json, prints, rubric)
+    if watch:
+        return _watch(wanted, rubric, rung)
+    from grader.commands import opening  # noqa: PLC0415
+
+    if path.exists():
+        print(opening.begins(path), flush=True)  # at once: the rest takes seconds on a cold machine
     from grader.engine.lab_box import open_box_for  # noqa: PLC0415
     from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    wanted = _Wanted(path, only, html, json, prints, rubric)
-    if watch:
-        return _watch(wanted, rubric, rung)
     submission = read_apart(path, LAB.files)
     with open_box_for(LAB, submission.files, rung) as box:
-        from grader.commands import opening  # noqa: PLC0415 - this and the next while the box warms up
-        from grader.engine import rubric as rubrics  # noqa: PLC0415
+        from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the box warms up
 
         chosen = rubrics.load(LAB, rubric)
         rubrics.know_part(chosen, only)
         ready = submission.status == "ready"
         if ready:
-            print(opening.found(LAB, submission), flush=True)  # at once: the rest takes seconds on a cold machine
+            print(opening.found(LAB, submission), flush=True)
         from grader.commands import checking, history  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
         from grader.engine import traces  # noqa: PLC0415

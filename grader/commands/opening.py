@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.ground.text import printable
@@ -11,7 +13,13 @@ if TYPE_CHECKING:  # these lines come before anything slow is imported
     from grader.engine.rubric import Rubric
     from grader.engine.traces import Traces
     from grader.intake import Submission
+
 OTHERS = "another robot of the same kind, its sensors in another order, other numbers"
+
+
+def begins(path: Path) -> str:
+    """What is looked at, said before even that is."""
+    return f"checking {printable(Path(os.path.abspath(path)).name, 120)} …"  # "." has a name too
 
 
 def found(lab: Lab, submission: Submission) -> str:
@@ -25,7 +33,7 @@ def found(lab: Lab, submission: Submission) -> str:
     said += [f"no {', no '.join(absent)}"] if absent else []
     if not any(part.attempted_in(submission.files) for part in (*lab.parts, *lab.bonuses)):
         said += ["nor anything else that the lab asks for: is this the right folder?"]
-    return f"{printable(submission.name, 120)}: {'; '.join(said)}"
+    return "; ".join(said)
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:

@@ -179,7 +179,7 @@ def main() -> int:
         "plain": ours[0] / plain,
         "markers": ours[1] / two[1],
         "memory": mebibytes,
-        "first": (from_cold["started"] + from_cold["found"]) / from_cold["bare"],
+        "first": from_cold["begun"] / from_cold["bare"],
         "verdict": from_cold["check"] / from_cold["bare"],
         "help": from_cold["help"],
     }

@@ -23,8 +23,8 @@ from tests.corpus.writing import write
 BARE = "import mujoco, numpy, matplotlib.pyplot"
 SAME = f"{BARE}, scipy.special, pytest"
 PARTS = {
-    "started": "Python and the command line",
-    "found": "the submission read, a zygote started behind walls, the rubric: the first line",
+    "begun": "Python and the command line: the first line",
+    "found": "the submission read, a zygote started behind walls, the rubric: the second line",
     "imported": "the grader's imports and traces, while the zygote imports mujoco and matplotlib",
     "ready": "waiting for the zygote",
     "judged": "thirty checks judged",

@@ -9,9 +9,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {
-    **os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), "COLUMNS": "80",
+    **os.environ, "PYTHONDONTWRITEBYTECODE": "", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), "COLUMNS": "80",
     "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
 }  # fmt: skip
+"""One thread, no plugins, and modules that are compiled once, as they are where they are installed."""
 PLAIN_PYTEST = (
     "-m",
     "pytest",

@@ -35,9 +35,7 @@ def stamped(file: Path, sample: str) -> None:
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         if event != "import":
             return
-        if arguments[0] == "grader.engine.lab_box":
-            stamp("started")
-        elif arguments[0] == "grader.report.terminal" and "grader.engine.marking" in sys.modules:
+        if arguments[0] == "grader.report.terminal" and "grader.engine.marking" in sys.modules:
             from grader.engine import examination, marking
             from grader.sandbox import launch
 
@@ -49,6 +47,7 @@ def stamped(file: Path, sample: str) -> None:
     from grader import cli
     from grader.commands import opening
 
+    after(opening, "begins", "begun")
     after(opening, "found", "found")
     after(opening, "waiting", "imported")
     code = cli.main(["check", sample])
