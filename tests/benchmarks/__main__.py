@@ -3,7 +3,7 @@
 CPU seconds are those of the whole process tree, by wait4(2). A contender's cost per submission is the slope between a small
 and a large class of the same sound submission, each copy with other bytes, so that start-up costs cancel and nothing is
 reused. All contenders take turns within a round; medians over the rounds and ratios within this run are printed. Exit code 1
-where a figure is worse than in the last run that was recorded with ``--record``.
+where a figure is worse than in the last run that was recorded with ``--record``, by more than this run's own spread.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -51,7 +51,7 @@ def class_of(size: int, folder: Path) -> list[str]:
 
 
 def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]]]:
-    """What the checks ask of the sample's functions, and its most expensive questions: (name, CPU ms, how often)."""
+    """What the checks ask of the sample's functions, and its questions, the most expensive first: (name, CPU ms, how often)."""
     asked: list[tuple[str, dict[str, Any], dict[str, Any], float]] = []
     ask = Worker.ask
 
@@ -88,7 +88,7 @@ def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]
         spent[op] += cpu_s
     often = Counter(op for op, *_ in asked)
     parts = [("the marker itself", 1000 * own_s, 1), *((op, 1000 * s, often[op]) for op, s in spent.items())]
-    return counts, sorted(parts, key=lambda part: -part[1])[:10]
+    return counts, sorted(parts, key=lambda part: -part[1])
 
 
 def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Path], tuple[float, float]]]:
@@ -119,18 +119,20 @@ def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Pat
     }
 
 
-def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> dict[str, tuple[float, float]]:
-    """Median CPU and wall seconds per submission of each contender."""
+def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> dict[str, list[tuple[float, float]]]:
+    """CPU and wall seconds per submission of each contender, by round."""
     few, many = (class_of(size, folder / name) for size, name in ((small, "few"), (large, "many")))
     slopes: dict[str, list[tuple[float, float]]] = {}
     for _ in range(rounds):
         for name, run in contenders(folder, counts).items():
             a, b = run(few, folder), run(many, folder)
             slopes.setdefault(name, []).append(((b[0] - a[0]) / (large - small), (b[1] - a[1]) / (large - small)))
-    return {
-        name: (statistics.median(cpu for cpu, _ in rows), statistics.median(wall for _, wall in rows))
-        for name, rows in slopes.items()
-    }
+    return slopes
+
+
+def ratios(some: Sequence[float], of: Sequence[float]) -> guard.Seen:
+    """One contender's rounds against another's, each round with what ran in it."""
+    return guard.Seen.of([one / other for one, other in zip(some, of, strict=True)])
 
 
 def memory(sample: Path) -> float:
@@ -163,25 +165,30 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         sample = Path(class_of(1, Path(scratch, "sample"))[0])
         counts, parts = questions(sample)
-        mebibytes, from_cold = memory(sample), cold.measure(max(5, given.rounds), sample)
+        mebibytes = [memory(sample) for _ in range(given.rounds)]
+        from_cold = cold.measure(max(5, given.rounds), sample)
         (asked := Path(scratch, "counts.json")).write_text(json.dumps(counts))
         rows = compare(max(4, given.size // 5), given.size, given.rounds, Path(scratch), asked)
-    floor, plain = rows["floor"][0], rows["plain pytest"][0]
+    cpu = {name: [spent for spent, _ in each] for name, each in rows.items()}
+    wall = {name: [passed for _, passed in each] for name, each in rows.items()}
+    median = {name: statistics.median(each) for name, each in cpu.items()}
     print("\n| contender | CPU s a submission | of the floor | of plain pytest |\n| --- | --- | --- | --- |")
-    for name, (cpu, _) in rows.items():
-        print(f"| {name} | {cpu:.3f} | {cpu / floor:.2f} | {cpu / plain:.2f} |")
-    print(f"\n{cold.table(from_cold)}\n\n| part of a submission | CPU ms | times |\n| --- | --- | --- |")
-    for name, spent, times in parts:
-        print(f"| {name} | {spent:.0f} | {times} |")
-    ours, two = rows["ours, one marker"], rows["ours, two markers"]
+    for name, spent in median.items():
+        print(f"| {name} | {spent:.3f} | {spent / median['floor']:.2f} | {spent / median['plain pytest']:.2f} |")
+    print(f"\n{cold.table(from_cold)}\n\n| part of a submission | CPU ms | share | times |\n| --- | --- | --- | --- |")
+    whole = sum(spent for _, spent, _ in parts)
+    for name, spent, times in parts[:10]:
+        print(f"| {name} | {spent:.0f} | {100 * spent / whole:.0f} % | {times} |")
+    ours = cpu["ours, one marker"]
     now = {
-        "floor": ours[0] / floor,
-        "plain": ours[0] / plain,
-        "markers": ours[1] / two[1],
-        "memory": mebibytes,
-        "first": from_cold["begun"] / from_cold["bare"],
-        "verdict": from_cold["check"] / from_cold["bare"],
-        "help": from_cold["help"],
+        "floor": ratios(ours, cpu["floor"]),
+        "plain": ratios(ours, cpu["plain pytest"]),
+        "markers": ratios(wall["ours, one marker"], wall["ours, two markers"]),
+        "memory": guard.Seen.of(mebibytes),
+        "first": ratios(from_cold["begun"], from_cold["bare"]),
+        "verdict": ratios(from_cold["check"], from_cold["bare"]),
+        "help": guard.Seen.of(from_cold["help"]),
+        "explain": guard.Seen.of(from_cold["explain"]),
     }
     watched, good = guard.held(now, guard.read())
     print(f"\n{watched}")

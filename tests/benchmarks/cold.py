@@ -35,8 +35,8 @@ PARTS = {
 """What ends each part, in order, and what it is."""
 
 
-def measure(rounds: int, sample: Path) -> dict[str, float]:
-    """Medians: seconds of each contender and of each part of a check by the clock, and `… cpu` seconds."""
+def measure(rounds: int, sample: Path) -> dict[str, list[float]]:
+    """By round: seconds of each contender and of each part of a check by the clock, and `… cpu` seconds."""
     seen: dict[str, list[float]] = {}
     for _ in range(rounds):
         told = {
@@ -45,23 +45,26 @@ def measure(rounds: int, sample: Path) -> dict[str, float]:
             "bare": cost([sys.executable, "-c", BARE], ROOT),
             "check": cost([sys.executable, "-m", "grader", "check", str(sample)], ROOT),
             "help": cost([sys.executable, "-m", "grader", "--help"], ROOT),
+            "explain": cost([sys.executable, "-m", "grader", "explain", "view-not-copy"], ROOT),
         }
         for name, (cpu, wall) in told.items():
             seen.setdefault(f"{name} cpu", []).append(cpu)
             seen.setdefault(name, []).append(wall)
         for name, seconds in parts(sample).items():
             seen.setdefault(name, []).append(seconds)
-    return {name: statistics.median(values) for name, values in seen.items()}
+    return seen
 
 
-def table(median: dict[str, float]) -> str:
+def table(seen: dict[str, list[float]]) -> str:
     """The medians as Markdown: seconds by the clock, against plain pytest and against the bare imports."""
+    median = {name: statistics.median(values) for name, values in seen.items()}
     rows = {
         "`imugrade check`": "check",
         "plain pytest, fifteen assertions, the same imports": "plain",
         "these imports alone": "same",
         f"`{BARE}`": "bare",
         "`imugrade --help`": "help",
+        "`imugrade explain view-not-copy`": "explain",
     }
     lines = ["| from a cold start | seconds | of plain pytest | of bare imports | CPU s |", "| --- |" + " ---: |" * 4]
     for said, name in rows.items():
