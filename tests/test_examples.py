@@ -43,12 +43,13 @@ def _record(out: Path, name: str) -> dict[str, Any]:
     return record
 
 
-@pytest.mark.parametrize("folder", folders(), ids=lambda folder: folder.name)
-def test_an_example_gets_what_its_folder_says(folder: Path, out: Path) -> None:
-    expected = json.loads((folder / "expected.json").read_text(encoding="utf-8"))
-    record = _record(out, folder.name)
-    jsonschema.validate(record, SCHEMA)
-    assert summary(from_dict(record)) == expected
+def test_every_example_gets_what_its_folder_says(out: Path) -> None:
+    """One test, not one an example: workers share the tests of a module, and each would grade the class."""
+    expected = {folder.name: json.loads((folder / "expected.json").read_text(encoding="utf-8")) for folder in folders()}
+    records = {name: _record(out, name) for name in expected}
+    for record in records.values():
+        jsonschema.validate(record, SCHEMA)
+    assert {name: summary(from_dict(record)) for name, record in records.items()} == expected
 
 
 def test_the_class_is_finished_although_one_loops_for_ever_and_one_kills_its_interpreter(out: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,8 +20,8 @@ from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
 
-_AHEAD = 16
-"""Submissions whose files wait for the disk: some two megabytes."""
+_AHEAD = 32
+"""Submissions whose files wait for the disk: some four megabytes."""
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
@@ -56,10 +56,9 @@ def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab
             files, digests = _due(out / "submissions" / standing.id, standing, store, lab)
             if files:
                 ahead.append((standing.id, digests, disk.submit(_write, files)))
-            while len(ahead) > _AHEAD:
-                _keep(store, *ahead.popleft())
-        for each in ahead:
-            _keep(store, *each)
+            if len(ahead) == _AHEAD:
+                _keep(store, [ahead.popleft() for _ in range(_AHEAD // 2)])
+        _keep(store, ahead)
 
 
 def _write(files: Mapping[Path, bytes]) -> None:
@@ -67,9 +66,11 @@ def _write(files: Mapping[Path, bytes]) -> None:
         write_whole(path, content)
 
 
-def _keep(store: Store, id_: str, digests: str, written: Future[None]) -> None:
-    written.result()
-    store.keep_page_digest(id_, digests)
+def _keep(store: Store, written: Collection[tuple[str, str, Future[None]]]) -> None:
+    for *_, done in written:
+        done.result()
+    if written:
+        store.keep_page_digests({id_: digests for id_, digests, _ in written})
 
 
 def _due(folder: Path, standing: Standing, store: Store, lab: Lab) -> tuple[dict[Path, bytes], str]:

@@ -103,6 +103,7 @@ SELECT id, submission_sha256, ?, traces_sha256, grader, status, ?, charts, finge
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader) DO UPDATE SET record = excluded.record
 """
 _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decision"
+_HAND_IN = "INSERT OR REPLACE INTO hand_ins VALUES (?, ?)"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
 
 
@@ -189,12 +190,16 @@ class Store:
 
     def recall(self, key: Key) -> Result | None:
         """The result already recorded under this key, made present again; None if there is none or it is incomplete."""
-        with self._told(), self._transaction():
-            query = f"SELECT record FROM results {_WHERE} AND status != 'incomplete'"
+        present = "(SELECT class.seq FROM class WHERE class.id = results.id) IS seq"
+        query = f"SELECT record, {present} FROM results {_WHERE} AND status != 'incomplete'"
+        with self._told():
             row = self._db.execute(query, astuple(key)).fetchone()
-            if row is not None:
-                self._point_at(key)
-            return None if row is None else _result(row[0])
+            if row is None:
+                return None
+            record, is_present = row
+            if not is_present:
+                self.point_at(key)
+            return _result(record)
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
         """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a box."""
@@ -225,7 +230,7 @@ class Store:
             for id_, submission, traces, grader, seq in self._db.execute(query).fetchall():
                 self._db.execute(_REMARK, (rubric.sha256, _text(after[id_].result), seq))
                 self._point_at(Key(id_, submission, rubric.sha256, traces, grader))
-                self._keep_hand_in(id_, after[id_].hand_in)
+                self._db.execute(_HAND_IN, (id_, _hand_in_text(after[id_].hand_in)))
         return after
 
     def present(self) -> dict[str, Result]:
@@ -262,12 +267,11 @@ class Store:
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
         """Record who handed in and when, in place of what was known before."""
-        with self._told(), self._transaction():
-            self._keep_hand_in(id_, hand_in)
-
-    def _keep_hand_in(self, id_: str, hand_in: HandIn) -> None:
-        record = json.dumps(hand_in_to_dict(hand_in), ensure_ascii=True, allow_nan=False)
-        self._db.execute("INSERT OR REPLACE INTO hand_ins VALUES (?, ?)", (id_, record))
+        row = (id_, _hand_in_text(hand_in))
+        with self._told():
+            if self._db.execute("SELECT 1 FROM hand_ins WHERE id = ? AND record = ?", row).fetchone() is None:
+                with self._transaction():
+                    self._db.execute(_HAND_IN, row)
 
     def adjust(self, adjustments: Iterable[tuple[str, Adjustment]], seen: int | None = None, what: str = "") -> int:
         """Add adjustments, by id of the submission, all or none; nothing that was ever said is taken away.
@@ -335,14 +339,14 @@ class Store:
             return dict(self._db.execute("SELECT number, what FROM decisions ORDER BY number"))
 
     def page_digest(self, id_: str) -> str:
-        """What `keep_page_digest` was last given: of what the pages of a submission were made from."""
+        """What `keep_page_digests` was last given: of what the pages of a submission were made from."""
         with self._told():
             row = self._db.execute("SELECT digest FROM pages WHERE id = ?", (id_,)).fetchone()
         return "" if row is None else str(row[0])
 
-    def keep_page_digest(self, id_: str, digest: str) -> None:
+    def keep_page_digests(self, digests: Mapping[str, str]) -> None:
         with self._told(), self._transaction():
-            self._db.execute("INSERT OR REPLACE INTO pages VALUES (?, ?)", (id_, digest))
+            self._db.executemany("INSERT OR REPLACE INTO pages VALUES (?, ?)", digests.items())
 
     def hand_ins(self) -> dict[str, HandIn]:
         """Who handed in and when, as last recorded, by id."""
@@ -534,6 +538,10 @@ def _read(parse: Callable[[Any], T], record: object) -> T:
 
 def _result(record: object) -> Result:
     return _read(lambda text: from_dict(json.loads(text)), record)
+
+
+def _hand_in_text(hand_in: HandIn) -> str:
+    return json.dumps(hand_in_to_dict(hand_in), ensure_ascii=True, allow_nan=False)
 
 
 def _hand_in(text: str) -> HandIn:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
@@ -56,10 +56,10 @@ class Classbook:
         self._marked: dict[str, Standing] = {}
         self._made: dict[str, tuple[object, Any]] = {}
         self._alikes: Alikes | None = None
-        self._publisher = _Publisher(lab, out, self._keep_digest)
+        self._publisher = _Publisher(lab, out, self._keep_digests)
 
-    def _keep_digest(self, id_: str, digest: str) -> None:
-        self.on_thread(lambda: self._store.keep_page_digest(id_, digest))
+    def _keep_digests(self, digests: Mapping[str, str]) -> None:
+        self.on_thread(lambda: self._store.keep_page_digests(digests))
 
     def on_thread(self, do: Callable[[], T]) -> T:
         return self.thread.submit(do).result()
@@ -155,18 +155,18 @@ def now() -> str:
 class _Beside(Store):
     """A connection of its own for reading; what it keeps the desk's own one writes, which then knows that nobody else has."""
 
-    def __init__(self, out: Path, keep: Callable[[str, str], None]) -> None:
+    def __init__(self, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
         super().__init__(out)
         self._keep = keep
 
-    def keep_page_digest(self, id_: str, digest: str) -> None:
-        self._keep(id_, digest)
+    def keep_page_digests(self, digests: Mapping[str, str]) -> None:
+        self._keep(digests)
 
 
 class _Publisher:
     """Writes pages in the background: whoever decides does not wait for the page of a class of two thousand."""
 
-    def __init__(self, lab: Lab, out: Path, keep: Callable[[str, str], None]) -> None:
+    def __init__(self, lab: Lab, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
         self._lab, self._out, self._keep = lab, out, keep
         self._ids: set[str] = set()
         self._lock = threading.Condition()
