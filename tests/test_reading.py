@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -128,3 +129,22 @@ def test_check_and_ci_end_whatever_reading_does(folder: Path, command: tuple[str
     assert done.returncode == 0, done.stderr
     result = json.loads((folder / "result.json").read_text())
     assert (result["status"], result["notes"], result["score"]) == ("unreadable", [note], 0.0)
+
+
+@pytest.mark.parametrize("threads", [0, 1], ids=["a copy of this process", "a new process"])
+def test_the_process_ends_by_itself_when_nothing_more_is_read(folder: Path, threads: int) -> None:
+    """It hears that this side has hung up: nobody waits for it, and nobody has to kill it."""
+    wait = threading.Event()
+    beside = [threading.Thread(target=wait.wait) for _ in range(threads)]
+    for thread in beside:
+        thread.start()
+    try:
+        with Reader() as reader:
+            reader.read(Entry("alice", "Alice", folder, LAB.files))
+            process = reader._process
+        assert process is not None
+        assert process.exitcode == 0
+    finally:
+        wait.set()
+        for thread in beside:
+            thread.join()

@@ -7,6 +7,7 @@ import os
 import sys
 import threading
 import warnings
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -127,8 +128,11 @@ class Reader:
     def _start(self) -> Connection:
         context = _context()
         self._line, theirs = context.Pipe()
+        copied = (self._line,) if context.get_start_method() == "fork" else ()
         in_main = threading.current_thread() is threading.main_thread()
-        process = context.Process(target=_serve, args=(theirs, self._memory_bytes, os.getcwd(), in_main), daemon=True)
+        process = context.Process(
+            target=_serve, args=(theirs, copied, self._memory_bytes, os.getcwd(), in_main), daemon=True
+        )
         with starting_ours(), theirs, warnings.catch_warnings():
             warnings.simplefilter(
                 "ignore", DeprecationWarning
@@ -154,7 +158,9 @@ def _context() -> Any:
     return multiprocessing.get_context("fork" if alone else "spawn")
 
 
-def _serve(line: Connection, memory_bytes: int, folder: str, in_main: bool) -> None:
+def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, folder: str, in_main: bool) -> None:
+    for end in copied:  # a copy of this process's other end: while it is open, nobody has hung up
+        end.close()
     begin_process(folder, in_main)
     _bound_memory(memory_bytes)
     with suppress(EOFError, OSError):  # the run is over

@@ -188,6 +188,7 @@ def main() -> int:
         "first": ratios(from_cold["begun"], from_cold["bare"]),
         "verdict": ratios(from_cold["check"], from_cold["bare"]),
         "help": guard.Seen.of(from_cold["help"]),
+        "again": guard.Seen.of(from_cold["again"]),
         "explain": guard.Seen.of(from_cold["explain"]),
     }
     watched, good = guard.held(now, guard.read())

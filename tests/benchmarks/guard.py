@@ -35,6 +35,7 @@ FIGURES = {
     "first": Figure("first line of a cold check, of the bare imports", 0.6),
     "verdict": Figure("its verdict, of the bare imports", 2.0),
     "help": Figure("seconds of `imugrade --help`", 0.12),
+    "again": Figure("seconds from a save to the verdict of `--watch`", 1.0),
     "explain": Figure("seconds of `imugrade explain`", 0.25),
 }
 
