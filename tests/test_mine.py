@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from grader import cli
-from grader.engine import traces
+from grader.labs.imu import bundles
 from grader.report import truth
 from tests.corpus.pieces import tidy
 
@@ -56,4 +56,4 @@ def test_a_submission_that_records_nothing_is_one_line(tmp_path: Path, capsys: p
 )
 def test_whatever_was_recorded_can_be_drawn(tmp_path: Path, rows: np.ndarray) -> None:
     mine = SimpleNamespace(time=np.full(3, np.nan), acceleration=rows, angular_velocity=None)
-    assert truth.plot(traces.shipped(), tmp_path, {"push": mine})[0].is_file()
+    assert truth.plot(bundles.shipped(), tmp_path, {"push": mine})[0].is_file()

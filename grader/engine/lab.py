@@ -14,8 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from yaml import Node
+
     from grader.engine.conversation import Conversation
     from grader.engine.evidence import Chart
+    from grader.engine.rubric_nodes import Reader
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
 
@@ -56,6 +59,10 @@ class Part:
         )
 
 
+def _any_will_do(settings: Mapping[str, Any], traces: Traces) -> None:
+    """Of a lab that is about one thing alone."""
+
+
 @dataclass(frozen=True, eq=False)
 class Lab:
     """One lab, as one value.
@@ -74,16 +81,24 @@ class Lab:
         Checks whose findings point to another name than the first of their part.
     calls
         How each name is called, in a line, where `imugrade repro` can write the call down.
+    settings
+        The keys of a rubric that are this lab's own, and how each is read: from the file's reader, its node (None where it is left
+        out) and the folder that paths in it start from.
     libraries
         What some submissions import and what takes longer to import than the rest of their work: a class shares it.
     recorder
         The program that records ground truth, as ``python -m`` names it; it may be missing where only public truth is used.
+    depends_on
+        Packages whose versions may change a number: of the recorder's, or of a submission's.
     same_for_all
         Scenarios in which no secret changes a number.
     motions
         Public scenarios that students get as tables and pictures.
     student, charts, checked
         Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
+    truth, match
+        Gives the traces to grade with, from the secret (None: the public ones) and the rubric's settings; refuses traces, by a
+        RubricError, that are of something else than these settings name.
     """
 
     module: str
@@ -95,11 +110,15 @@ class Lab:
     student: Callable[..., Conversation]
     charts: Callable[[Any, Traces], tuple[Chart, ...]]
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
+    truth: Callable[[str | None, Mapping[str, Any]], Traces]
+    match: Callable[[Mapping[str, Any], Traces], None] = _any_will_do
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, Callable[[Reader, Node | None, Path], Any]] = field(default_factory=dict)
     libraries: tuple[str, ...] = ()
     recorder: str = ""
+    depends_on: tuple[str, ...] = ("numpy",)
     same_for_all: frozenset[str] = frozenset()
     motions: tuple[str, ...] = ()
 

@@ -9,14 +9,15 @@ from pathlib import Path, PurePosixPath
 
 from grader import __version__
 from grader.engine.lab import Lab
-from grader.engine.robot import LAB_FILE, LAB_IMU, Robot
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric
-from grader.engine.traces import Traces, obtain, shipped
+from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.ground.text import printable
 from grader.kit import wheel
+from grader.labs.imu.bundles import shipped
+from grader.labs.imu.robot import LAB_IMU, Robot, robot_of
 from grader.platforms.github import CHECKOUT, SETUP_PYTHON
 from grader.report import truth
 
@@ -77,7 +78,7 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
     _refuse_full(out)
     carried = _carried(lab, rubric)
     traces = carried or shipped()
-    robot = carried.robot if carried else Robot(LAB_FILE, traces.models["lab"], LAB_IMU)
+    robot = robot_of(traces)
     files = {name: _named_after(lab, robot, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
     files |= {f"traces/{name}": content for name, content in truth.motions(traces, lab.motions).items()}
@@ -134,8 +135,8 @@ def _wheel(lab: Lab, rubric: Path | None) -> bytes:
 
 def _carried(lab: Lab, rubric: Path | None) -> Traces | None:
     """The public traces of the instructor's own robot, its model among them: whoever has no reference cannot record them."""
-    model = load(lab, rubric).model
-    return None if model.is_lab else obtain(None, None, model)
+    settings = load(lab, rubric).settings
+    return None if settings["model"].is_lab else lab.truth(None, settings)
 
 
 def _named_after(lab: Lab, robot: Robot, text: str) -> str:

@@ -23,6 +23,7 @@ from grader.engine.rubric import CARRIED, own_checks
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
+from grader.labs.imu.robot import robot_of
 from grader.report import truth
 
 _KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg", ".typed")
@@ -87,13 +88,14 @@ def _package() -> Iterator[tuple[str, bytes]]:
 
 def _own(folder: str, rubric: Path, carried: Traces) -> dict[str, bytes]:
     """The robot's traces and model, and the rubric that finds the model there."""
-    text, place = rubric.read_text(encoding="utf-8-sig"), f"robot/{carried.robot.file}"
+    robot = robot_of(carried)
+    text, place = rubric.read_text(encoding="utf-8-sig"), f"robot/{robot.file}"
     files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(carried).items()}
     path = _path_in(text)
     if path is not None:
         start, end = path.start_mark.index, path.end_mark.index
         text = f"{text[:start]}{json.dumps(place)}{text[end:]}"
-        files[f"{folder}/{place}"] = carried.robot.xml.encode()
+        files[f"{folder}/{place}"] = robot.xml.encode()
     return {**files, f"{folder}/rubric.yaml": text.encode()}
 
 
