@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
 
+_FURNITURE = re.compile(r"\bFURNITURE_([A-Z]+)\b")
+
 
 @dataclass(frozen=True)
 class Part:
@@ -81,6 +83,8 @@ class Lab:
         Checks whose findings point to another name than the first of their part.
     calls
         How each name is called, in a line, where `imugrade repro` can write the call down.
+    waits_for
+        What is waited for while a question takes long, in a word, by the question's operation.
     settings
         The keys of a rubric that are this lab's own, and how each is read: from the file's reader, its node (None where it is left
         out) and the folder that paths in it start from.
@@ -115,6 +119,7 @@ class Lab:
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
+    waits_for: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, Callable[[Reader, Node | None, Path], Any]] = field(default_factory=dict)
     libraries: tuple[str, ...] = ()
     recorder: str = ""
@@ -169,9 +174,9 @@ class Lab:
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, furniture: Mapping[str, Any]) -> str:
-        """The text of the sound stand-in for a name, where the box is furnished so."""
+        """The text of the sound stand-in for a name, where the box is furnished so: ``FURNITURE_IMU`` is its ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
-        return text.replace("IMU_SENSORS", repr(tuple(furniture.get("imu", ()))))
+        return _FURNITURE.sub(lambda found: repr(furniture[found[1].lower()]), text)
 
 
 def lab_of(module: str) -> Lab:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import datetime, timezone
+from pathlib import Path
 
 import pytest
 
 from grader.engine import rubric
 from grader.engine.marking import Marker
+from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, from_dict, to_dict
+from grader.ground.errors import GraderError
 from grader.intake.submission import Submission
 from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
@@ -46,6 +50,23 @@ def test_one_fault_costs_once_and_is_named(marker: Marker) -> None:
     result = graded(marker, FORGETFUL)
     assert [criterion.points for criterion in result.criteria] == [0.0, 4.0]
     assert result.misconceptions == ("no-offset",)
+
+
+def test_an_exception_is_told_by_this_labs_own_catalogue(marker: Marker) -> None:
+    """Another lab has a name for an index beyond the end; this one has none."""
+    files = {**SOUND, "convert.py": b"def to_celsius(fahrenheit):\n    return fahrenheit[len(fahrenheit)]\n"}
+    result = graded(marker, files)
+    (lost,) = result.criteria[0].checks
+    assert (result.status, lost.outcome, lost.misconceptions) == ("graded", "error", ("raises",))
+
+
+def test_a_catalogue_without_what_the_engine_finds_out_is_refused_by_name(tmp_path: Path) -> None:
+    text = (LAB.folder / "mistakes.yaml").read_text(encoding="utf-8")
+    (tmp_path / "mistakes.yaml").write_text(text.replace("  raises:", "  stumbles:"), encoding="utf-8")
+    lab = replace(LAB)
+    lab.__dict__["folder"] = tmp_path
+    with pytest.raises(GraderError, match="the mistakes of Lab 0 lack raises"):
+        catalogue(lab)
 
 
 def test_it_is_reported_and_exported_under_its_own_name(marker: Marker) -> None:

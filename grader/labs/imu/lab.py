@@ -98,6 +98,10 @@ LAB = Lab(
         "allan_deviation": "taus, adev = allan_deviation(samples, sample_rate)",
         "read_all_imus": "readings = read_all_imus(model, data)",
     },
+    waits_for={
+        "read": "get_imu_readings", "simulate": "simulate_and_collect", "noise": "NoisyIMU", "default_bias": "NoisyIMU",
+        "filter": "LowPassFilter", "plot": "plot_imu_data",
+    },
     settings={"model": _model},
     libraries=(
         "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation",
