@@ -51,11 +51,11 @@ def plot(
     Example:
       imugrade traces plot -o plots --mine my_lab
     """
-    from grader.report import truth  # noqa: PLC0415
+    from grader.labs.imu import motions  # noqa: PLC0415
 
     traces = _obtained(seed, rubric)
     own = None if mine is None else _recorded(mine, traces, rubric, rung)
-    for path in truth.plot(traces, out, own):
+    for path in motions.plot(traces, out, own):
         print(path)
     return 0
 

@@ -61,6 +61,35 @@ class Part:
         )
 
 
+@dataclass(frozen=True)
+class Brought:
+    """A file that a rubric names in the place of one of the lab's, and the public traces that were recorded of it.
+
+    `keys` lead to the line of the rubric that names it.
+    """
+
+    traces: Traces
+    keys: tuple[str, ...]
+    file: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Handout:
+    """What students get beside the starter files, by path, and the names that stand there in the place of the sheet's."""
+
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
+
+
+def _brings_nothing(settings: Mapping[str, Any]) -> None:
+    """Of a lab whose rubric names nothing."""
+
+
+def _nothing_more(own: Brought | None) -> Handout:
+    return Handout()
+
+
 def _any_will_do(settings: Mapping[str, Any], traces: Traces) -> None:
     """Of a lab that is about one thing alone."""
 
@@ -96,13 +125,16 @@ class Lab:
         Packages whose versions may change a number: of the recorder's, or of a submission's.
     same_for_all
         Scenarios in which no secret changes a number.
-    motions
-        Public scenarios that students get as tables and pictures.
     student, charts, checked
         Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
-    truth, match
-        Gives the traces to grade with, from the secret (None: the public ones) and the rubric's settings; refuses traces, by a
-        RubricError, that are of something else than these settings name.
+    truth
+        Gives the traces to grade with, from a secret (None: the public ones) and the settings of a rubric.
+    match
+        Refuses traces, by a RubricError, that are of something else than the settings name.
+    brought
+        Finds what the settings name in the place of something of the lab's: a kit has to carry it.
+    handout
+        Makes what students get of that; None stands for the lab's own.
     """
 
     module: str
@@ -116,6 +148,8 @@ class Lab:
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
     truth: Callable[[str | None, Mapping[str, Any]], Traces]
     match: Callable[[Mapping[str, Any], Traces], None] = _any_will_do
+    brought: Callable[[Mapping[str, Any]], Brought | None] = _brings_nothing
+    handout: Callable[[Brought | None], Handout] = _nothing_more
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
@@ -125,7 +159,6 @@ class Lab:
     recorder: str = ""
     depends_on: tuple[str, ...] = ("numpy",)
     same_for_all: frozenset[str] = frozenset()
-    motions: tuple[str, ...] = ()
 
     def __reduce__(self) -> tuple[Callable[[str], Lab], tuple[str]]:
         """It travels by its name: another process, on another machine perhaps, has it in another folder."""

@@ -21,7 +21,7 @@ from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
 from grader.platforms.junit import junit
 from grader.report.pages import index_page, report_page
-from tests.labs.toy.lab import LAB, TRUTH
+from tests.labs.toy.lab import LAB
 
 SOUND = {
     "convert.py": b"def to_celsius(fahrenheit):\n    return (fahrenheit - 32) / 1.8\n",
@@ -32,7 +32,8 @@ FORGETFUL = {**SOUND, "convert.py": b"def to_celsius(fahrenheit):\n    return fa
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), TRUTH) as opened:
+    chosen = rubric.load(LAB)
+    with Marker(chosen, LAB.truth(None, chosen.settings)) as opened:
         yield opened
 
 
@@ -90,3 +91,14 @@ def test_its_rubric_lists_its_own_parts() -> None:
             LAB,
             b"criteria: [{id: sensor_access, title: x, points: 1, checks: {a: 1}}]\nextensions: []\nlimits: {call_cpu_s: 1, submission_cpu_s: 1}\n",
         )
+
+
+def test_its_rubric_has_no_key_of_another_labs() -> None:
+    text = (LAB.folder / "rubric.yaml").read_bytes() + b"model: {path: humanoid.xml}\n"
+    with pytest.raises(rubric.RubricError, match="unknown key 'model' in the rubric"):
+        rubric.parse(LAB, text)
+
+
+def test_its_results_name_the_packages_that_its_numbers_depend_on(marker: Marker) -> None:
+    assert {"python", "numpy"} < graded(marker, SOUND).provenance.keys()
+    assert "mujoco" not in graded(marker, SOUND).provenance

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from grader.engine.lab import Lab, Part
+from grader.engine.lab import Brought, Handout, Lab, Part
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,6 +60,18 @@ def _match(settings: Mapping[str, Any], traces: Traces) -> None:
     match_robot(settings["model"], traces)
 
 
+def _brought(settings: Mapping[str, Any]) -> Brought | None:
+    from grader.labs.imu.handout import brought  # noqa: PLC0415
+
+    return brought(settings["model"])
+
+
+def _handout(own: Brought | None) -> Handout:
+    from grader.labs.imu.handout import handout  # noqa: PLC0415
+
+    return handout(own)
+
+
 LAB = Lab(
     module=__name__,
     id="imu",
@@ -86,6 +98,8 @@ LAB = Lab(
     checked=_checked,
     truth=_truth,
     match=_match,
+    brought=_brought,
+    handout=_handout,
     model="textbook/assets/robot-models/mujoco/humanoid-sensors.xml",
     points_to={"visualization.comparison_plot": "LowPassFilter"},
     calls={
@@ -109,5 +123,4 @@ LAB = Lab(
     recorder="reference.traces",
     depends_on=("mujoco", "numpy"),
     same_for_all=frozenset({"free_fall"}),
-    motions=("standing", "push", "tumbling"),
 )  # fmt: skip
