@@ -11,10 +11,11 @@ import os
 from pathlib import Path
 from typing import Any
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 
 FOLDER = Path(__file__).resolve().parent.parent / "submissions_example"
@@ -46,7 +47,7 @@ def _extensions(result: Result) -> dict[str, Any]:
 
 def main() -> None:
     argparse.ArgumentParser(prog="python -m tests.examples", description=__doc__).parse_args()
-    with Marker(rubric.load(LAB), traces.shipped(), rung=os.environ.get("IMUGRADE_RUNG")) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped(), rung=os.environ.get("IMUGRADE_RUNG")) as marker:
         for folder in folders():
             found = summary(marker.mark(read_submission(folder, LAB.files)))
             (folder / "expected.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")

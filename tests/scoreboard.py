@@ -19,10 +19,11 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission, read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.report.words import tells
 from tests.castings import CASTINGS, can_be_cast
@@ -282,7 +283,7 @@ def look_at_edit(verdict: Verdict, result: Result, edit: Edit) -> None:
 
 @cache
 def _marker() -> Marker:
-    return Marker(rubric.load(LAB), traces.shipped()).__enter__()
+    return Marker(rubric.load(LAB), bundles.shipped()).__enter__()
 
 
 def handed_in(case: Case) -> Submission:

@@ -15,9 +15,10 @@ import pytest
 from grader.course import classroom
 from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
 from grader.course.remarks import remarks
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from tests.made_up import FakeMarker, check, fake_marker, no_marker, result, submission
@@ -172,7 +173,7 @@ def gone(pid: int, within_s: float = 10.0) -> bool:
 
 
 def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_list(tmp_path: Path) -> None:
-    order = classroom.Order((tmp_path,), tmp_path / "out", rubric.load(LAB), traces.shipped())
+    order = classroom.Order((tmp_path,), tmp_path / "out", rubric.load(LAB), bundles.shipped())
     stopped = classroom.stopped(submission("alice"), order, "no end within 600 s")
     assert (stopped.status, stopped.score, stopped.max_score) == ("graded", 0.0, 100.0)
     rows = [check for criterion in stopped.criteria for check in criterion.checks]

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
 from tests.corpus.faulty import FAULTY
@@ -26,7 +27,7 @@ SAMPLE = (
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
 
 

@@ -17,6 +17,7 @@ from grader.engine import traces
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
+from grader.labs.imu import bundles
 from grader.platforms import job
 from grader.sandbox.rungs import RUNGS, UNWALLED
 from tests import made_up_platform
@@ -69,7 +70,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.fixture
 def secret(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """The path of a bundle that is not the public one."""
-    public = traces.shipped()
+    public = bundles.shipped()
     monkeypatch.setattr(traces, "load", lambda path: replace(public, name="hidden"))
     return str(tmp_path / "hidden.npz")
 
@@ -202,6 +203,6 @@ def test_a_seed_in_the_environment_does_not_bring_hidden_scenarios_into_ci(
 ) -> None:
     seen: list[Any] = []
     monkeypatch.setenv("IMUGRADE_SEED", "secret")
-    monkeypatch.setattr(traces, "obtain", lambda seed, cache, model: seen.append(seed) or traces.shipped())
+    monkeypatch.setattr(bundles, "obtain", lambda seed, model: seen.append(seed) or bundles.shipped())
     assert cli.main(["ci"]) == 0
     assert seen == [None]

@@ -16,9 +16,10 @@ import grader
 from grader import cli
 from grader.commands import checking, completion, history
 from grader.course import classroom
-from grader.engine import traces
+from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.ground.errors import GraderError, RequestError
+from grader.labs.imu import bundles
 from grader.sandbox.ladder import Tried
 from grader.sandbox.one_copy import Search
 from grader.sandbox.rungs import RUNGS, UNWALLED
@@ -584,9 +585,9 @@ def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
     run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(UNWALLED, True, "")])
-    monkeypatch.setenv(traces.CACHE_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(recording.CACHE_VARIABLE, str(tmp_path))
     told = " ".join(run("doctor")[1].split())
-    assert told.endswith(f"✓ reference recorded {len(traces.shipped().scenarios)} scenarios from a throw-away secret")
+    assert told.endswith(f"✓ reference recorded {len(bundles.shipped().scenarios)} scenarios from a throw-away secret")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -597,14 +598,14 @@ def test_doctor_says_what_fails_where_no_secret_can_be_used(
     (tmp_path / "reference" / "__init__.py").touch()
     (tmp_path / "reference" / "traces.py").write_text("raise OSError('no model')\n", encoding="utf-8")
     monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(UNWALLED, True, "")])
-    monkeypatch.setattr(traces, "_SOURCES", tmp_path)
+    monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     told = " ".join(run("doctor")[1].split())
     assert told.endswith("✗ reference recording the hidden traces failed: OSError: no model")
 
 
 def test_doctor_says_where_there_is_no_reference(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(UNWALLED, True, "")])
-    monkeypatch.setattr(traces, "_SOURCES", tmp_path)
+    monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     told = " ".join(run("doctor")[1].split())
     assert told.endswith("reference not installed: the public traces only, no --seed")
 
@@ -613,7 +614,7 @@ def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:
     code, out, err = run("traces", "list")
     assert (code, err) == (0, "")
     assert out.startswith("public traces, ")
-    for scenario in traces.shipped().scenarios:
+    for scenario in bundles.shipped().scenarios:
         assert f"\n{scenario}: " in out
     assert "\n  time 1500\n" in out
 
@@ -630,5 +631,5 @@ def test_traces_plot_draws_the_motions(run: Run, tmp_path: Path) -> None:
 def test_a_written_bundle_is_the_one_in_use_and_private(run: Run, tmp_path: Path) -> None:
     code, out, _ = run("traces", "record", "-o", tmp_path / "new")
     assert (code, out) == (0, f"{tmp_path}/new/public.npz\n")
-    assert traces.load(tmp_path / "new" / "public.npz").sha256 == traces.obtain(None).sha256
+    assert traces.load(tmp_path / "new" / "public.npz").sha256 == bundles.obtain(None).sha256
     assert {path.stat().st_mode & 0o077 for path in (tmp_path / "new").iterdir()} == {0}

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import COLLECT_WHILE, lab
 
@@ -19,7 +20,7 @@ BY_THE_CLOCK = COLLECT_WHILE.replace(
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         yield marker
 
 

@@ -22,11 +22,12 @@ from grader import cli
 from grader.course import classroom, cluster, cluster_worker
 from grader.course.pool import KILLED, Bounds, Outcome, Stopped, Unmarked
 from grader.course.record import Store
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.evidence import Evidence
 from grader.engine.results import Result
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.durability import hand_in, recorded, results
 from tests.made_up import FakeMarker, Nobody, fake_marker, no_marker, submission
@@ -146,7 +147,7 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> classroom.Order:
     """A class that was graded on this machine."""
     root = tmp_path_factory.mktemp("here")
     students = hand_in(root / "class", full=False)
-    order = classroom.Order((students,), root / "out", rubric.load(LAB), traces.shipped(), jobs=1, trusted=True)
+    order = classroom.Order((students,), root / "out", rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
     classroom.grade_class(order, classroom.find(order), Nobody())
     return order
 

@@ -27,8 +27,8 @@ import pytest
 import typer.main
 
 from grader import cli
-from grader.engine import traces
 from grader.kit import give, wheel
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
 from grader.report import truth
@@ -68,7 +68,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         for name in PLATFORMS_SAY:
             here.delenv(name, raising=False)
         here.chdir(place)
-        truth.save(traces.obtain("...", None), place)
+        truth.save(bundles.obtain("...", None), place)
         assert run(["grade", "submissions", "canvas.zip", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         shutil.copytree("out-monday", "out-tuesday")
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]

@@ -13,11 +13,12 @@ from markupsafe import escape
 
 from grader.course import classroom
 from grader.desk.overviews import all_looks
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student
 from tests.corpus.pieces import edit, verbatim
@@ -88,7 +89,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     for name, files in folders.items():
         write(files, students / name)
-    order = classroom.Order((students,), made, rubric.load(LAB), traces.shipped(), jobs=1, trusted=True)
+    order = classroom.Order((students,), made, rubric.load(LAB), bundles.shipped(), jobs=1, trusted=True)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(classroom, "opener", lambda order: partial(stumbling, order.rubric, order.traces))
         classroom.grade_class(order, classroom.find(order), Nobody())

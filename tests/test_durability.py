@@ -13,9 +13,10 @@ from typing import Any
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Worker
 from grader.sandbox.wire import Frame
@@ -47,7 +48,7 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
 
     submission = read_submission(write(tidy(), tmp_path / "whole"), LAB.files)
     monkeypatch.setattr(Worker, "ask", disturbed)
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         if not marker.isolation.walled:
             pytest.skip("there is no zygote without walls")
         result = marker.mark(submission)

@@ -21,7 +21,7 @@ from grader.engine.figures import Sight
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
 from grader.intake import read_submission
-from grader.labs.imu import exhibits
+from grader.labs.imu import bundles, exhibits
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
 from grader.labs.imu.exhibits import drawn, filtering, motion, noise
 from grader.labs.imu.exhibits.points import curve, worst_of_each
@@ -34,7 +34,7 @@ from tests.judging.test_check_visualization import Sheet
 from tests.made_up import SHA
 from tests.made_up import result as made_up
 
-TRUTH = traces.shipped()
+TRUTH = bundles.shipped()
 
 
 @pytest.fixture(scope="module")

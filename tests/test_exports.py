@@ -18,12 +18,12 @@ from grader import cli
 from grader.course import classroom
 from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Key, Store
-from grader.engine import traces
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.engine.rubric import load
 from grader.ground.errors import RequestError
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from grader.platforms import canvas, moodle
@@ -58,7 +58,7 @@ def canvas_file(*rows: str, head: str = HEAD, points: str = POINTS) -> bytes:
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(load(LAB), traces.obtain(None, None)) as opened:
+    with Marker(load(LAB), bundles.obtain(None, None)) as opened:
         yield opened
 
 

@@ -21,6 +21,7 @@ from grader.engine.conversation import Conversation
 from grader.engine.marking import Marker
 from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.intake import Submission, read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis import allan as allan_diagnosis
 from grader.labs.imu.diagnosis import liveplot, tilting
 from grader.labs.imu.lab import LAB
@@ -46,7 +47,7 @@ FAULTY = [faulty for faulty in corpus.FAULTY_EXTENSIONS if faulty not in ENDLESS
 @pytest.fixture(scope="module")
 def truth(tmp_path_factory: pytest.TempPathFactory) -> traces.Traces:
     """The public bundle, recorded anew where the simulator is another version than the one that recorded it."""
-    return traces.obtain(None, tmp_path_factory.mktemp("cache"))
+    return bundles.obtain(None, tmp_path_factory.mktemp("cache"))
 
 
 @pytest.fixture(scope="module")

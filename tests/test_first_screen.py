@@ -16,12 +16,12 @@ from grader import cli
 from grader.commands import history
 from grader.commands.prints import Prints
 from grader.commands.watching import View
-from grader.engine import traces
 from grader.engine.conversation import Conversation
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
 from grader.engine.rubric import load
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM
@@ -133,7 +133,7 @@ class LowPassFilter:
 def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path: Path) -> None:
     (tmp_path / "filters.py").write_text(PRINTING)
     submission = read_submission(tmp_path, LAB.files)
-    public = traces.obtain(None)
+    public = bundles.obtain(None)
     heard: dict[str, str] = {}
     for name in ("public", "hidden"):
         box = open_box_for(LAB, submission.files)

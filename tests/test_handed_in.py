@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY
 from grader.engine.marking import Marker
 from grader.harness.pictures import decode
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.checks.handed_in import _INK
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.lab import LAB
@@ -62,7 +63,7 @@ def shown(picture: bytes) -> set[int]:
     facts, arrays = decode({}, {"bytes": np.frombuffer(picture, np.uint8)})
     if not _INK[0] < facts["ink"] < _INK[1]:
         return NONE
-    push = traces.shipped()["push"]
+    push = bundles.shipped()["push"]
     series = {key: push[key] for key in ("time", "acceleration", "angular_velocity")}
     return sensors_shown(arrays["preview"], arrays["palette"], series)
 
@@ -117,7 +118,7 @@ def test_other_pictures_do_not_show_both_sensors(
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
 
 

@@ -21,10 +21,11 @@ import numpy as np
 import pytest
 import yaml
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.kit import give, wheel
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.platforms import github
 from reference.worlds import LAB_MODEL
@@ -46,7 +47,7 @@ def students(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def hidden(tmp_path_factory: pytest.TempPathFactory) -> Traces:
     """Hidden traces, recorded once."""
-    return traces.obtain(SEED, tmp_path_factory.mktemp("cache"))
+    return bundles.obtain(SEED, tmp_path_factory.mktemp("cache"))
 
 
 @pytest.fixture(scope="module")

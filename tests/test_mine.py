@@ -10,8 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from grader import cli
-from grader.engine import traces
-from grader.report import truth
+from grader.labs.imu import bundles, motions
 from tests.corpus.pieces import tidy
 
 
@@ -22,7 +21,7 @@ def test_a_students_series_is_drawn_over_the_truth_by_code_that_runs_in_the_box(
     escape = f"open({str(tmp_path / 'escaped')!r}, 'w')\n"
     (tmp_path / "lab" / "imu_reader.py").write_text(tidy()["imu_reader.py"] + escape)
     drawn: list[Figure] = []
-    monkeypatch.setattr(truth, "_saved", lambda figure, path: drawn.append(figure) or path)
+    monkeypatch.setattr(motions, "_saved", lambda figure, path: drawn.append(figure) or path)
     code = cli.main(["traces", "plot", "-o", str(tmp_path / "plots"), "--mine", str(tmp_path / "lab")])
     assert code == 0
     assert [Path(line).name for line in capsys.readouterr().out.splitlines()] == [
@@ -56,4 +55,4 @@ def test_a_submission_that_records_nothing_is_one_line(tmp_path: Path, capsys: p
 )
 def test_whatever_was_recorded_can_be_drawn(tmp_path: Path, rows: np.ndarray) -> None:
     mine = SimpleNamespace(time=np.full(3, np.nan), acceleration=rows, angular_velocity=None)
-    assert truth.plot(traces.shipped(), tmp_path, {"push": mine})[0].is_file()
+    assert motions.plot(bundles.shipped(), tmp_path, {"push": mine})[0].is_file()

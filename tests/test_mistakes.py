@@ -162,6 +162,7 @@ ADDED = {
     "any": ["index-out-of-bounds", "missing-package", "not-written"],
 }
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]
+RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written"]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 every_mistake = pytest.mark.parametrize("key", ENTRIES)
@@ -200,7 +201,7 @@ def test_no_name_is_used_in_two_groups() -> None:
 @every_mistake
 def test_an_entry_has_all_fields_and_none_is_empty(key: str) -> None:
     entry = ENTRIES[key]
-    assert list(entry) == FIELDS
+    assert list(entry) == FIELDS + ["raised"] * (key in RAISED)
     assert all(isinstance(entry[field], str) and entry[field].strip() for field in FIELDS if field != "step")
 
 

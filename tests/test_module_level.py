@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.module_level import EDITS, LAYOUTS, Edit, above
 from tests.corpus.writing import as_bytes
@@ -35,7 +36,7 @@ ELSEWHERE = (
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         yield marker
 
 

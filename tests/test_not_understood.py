@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import pytest
 
 from grader.course.remarks import remarks
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.ground.errors import GraderError
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student
 from grader.people.standing import Standing
@@ -25,7 +26,7 @@ SIGNED = Case(
 
 @pytest.fixture
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
 
 

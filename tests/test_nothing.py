@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.nothing import NOTHING, Nothing
 from tests.scoreboard import Case, handed_in
@@ -15,7 +16,7 @@ from tests.scoreboard import Case, handed_in
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
 
 

@@ -7,12 +7,13 @@ from importlib import resources
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.examination import Check, Examination, Judgement
 from grader.engine.feedback import Told
 from grader.engine.marking import Marker
 from grader.engine.results import CriterionResult
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
@@ -33,7 +34,7 @@ class LowPassFilter:
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         yield marker
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from grader import cli
 from grader.commands import checking, opening
-from grader.engine import traces
 from grader.engine.results import Result
 from grader.engine.rubric import load
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.made_up import result
 
@@ -70,14 +70,14 @@ def test_what_is_checked_is_said_before_it_is_read_but_not_of_what_is_not_there(
 @pytest.mark.parametrize(("only", "count"), [("filtering", "6 public checks."), ("sensor_access", "5 public checks.")])
 def test_the_third_line_counts_the_public_checks(tmp_path: Path, only: str, count: str) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
-    line = opening.waiting(submission, load(LAB), traces.shipped(), only, secret=False)
+    line = opening.waiting(submission, load(LAB), bundles.shipped(), only, secret=False)
     assert line.startswith(count)
 
 
 def test_hidden_scenarios_wait_only_where_there_is_a_secret(tmp_path: Path) -> None:
     submission = read_submission(hand_in(tmp_path / "me", "filters.py"), LAB.files)
     known, unknown = (
-        opening.waiting(submission, load(LAB), traces.shipped(), None, secret=each) for each in (True, False)
+        opening.waiting(submission, load(LAB), bundles.shipped(), None, secret=each) for each in (True, False)
     )
     assert "16 hidden scenarios wait: another robot of the same kind" in known
     assert "wait" not in unknown
@@ -85,7 +85,7 @@ def test_hidden_scenarios_wait_only_where_there_is_a_secret(tmp_path: Path) -> N
 
 
 def test_an_extension_that_was_tried_adds_its_checks(tmp_path: Path) -> None:
-    rubric, bundle = load(LAB), traces.shipped()
+    rubric, bundle = load(LAB), bundles.shipped()
     some = hand_in(tmp_path / "me", "filters.py")
     before = int(opening.waiting(read_submission(some, LAB.files), rubric, bundle, None, secret=False).split()[0])
     after = int(
@@ -97,7 +97,7 @@ def test_an_extension_that_was_tried_adds_its_checks(tmp_path: Path) -> None:
 
 
 def test_the_scenarios_that_no_seed_changes_are_told_apart(tmp_path: Path) -> None:
-    public, hidden = traces.obtain(None, tmp_path), traces.obtain("another seed", tmp_path)
+    public, hidden = bundles.obtain(None, tmp_path), bundles.obtain("another seed", tmp_path)
     same = {
         name
         for name, scenario in public.scenarios.items()

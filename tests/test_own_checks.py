@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult
@@ -18,6 +18,7 @@ from grader.ground.errors import RequestError
 from grader.handbook import rubric_keys
 from grader.intake import read_submission
 from grader.kit import wheel
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.sheet import FILTERS, LOW_PASS
 
@@ -46,7 +47,7 @@ def own(tmp_path: Path) -> Own:
 def judged(its_rubric: Rubric, tmp_path: Path, source: str) -> CheckResult:
     (tmp_path / "lab").mkdir(exist_ok=True)
     (tmp_path / "lab" / "filters.py").write_text(source)
-    with Marker(its_rubric, traces.obtain(None)) as marker:
+    with Marker(its_rubric, bundles.obtain(None)) as marker:
         result = marker.mark(read_submission(tmp_path / "lab", LAB.files), only="filtering")
     return {check.id: check for part in result.criteria for check in part.checks}[ID]
 

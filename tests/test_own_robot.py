@@ -13,14 +13,16 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import recording, rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.kit import give, wheel
+from grader.labs.imu import bundles
 from grader.labs.imu.blind_spot import blind_spot
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.robot import Model
 from reference.self_contained import self_contained
 from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
 
@@ -74,7 +76,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def marked(rubric_file: Path, submission: Path, cache: Path, seed: str | None = None) -> Result:
     chosen = rubric.load(LAB, rubric_file)
-    with Marker(chosen, traces.obtain(seed, cache, chosen.model)) as marker:
+    with Marker(chosen, bundles.obtain(seed, cache, chosen.settings["model"])) as marker:
         return marker.mark(read_submission(submission, LAB.files))
 
 
@@ -84,7 +86,7 @@ def lost(result: Result) -> dict[str, str]:
 
 def refusal(rubric_file: Path, cache: Path) -> str:
     with pytest.raises(rubric.RubricError) as refused:
-        traces.obtain(None, cache, rubric.load(LAB, rubric_file).model)
+        bundles.obtain(None, cache, rubric.load(LAB, rubric_file).settings["model"])
     return str(refused.value).replace(str(rubric_file), "rubric.yaml")
 
 
@@ -134,8 +136,8 @@ def test_a_robot_that_walks_free_is_graded_as_one_that_stands_on_a_stand(
 @pytest.mark.parametrize("name", ["humanoid", "dog"])
 def test_under_a_secret_the_robot_moves_otherwise(name: str, wheel_of_robots: Path, cache: Path) -> None:
     other = OTHERS[name]
-    model = rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
-    public, hidden = (traces.obtain(seed, cache, model)["push"] for seed in (None, SECRET))
+    model = Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
+    public, hidden = (bundles.obtain(seed, cache, model)["push"] for seed in (None, SECRET))
     n = min(len(public["time"]), len(hidden["time"]))
     for key in ("acceleration", "angular_velocity"):
         apart = np.sqrt(np.mean((public[key][:n] - hidden[key][:n]) ** 2))
@@ -144,9 +146,7 @@ def test_under_a_secret_the_robot_moves_otherwise(name: str, wheel_of_robots: Pa
 
 def test_the_lab_robots_facts_are_not_asked_of_another_one(wheel_of_robots: Path, cache: Path) -> None:
     other = OTHERS["humanoid"]  # it falls: nothing holds it up
-    bundle = traces.obtain(
-        None, cache, rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
-    )
+    bundle = bundles.obtain(None, cache, Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope))
     assert "standing" not in bundle.scenarios
     assert not [s.name for s in bundle.scenarios.values() if s.model == "lab" and "lab model" in s.description]
 
@@ -155,15 +155,13 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
     wheel_of_robots: Path, cache: Path, tmp_path: Path
 ) -> None:
     other = OTHERS["ant"]  # its torso hangs in the air, fixed
-    bundle = traces.obtain(
-        None, cache, rubric.Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope)
-    )
+    bundle = bundles.obtain(None, cache, Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope))
     assert blind_spot(bundle) == (
         "ant.xml: the push moves nothing that its IMU reads, so a run without a push or from another start can hardly be told "
         "from a right one"
     )
-    assert blind_spot(traces.shipped()) == ""
-    assert blind_spot(traces.obtain(None, cache, rubric.Model(rover(tmp_path), "force", "rates"))) == ""
+    assert blind_spot(bundles.shipped()) == ""
+    assert blind_spot(bundles.obtain(None, cache, Model(rover(tmp_path), "force", "rates"))) == ""
 
 
 # --- it is this robot, and no other -----------------------------------------------------------------------------------
@@ -218,7 +216,7 @@ def test_traces_of_another_robot_are_refused_with_the_line(tmp_path: Path) -> No
     rover(tmp_path)
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
     with pytest.raises(rubric.RubricError) as refused:
-        Marker(rubric.load(LAB, file), traces.shipped())
+        Marker(rubric.load(LAB, file), bundles.shipped())
     assert str(refused.value) == (
         f"{file}:{line_of(file, 'path:')}: the traces are of humanoid-sensors.xml (torso_accelerometer, torso_gyroscope), "
         "not of rover.xml (force, rates); record them with this rubric"
@@ -227,11 +225,11 @@ def test_traces_of_another_robot_are_refused_with_the_line(tmp_path: Path) -> No
 
 def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tmp_path: Path) -> None:
     rover(tmp_path, head='<include file="more.xml"/>')
-    model = rubric.Model(tmp_path / "rover.xml", "force", "rates")
+    model = Model(tmp_path / "rover.xml", "force", "rates")
     seen = []
     for timestep in ("0.004", "0.005", "0.004"):
         (tmp_path / "more.xml").write_text(f'<mujoco><option timestep="{timestep}"/></mujoco>')
-        seen.append(traces.obtain(None, cache, model).sha256)
+        seen.append(bundles.obtain(None, cache, model).sha256)
     assert seen[0] == seen[2] != seen[1]
 
 
@@ -389,7 +387,7 @@ def test_a_model_in_one_file_is_taken_word_for_word(tmp_path: Path) -> None:
 def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(traces.CACHE_VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(recording.CACHE_VARIABLE, str(tmp_path / "cache"))
     rover(tmp_path, head='<include file="more.xml"/>')
     (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
     give.student(LAB, tmp_path / "kit", rubric_for(tmp_path, "./rover.xml", "force", "rates"))
@@ -411,6 +409,6 @@ def test_a_kit_carries_the_robot_and_checks_with_it_where_there_is_no_reference(
 
 
 def test_without_the_reference_another_model_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(traces, "_reference", lambda: None)
+    monkeypatch.setattr(recording, "folder_of", lambda lab: None)
     with pytest.raises(RequestError, match="use the kit that your instructor gave you"):
-        traces.obtain(None, tmp_path, rubric.Model(rover(tmp_path), "force", "rates"))
+        bundles.obtain(None, tmp_path, Model(rover(tmp_path), "force", "rates"))

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from grader.engine.traces import Scenario, Traces, shipped
+from grader.engine.traces import Scenario, Traces
+from grader.labs.imu.bundles import shipped
 from reference.imu_reader import get_imu_readings, sensor_id
 from reference.scenarios import at_state
 

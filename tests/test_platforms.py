@@ -18,9 +18,9 @@ import typer.main
 from grader import cli, platforms
 from grader.course import exporting
 from grader.course.record import Key, Store
-from grader.engine import traces
 from grader.engine.rubric import load
 from grader.ground.errors import GraderError, RequestError
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.platforms import job, registry
 from grader.platforms.classes import read_class
@@ -218,7 +218,7 @@ def test_a_platform_without_an_answer_is_given_to_no_job(monkeypatch: pytest.Mon
 
 
 def test_nothing_is_written_for_a_platform_without_an_answer(capsys: pytest.CaptureFixture[str]) -> None:
-    order = job.Job(silent(), load(LAB), traces.shipped())
+    order = job.Job(silent(), load(LAB), bundles.shipped())
     with pytest.raises(RequestError, match="--format made-up: Made-up Campus takes no answer of a job"):
         job.run(order)
     assert capsys.readouterr().out == ""

@@ -13,6 +13,7 @@ from grader.engine.question import Question, key_of
 from grader.labs.imu import student_bonuses as bonuses
 from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.replies import RULES
+from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import FilterCase, Student
 from tests.judging.made import truth
 
@@ -60,7 +61,7 @@ class Noting(Student):
     """Notes what it is asked, and answers nothing."""
 
     def __init__(self) -> None:
-        self.robot, self.keys = truth().robot, []  # type: ignore[misc]
+        self.robot, self.keys = robot_of(truth()), []  # type: ignore[misc]
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
         self.keys.append(key)

@@ -17,7 +17,8 @@ from matplotlib.image import imread
 from numpy.typing import NDArray
 
 import reference
-from grader.engine.traces import Traces, shipped
+from grader.engine.traces import Traces
+from grader.labs.imu.bundles import shipped
 from reference.filters import LowPassFilter, plot_comparison
 from reference.imu_reader import get_imu_readings, list_sensors, plot_imu_data, sensor_id, simulate_and_collect
 from reference.noisy_imu import NoisyIMU

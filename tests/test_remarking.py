@@ -14,7 +14,7 @@ from grader import __version__
 from grader.course import classroom, remarking
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.lab_box import open_box
 from grader.engine.marking import Marker
 from grader.engine.marks import marked
@@ -22,6 +22,7 @@ from grader.engine.results import Result, to_json
 from grader.engine.rubric import Rubric, RubricError
 from grader.ground.errors import RequestError
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.lateness import judged
 from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
@@ -63,7 +64,7 @@ def changed(*edits: tuple[str, str], text: str = SHIPPED) -> Rubric:
 def recorded(name: str) -> tuple[Result, Tape]:
     """One of the example class, marked by the shipped points in a box, and what the box answered."""
     box = RecordingBox(_box())
-    marker = Marker(changed(), traces.shipped(), box=box)  # type: ignore[arg-type] # speaks as a box does
+    marker = Marker(changed(), bundles.shipped(), box=box)  # type: ignore[arg-type] # speaks as a box does
     return marker.mark(read_submission(FOLDER / name, LAB.files)), box.tape
 
 
@@ -86,7 +87,7 @@ def found(name: str) -> Result:
 def regraded(by: Rubric) -> dict[str, Result]:
     """The example class, asked and judged again from the start."""
     box = PlayingBox(_box().rung.name)
-    marker = Marker(by, traces.shipped(), box=box)  # type: ignore[arg-type]
+    marker = Marker(by, bundles.shipped(), box=box)  # type: ignore[arg-type]
     results = {}
     for folder in folders():
         box.tape = recorded(folder.name)[1]
@@ -116,7 +117,7 @@ def keep(out: Path, by: Rubric, names: tuple[str, ...] = ("s02-vectorised", "s06
     with Store(out) as store:
         for name in names:
             key = Key(
-                name, str(found(name).provenance["submission_sha256"]), by.sha256, traces.shipped().sha256, __version__
+                name, str(found(name).provenance["submission_sha256"]), by.sha256, bundles.shipped().sha256, __version__
             )
             store.keep(key, marked(found(name), by))
             hand_in = HandIn((Person(name),), "2026-11-22T00:00:00+00:00")
@@ -250,7 +251,9 @@ def test_grading_a_class_again_with_other_points_opens_no_box(tmp_path: Path, mo
     names = ("s02-vectorised", "s06-id-as-address")
     keep(tmp_path, changed(), names)
     monkeypatch.setattr(classroom, "opener", no_box)
-    order = classroom.Order(tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), traces.shipped(), jobs=1)
+    order = classroom.Order(
+        tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), bundles.shipped(), jobs=1
+    )
     outcome = classroom.grade_class(order, classroom.find(order), Nobody())
     assert (outcome.resumed, outcome.results["s06-id-as-address"].score) == (2, 96.0)
     back = replace(order, rubric=changed())

@@ -13,6 +13,7 @@ from grader.engine import rubric, traces
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_graded_robot
 from reference import traces as recorder
@@ -74,20 +75,20 @@ def test_rows_that_are_altered_are_still_of_a_run_that_was_reset_and_pushed(
 def test_a_handed_in_copy_of_the_lab_model_is_the_robot_that_is_graded_with(
     marker: Marker, tmp_path: Path, ending: bytes
 ) -> None:
-    copy = traces.shipped().models["lab"].encode().replace(b"\n", ending)
+    copy = bundles.shipped().models["lab"].encode().replace(b"\n", ending)
     result = marked(marker, {**sheet.VERBATIM, SHEET_PATH: copy, "model/robot.xml": copy}, tmp_path, "data_collection")
     assert (result.criteria[0].points, lost(result)) == (20.0, set())
 
 
 def test_a_model_of_the_students_own_stays_as_it_is() -> None:
-    ours = traces.shipped().models["lab"].encode()
+    ours = bundles.shipped().models["lab"].encode()
     files = {"a.xml": ours, "b.xml": ours.replace(b'mass="4.6"', b'mass="4.7"'), "c.txt": ours}
     meant = with_graded_robot(files, "<mujoco/>")
     assert meant == {**files, "a.xml": b"<mujoco/>"}
 
 
 def test_the_students_ids_and_time_step_are_those_of_the_lab_model() -> None:
-    model = mujoco.MjModel.from_xml_string(traces.shipped().models["lab"])
+    model = mujoco.MjModel.from_xml_string(bundles.shipped().models["lab"])
     assert tuple(model.sensor(f"torso_{kind}").id for kind in ("accelerometer", "gyroscope")) == STUDENTS_IDS
     assert model.opt.timestep == STUDENTS_TIMESTEP
 

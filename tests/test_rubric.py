@@ -15,6 +15,7 @@ from grader.engine import rubric
 from grader.engine.rubric import CheckWeight, RubricError
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.robot import Model
 
 SHIPPED = rubric.shipped(LAB).read_bytes()
 SHEET = {
@@ -70,7 +71,7 @@ def test_the_shipped_rubric_is_the_sheets() -> None:
         ("realtime_visualization", "live_plot.py", 0.0),
     ]
     assert shipped.limits == rubric.Limits(call_cpu_s=10.0, submission_cpu_s=120.0)
-    assert shipped.model == rubric.Model(None, "torso_accelerometer", "torso_gyroscope")
+    assert shipped.settings["model"] == Model(None, "torso_accelerometer", "torso_gyroscope")
 
 
 @pytest.mark.parametrize(
@@ -375,7 +376,7 @@ def test_a_model_is_looked_for_beside_the_rubric(tmp_path: Path) -> None:
         f"{file}:{line}: there is no model 'my-humanoid.xml'; the path is relative to this file"
     )
     (tmp_path / "my-humanoid.xml").write_text("<mujoco/>")
-    assert rubric.load(LAB, file).model.path == tmp_path / "my-humanoid.xml"
+    assert rubric.load(LAB, file).settings["model"].path == tmp_path / "my-humanoid.xml"
 
 
 def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:

@@ -12,11 +12,12 @@ from unittest import mock
 
 import pytest
 
-from grader.engine import examination, lab_box, rubric, traces
+from grader.engine import examination, lab_box, rubric
 from grader.engine.lab_box import HARNESS
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.examples import folders
 from tests.made_up import without_durations
@@ -44,13 +45,13 @@ def without_savings(folder: Path) -> Iterator[Marker]:
         (harness / name).write_text(own + text, encoding="utf-8")
     with mock.patch.object(lab_box, "HARNESS", harness):
         box = lab_box.open_box(LAB, libraries=(), thorough=False)
-    with Marker(rubric.load(LAB), traces.shipped(), box=box) as slow:
+    with Marker(rubric.load(LAB), bundles.shipped(), box=box) as slow:
         yield slow
 
 
 def test_no_saving_changes_a_mark(tmp_path: Path) -> None:
     chosen = [folder for folder in folders() if folder.name not in LONG][::2]
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         cheap = {folder.name: marks(marker, folder) for folder in chosen}
     with without_savings(tmp_path) as marker:
         for folder in chosen:

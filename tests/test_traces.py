@@ -14,15 +14,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from grader.engine import recording
 from grader.engine import traces as truth
-from grader.engine.robot import Robot
+from grader.engine.lab import Lab
 from grader.ground.errors import GraderError, RequestError
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from reference import traces as recorder
 from reference.scenarios import PUBLIC_SEED, drawn_settings, generator
 from reference.variants import TIMESTEPS
 from reference.worlds import LAB_MODEL
 
-SHIPPED = Path(truth.__file__).parent.parent / "labs" / "imu" / "public.npz"
+SHIPPED = Path(bundles.__file__).with_name("public.npz")
 SECRET = "correct horse ✓"
 
 #: Between MuJoCo 3.0.0 and 4.0.0 the largest difference in the public bundle is 2e-8 of an array's largest number
@@ -77,7 +80,7 @@ def test_hidden_and_public_bundles_have_the_same_scenarios_and_arrays(public: Pa
 
 def test_the_public_seed_as_a_secret_does_not_give_the_public_numbers(tmp_path: Path) -> None:
     hidden = truth.load(recorder.record(tmp_path, PUBLIC_SEED, "hidden"))
-    assert np.abs(hidden.arrays["noise/accel_bias"] - truth.shipped().arrays["noise/accel_bias"]).max() > 0.01
+    assert np.abs(hidden.arrays["noise/accel_bias"] - bundles.shipped().arrays["noise/accel_bias"]).max() > 0.01
 
 
 def test_the_secret_is_nowhere_in_the_hidden_bundle(hidden: Path) -> None:
@@ -89,7 +92,7 @@ def test_the_secret_is_nowhere_in_the_hidden_bundle(hidden: Path) -> None:
 
 
 def test_the_shipped_bundle_is_what_the_reference_records_now(public: Path) -> None:
-    ours, fresh = truth.shipped(), truth.load(public)
+    ours, fresh = bundles.shipped(), truth.load(public)
     assert ours.arrays.keys() == fresh.arrays.keys()
     assert ours.manifest["scenarios"] == fresh.manifest["scenarios"]
     assert ours.models == fresh.models
@@ -100,7 +103,7 @@ def test_the_shipped_bundle_is_what_the_reference_records_now(public: Path) -> N
 
 
 def test_the_shipped_bundle_is_small_and_says_where_it_comes_from() -> None:
-    manifest = truth.shipped().manifest
+    manifest = bundles.shipped().manifest
     assert SHIPPED.stat().st_size < 1_500_000
     assert manifest["seed"] == PUBLIC_SEED
     assert manifest["versions"].keys() == {"python", "mujoco", "numpy"}
@@ -108,7 +111,7 @@ def test_the_shipped_bundle_is_small_and_says_where_it_comes_from() -> None:
 
 
 def test_every_model_in_the_manifest_compiles_and_has_the_sensors_of_its_scenarios() -> None:
-    ours = truth.shipped()
+    ours = bundles.shipped()
     for name in ("reading_lab", "reading_shuffled"):
         scenario = ours[name]
         model = mujoco.MjModel.from_xml_string(ours.models[scenario.model or ""])
@@ -118,13 +121,13 @@ def test_every_model_in_the_manifest_compiles_and_has_the_sensors_of_its_scenari
 
 
 def test_the_lab_model_in_the_manifest_is_the_lab_model() -> None:
-    assert truth.shipped().models["lab"] == LAB_MODEL.read_text(encoding="utf-8")
+    assert bundles.shipped().models["lab"] == LAB_MODEL.read_text(encoding="utf-8")
 
 
 # --- what the scenarios are good for --------------------------------------------------------------------------------
 
 
-def bundles(public: Path, hidden: Path) -> Iterator[truth.Traces]:
+def both(public: Path, hidden: Path) -> Iterator[truth.Traces]:
     yield truth.load(public)
     yield truth.load(hidden)
 
@@ -137,7 +140,7 @@ def slices(row: NDArray[np.float64], start: int) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("name", ["reading_lab", "reading_shuffled"])
 def test_no_mistaken_address_reads_the_right_numbers_by_luck(public: Path, hidden: Path, name: str) -> None:
-    for bundle in bundles(public, hidden):
+    for bundle in both(public, hidden):
         s = bundle[name]
         lab = bundle["reading_lab"]
         for place, (accel, gyro) in enumerate(s.pairs):
@@ -166,7 +169,7 @@ def test_in_shuffled_models_no_id_is_an_address_and_no_gyroscope_follows_its_acc
 
 
 def test_all_six_channels_of_the_tumble_are_alive_and_unlike_each_other(public: Path, hidden: Path) -> None:
-    for bundle in bundles(public, hidden):
+    for bundle in both(public, hidden):
         tumble = bundle["tumbling"]
         channels = np.hstack([tumble.acceleration, tumble.angular_velocity])
         assert (np.sqrt((channels**2).mean(axis=0)) > 0.2).all()
@@ -175,7 +178,7 @@ def test_all_six_channels_of_the_tumble_are_alive_and_unlike_each_other(public: 
 
 
 def test_other_pushes_can_be_told_from_the_right_one(public: Path, hidden: Path) -> None:
-    for bundle in bundles(public, hidden):
+    for bundle in both(public, hidden):
         for name in ("push", "push_dirty"):
             scenario, n = bundle[name], bundle[name].scalars["n_steps"]
             others = [key for key in scenario if key.startswith("alt_") and key.endswith("_acceleration")]
@@ -186,7 +189,7 @@ def test_other_pushes_can_be_told_from_the_right_one(public: Path, hidden: Path)
 
 
 def test_rows_come_after_each_step_and_two_more_than_asked_for(public: Path, hidden: Path) -> None:
-    for bundle in bundles(public, hidden):
+    for bundle in both(public, hidden):
         for name in ("push", "push_dirty"):
             s = bundle[name]
             n, timestep = s.scalars["n_steps"], s.scalars["timestep"]
@@ -213,7 +216,7 @@ def test_drawn_settings_stay_within_what_the_sheet_would_ask(seed: int, usual: f
 
 
 def test_noise_states_have_no_small_and_no_equal_channels_and_biases_stand_out(public: Path, hidden: Path) -> None:
-    for bundle in bundles(public, hidden):
+    for bundle in both(public, hidden):
         s = bundle["noise"]
         channels = np.hstack([s.acceleration, s.angular_velocity])
         assert np.abs(channels).min() > 0.3
@@ -227,7 +230,7 @@ def test_noise_states_have_no_small_and_no_equal_channels_and_biases_stand_out(p
 
 
 def test_scenarios_are_read_by_key_and_by_attribute_and_cannot_be_changed() -> None:
-    push = truth.shipped()["push"]
+    push = bundles.shipped()["push"]
     assert push.acceleration is push["acceleration"]
     assert "acceleration" in push
     with pytest.raises(ValueError, match="read-only"):
@@ -237,7 +240,7 @@ def test_scenarios_are_read_by_key_and_by_attribute_and_cannot_be_changed() -> N
 
 
 def test_a_bundle_survives_the_way_to_another_process() -> None:
-    ours = truth.shipped()
+    ours = bundles.shipped()
     other = pickle.loads(pickle.dumps(ours))
     assert other.sha256 == ours.sha256
     np.testing.assert_array_equal(other["push"].time, ours["push"].time)
@@ -270,7 +273,7 @@ def test_other_versions_in_the_manifest_are_no_change_of_content(copy: Path) -> 
     record = json.loads(manifest.read_text(encoding="utf-8"))
     record["versions"]["python"] = "3.99.0"
     manifest.write_text(json.dumps(record), encoding="utf-8")
-    assert truth.load(copy).sha256 == truth.shipped().sha256
+    assert truth.load(copy).sha256 == bundles.shipped().sha256
 
 
 def test_a_missing_manifest_is_named(copy: Path) -> None:
@@ -320,7 +323,7 @@ def test_a_manifest_that_names_arrays_which_are_not_there_is_refused(copy: Path)
     manifest = copy.with_suffix(".json")
     record = json.loads(manifest.read_text(encoding="utf-8"))
     record["scenarios"]["push"]["arrays"].append("nothing")
-    record["sha256"] = recorder.fingerprint(truth.shipped().arrays, record)
+    record["sha256"] = recorder.fingerprint(bundles.shipped().arrays, record)
     manifest.write_text(json.dumps(record), encoding="utf-8")
     assert "incomplete manifest" in refusal(copy)
 
@@ -333,73 +336,78 @@ def recordings(monkeypatch: pytest.MonkeyPatch, public: Path, hidden: Path) -> l
     """Recorder runs, as (name, seed); instead of running, it copies what was recorded above."""
     calls: list[tuple[str, str]] = []
 
-    def copied(name: str, seed: str, out: Path, robot: Robot | None) -> None:
-        assert robot is None
+    def copied(lab: Lab, name: str, seed: str, out: Path, subject: recording.Subject | None) -> None:
+        assert (lab, subject) == (LAB, None)
         calls.append((name, seed))
         shutil.copytree({"public": public, "hidden": hidden}[name].parent, out)
 
-    monkeypatch.setattr(truth, "_record", copied)
+    monkeypatch.setattr(recording, "_record", copied)
     return calls
 
 
 def with_mujoco(monkeypatch: pytest.MonkeyPatch, installed: str) -> None:
-    monkeypatch.setattr(truth, "version", lambda package: installed if package == "mujoco" else "1.0")
+    for module in (bundles, recording):
+        monkeypatch.setattr(module, "version", lambda package: installed if package == "mujoco" else "1.0")
 
 
 def test_a_hidden_bundle_is_recorded_from_the_seed_in_a_process_of_its_own(hidden: Path, tmp_path: Path) -> None:
-    got = truth.obtain(SECRET, tmp_path / "cache")
+    got = bundles.obtain(SECRET, tmp_path / "cache")
     assert got.name == "hidden"
     assert got.sha256 == truth.load(hidden).sha256
 
 
 def test_a_hidden_bundle_is_recorded_once(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
-    bundles = [truth.obtain(SECRET, tmp_path) for _ in range(2)]
+    first, again = (bundles.obtain(SECRET, tmp_path) for _ in range(2))
     assert recordings == [("hidden", SECRET)]
-    assert bundles[0].sha256 == bundles[1].sha256
-    truth.obtain("another", tmp_path)
+    assert first.sha256 == again.sha256
+    bundles.obtain("another", tmp_path)
     assert recordings[1:] == [("hidden", "another")]
 
 
 def test_cached_bundles_are_for_their_owner_only_and_do_not_tell_the_seed(
     recordings: list[tuple[str, str]], tmp_path: Path
 ) -> None:
-    truth.obtain(SECRET, tmp_path)
+    bundles.obtain(SECRET, tmp_path)
     (entry,) = (tmp_path / "traces").iterdir()
     assert re.fullmatch("[0-9a-f]{32}", entry.name)
     assert entry.stat().st_mode & 0o077 == 0
 
 
 def test_a_damaged_cache_entry_is_recorded_again(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
-    truth.obtain(SECRET, tmp_path)
+    bundles.obtain(SECRET, tmp_path)
     next((tmp_path / "traces").glob("*/hidden.npz")).write_bytes(b"half of it")
-    assert truth.obtain(SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
-    truth.obtain(SECRET, tmp_path)
+    assert bundles.obtain(SECRET, tmp_path)["push"].scalars["push_mps"] == 0.5
+    bundles.obtain(SECRET, tmp_path)
     assert len(recordings) == 2
 
 
 def test_without_a_usable_cache_it_works_all_the_same(recordings: list[tuple[str, str]], tmp_path: Path) -> None:
     blocked = tmp_path / "a file"
     blocked.write_text("in the way", encoding="utf-8")
-    assert truth.obtain(SECRET, blocked).name == "hidden"
+    assert bundles.obtain(SECRET, blocked).name == "hidden"
 
 
 def test_a_changed_reference_or_simulator_makes_another_entry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    keys = {truth._cache_key("hidden", "a"), truth._cache_key("hidden", "b"), truth._cache_key("public", "a")}
+    keys = {
+        recording._cache_key(LAB, "hidden", "a"),
+        recording._cache_key(LAB, "hidden", "b"),
+        recording._cache_key(LAB, "public", "a"),
+    }
     with_mujoco(monkeypatch, "9.9.9")
-    keys.add(truth._cache_key("hidden", "a"))
+    keys.add(recording._cache_key(LAB, "hidden", "a"))
     copied = tmp_path / "reference"
     shutil.copytree(Path(recorder.__file__).parent, copied)
     (copied / "filters.py").write_text("# changed\n", encoding="utf-8")
-    monkeypatch.setattr(truth, "_reference", lambda: copied)
-    keys.add(truth._cache_key("hidden", "a"))
+    monkeypatch.setattr(recording, "folder_of", lambda lab: copied)
+    keys.add(recording._cache_key(LAB, "hidden", "a"))
     assert len(keys) == 5
 
 
 def test_public_traces_are_the_shipped_ones_on_the_simulator_that_recorded_them(
     recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    with_mujoco(monkeypatch, truth.shipped().versions["mujoco"])
-    assert truth.obtain(None, tmp_path).sha256 == truth.shipped().sha256
+    with_mujoco(monkeypatch, bundles.shipped().versions["mujoco"])
+    assert bundles.obtain(None, tmp_path).sha256 == bundles.shipped().sha256
     assert recordings == []
 
 
@@ -407,7 +415,7 @@ def test_public_traces_are_recorded_again_on_another_simulator(
     recordings: list[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     with_mujoco(monkeypatch, "9.9.9")
-    assert truth.obtain(None, tmp_path).name == "public"
+    assert bundles.obtain(None, tmp_path).name == "public"
     assert recordings == [("public", PUBLIC_SEED)]
 
 
@@ -415,23 +423,23 @@ def test_public_traces_are_the_shipped_ones_where_recording_is_impossible(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     with_mujoco(monkeypatch, "9.9.9")
-    monkeypatch.setattr(truth.sys, "executable", str(tmp_path / "no python here"))
-    assert truth.obtain(None, tmp_path).sha256 == truth.shipped().sha256
-    monkeypatch.setattr(truth, "_reference", lambda: None)
-    assert truth.obtain(None, tmp_path).sha256 == truth.shipped().sha256
+    monkeypatch.setattr(recording.sys, "executable", str(tmp_path / "no python here"))
+    assert bundles.obtain(None, tmp_path).sha256 == bundles.shipped().sha256
+    monkeypatch.setattr(recording, "folder_of", lambda lab: None)
+    assert bundles.obtain(None, tmp_path).sha256 == bundles.shipped().sha256
 
 
 def test_hidden_traces_without_the_reference_are_a_wrong_request(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(truth, "_reference", lambda: None)
+    monkeypatch.setattr(recording, "folder_of", lambda lab: None)
     with pytest.raises(RequestError, match="hidden traces need the reference, which is not installed here"):
-        truth.obtain(SECRET, tmp_path)
+        bundles.obtain(SECRET, tmp_path)
 
 
 def test_an_empty_seed_is_a_wrong_request(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="the seed is empty"):
-        truth.obtain(" ", tmp_path)
+        bundles.obtain(" ", tmp_path)
 
 
 def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
@@ -440,9 +448,9 @@ def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
     (tmp_path / "reference").mkdir()
     (tmp_path / "reference" / "__init__.py").touch()
     (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
-    monkeypatch.setattr(truth, "_SOURCES", tmp_path)
+    monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
-        truth.obtain(SECRET, tmp_path / "cache")
+        bundles.obtain(SECRET, tmp_path / "cache")
 
 
 def test_a_folder_called_reference_where_the_command_runs_is_not_run(
@@ -452,14 +460,14 @@ def test_a_folder_called_reference_where_the_command_runs_is_not_run(
     (tmp_path / "reference" / "__init__.py").touch()
     (tmp_path / "reference" / "traces.py").write_text("raise SystemExit('a student was here')\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    assert truth.obtain(SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256
+    assert bundles.obtain(SECRET, tmp_path / "cache").sha256 == truth.load(hidden).sha256
 
 
 def test_the_cache_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("IMUGRADE_CACHE", str(tmp_path))
-    assert truth.default_cache_dir() == tmp_path
+    assert recording.default_cache_dir() == tmp_path
     monkeypatch.delenv("IMUGRADE_CACHE")
-    assert truth.default_cache_dir() != tmp_path
+    assert recording.default_cache_dir() != tmp_path
 
 
 # --- the recorder's command -----------------------------------------------------------------------------------------

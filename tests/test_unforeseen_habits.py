@@ -6,16 +6,17 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.unforeseen_habits import HABITS, Habit
 
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
 
 

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, CriterionResult
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import filter_outputs, filtering, noise_laws
@@ -23,7 +24,7 @@ from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), traces.shipped()) as opened:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
 
 

@@ -10,10 +10,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks.check_sensor_access import with_others_first
 from grader.labs.imu.compare import told
@@ -41,7 +42,7 @@ Marked = Callable[[Sample], Result]
 def marked() -> Iterator[Marked]:
     """Marks a sample once."""
     results: dict[str, Result] = {}
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
 
         def mark(sample: Sample) -> Result:
             if sample.name not in results:
@@ -208,9 +209,9 @@ def test_a_sensor_with_fewer_rows_than_the_other_is_told_as_far_as_both_reach(sh
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("name", sorted(traces.shipped().models))
+@pytest.mark.parametrize("name", sorted(bundles.shipped().models))
 def test_two_sensors_before_a_models_own_move_ids_by_two_and_addresses_by_three(name: str) -> None:
-    xml = traces.shipped().models[name]
+    xml = bundles.shipped().models[name]
     model, moved = (mujoco.MjModel.from_xml_string(text) for text in (xml, with_others_first(xml)))
     assert moved.nsensor == model.nsensor + 2
     assert (moved.sensor_adr[2:] == model.sensor_adr + 3).all()

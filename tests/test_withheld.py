@@ -7,10 +7,11 @@ import re
 
 import pytest
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.findings import Size
 from grader.engine.marking import Marker
 from grader.engine.results import Result, to_dict
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.platforms.gradescope import gradescope
@@ -64,7 +65,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> list[Result]:
     """The spy's results under two secrets: whatever differs between them was chosen by the spy, or is hidden itself."""
     found = []
     for secret in ("one secret", "another one"):
-        hidden = traces.obtain(secret, tmp_path_factory.mktemp("cache"))
+        hidden = bundles.obtain(secret, tmp_path_factory.mktemp("cache"))
         with Marker(rubric.load(LAB), hidden) as marker:
             found.append(marker.mark(handed_in(Case("sound", "spy", SPY))))
     return found

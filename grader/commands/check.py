@@ -71,11 +71,10 @@ def check(
             print(opening.found(LAB, submission), flush=True)
         from grader.commands import checking, history  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
-        from grader.engine import traces  # noqa: PLC0415
         from grader.engine.marking import Stopped  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
 
-        bundle = traces.obtain(None, None, chosen.model)
+        bundle = LAB.truth(None, chosen.settings)
         if ready:
             print(opening.waiting(submission, chosen, bundle, only, secret=_has_secret()) + "\n", flush=True)
         printed = Prints()
@@ -138,9 +137,8 @@ def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
     view.tell(_CHECKING)  # at once: the rest takes seconds on a cold machine
     from grader.commands import checking, history  # noqa: PLC0415
     from grader.commands.prints import Prints  # noqa: PLC0415
-    from grader.engine import traces  # noqa: PLC0415
 
-    bundle = traces.obtain(None, None, chosen.model)
+    bundle = LAB.truth(None, chosen.settings)
     written = [each for each in (wanted.html, wanted.json) if each is not None]
     before: dict[str, float] | None = None
     printed = Prints()

@@ -63,7 +63,7 @@ def ci(
     from grader.platforms import job  # noqa: PLC0415
 
     chosen = rubrics.load(LAB, rubric)
-    bundle = traces.obtain(None, None, chosen.model) if traces_ is None else traces.load(traces_)
+    bundle = LAB.truth(None, chosen.settings) if traces_ is None else traces.load(traces_)
     order = job.Job(
         job.named(format_), chosen, bundle, path, out,
         job.visible(visibility), trust, min_score, rung, private=private,

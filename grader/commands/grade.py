@@ -70,7 +70,6 @@ def grade(
     """
     from grader.course import classroom  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
-    from grader.engine import traces  # noqa: PLC0415
     from grader.labs.imu.blind_spot import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
@@ -79,7 +78,7 @@ def grade(
     if cluster is not None and jobs is not None:
         raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
     chosen = rubrics.load(LAB, rubric)
-    bundle = traces.obtain(seed, None, chosen.model)
+    bundle = LAB.truth(seed, chosen.settings)
     order = classroom.Order(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
         one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), roster, one_of("--attempts", attempts, ATTEMPTS),

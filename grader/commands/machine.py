@@ -7,8 +7,9 @@ import platform
 from dataclasses import dataclass
 
 from grader import __version__
-from grader.engine.traces import rehearse
+from grader.engine.recording import rehearse
 from grader.ground.errors import GraderError, RequestError
+from grader.labs.imu.lab import LAB
 from grader.sandbox import one_copy
 from grader.sandbox.ladder import probe
 from grader.sandbox.rungs import Rung
@@ -71,7 +72,7 @@ def _version(package: str) -> tuple[bool | None, str]:
 def _reference() -> Finding:
     """Whether a secret gives hidden scenarios here: tried with one that is thrown away."""
     try:
-        recorded = rehearse()
+        recorded = rehearse(LAB)
     except (GraderError, RequestError, OSError) as problem:
         return Finding("reference", False, str(problem))
     if recorded is None:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from grader.engine import traces
 from grader.engine.examination import Judgement, session
 from grader.engine.lab_box import open_box_for
 from grader.engine.rubric import Rubric
@@ -59,9 +58,9 @@ def examined(
     rubric: Rubric, submission: Submission, rung: str | None = None
 ) -> tuple[Recorder, Mapping[str, Judgement]]:
     """The whole submission on the public scenarios, as `imugrade check` examines it."""
-    truth = traces.obtain(None, None, rubric.model)
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
+    truth = lab.truth(None, rubric.settings)
     with open_box_for(lab, submission.files, rung) as box:
         student = Recorder(box, lab, submission.files, truth=truth, above=submission.above, **limits)
         examination = Watched(lab, student, truth, None)

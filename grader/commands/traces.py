@@ -51,11 +51,11 @@ def plot(
     Example:
       imugrade traces plot -o plots --mine my_lab
     """
-    from grader.report import truth  # noqa: PLC0415
+    from grader.labs.imu import motions  # noqa: PLC0415
 
     traces = _obtained(seed, rubric)
     own = None if mine is None else _recorded(mine, traces, rubric, rung)
-    for path in truth.plot(traces, out, own):
+    for path in motions.plot(traces, out, own):
         print(path)
     return 0
 
@@ -107,7 +107,6 @@ def record(
 def _obtained(seed: str | None, rubric: Path | None) -> Traces:
     """For the robot that the rubric names."""
     from grader.engine import rubric as rubrics  # noqa: PLC0415
-    from grader.engine import traces  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    return traces.obtain(seed, None, rubrics.load(LAB, rubric).model)
+    return LAB.truth(seed, rubrics.load(LAB, rubric).settings)

@@ -31,11 +31,7 @@ _MOST_BREAKPOINTS = 3
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
 _SENT_BYTES = 24_000_000
 _LOADING = ("load", "run_script")
-_CALLS = {
-    "load": "{path} to be imported", "run_script": "{path} to run as a program", "read": "get_imu_readings",
-    "simulate": "simulate_and_collect", "noise": "NoisyIMU", "default_bias": "NoisyIMU", "filter": "LowPassFilter",
-    "plot": "plot_imu_data",
-}  # fmt: skip
+_WAITS_FOR = {"load": "{path} to be imported", "run_script": "{path} to run as a program"}
 _WALL_PER_CPU = 4  # seconds on the clock that a part has for each of its CPU time: waiting costs time, too
 _SLOW_S = 2.0  # after which a line says what is waited for
 _OF_ITS_TIME = 0.8  # is what loading has before the process is ended: it may interrupt its statements itself
@@ -57,6 +53,9 @@ class Sheet(Protocol):
 
     @property
     def files(self) -> Collection[str]: ...
+
+    @property
+    def waits_for(self) -> Mapping[str, str]: ...
 
     @property
     def checked(self) -> Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]: ...
@@ -273,7 +272,8 @@ class Conversation:
         if self._waiting is None:
             yield
             return
-        what = _CALLS.get(op, "{path}").format(path=printable(str(fields.get("path", "an answer")), 80))
+        words = {**_WAITS_FOR, **self._lab.waits_for}
+        what = words.get(op, "{path}").format(path=printable(str(fields.get("path", "an answer")), 80))
         timer = Timer(_SLOW_S, self._waiting, [f"Waiting for {what}: {limit_s:g} s of CPU time at most."])
         timer.daemon = True
         timer.start()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -110,7 +111,7 @@ def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Told:
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if fault.type == "ModuleNotFoundError":
         said += THERE
-    mistake = mistake_of(fault)
+    mistake = mistake_of(fault, mistakes)
     return Told(
         "error",
         0.0,
@@ -128,18 +129,17 @@ def _exception_name(fault: Fault) -> str:
     return fault.type if isinstance(known, type) and issubclass(known, BaseException) else "an exception"
 
 
-def mistake_of(fault: Fault) -> str:
-    """The mistake that an exception shows: the sheet's *Common Errors* by what MuJoCo and NumPy say, else ``raises``."""
-    said = fault.message.lower()
-    if fault.type in ("KeyError", "ValueError") and ("invalid name" in said or "sensor" in said):
-        return "sensor-not-found"
-    if fault.type == "IndexError":
-        return "index-out-of-bounds"
-    if fault.type == "NotImplementedError":
-        return "not-written"
+def mistake_of(fault: Fault, mistakes: Mapping[str, Mistake]) -> str:
+    """The mistake that an exception shows: the first of the catalogue whose pattern it fits, else ``raises``."""
     if fault.type == "ModuleNotFoundError":
         return "missing-package"
-    return "raises"
+    said = f"{fault.type}: {fault.message}"
+    fitting = (id_ for id_, each in mistakes.items() if each.raised and _fits(each.raised, said))
+    return next(fitting, "raises")
+
+
+def _fits(pattern: str, said: str) -> bool:
+    return re.match(pattern, said, re.IGNORECASE | re.DOTALL) is not None
 
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:

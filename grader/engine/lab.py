@@ -14,10 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from yaml import Node
+
     from grader.engine.conversation import Conversation
     from grader.engine.evidence import Chart
+    from grader.engine.rubric_nodes import Reader
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
+
+_FURNITURE = re.compile(r"\bFURNITURE_([A-Z]+)\b")
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,39 @@ class Part:
         )
 
 
+@dataclass(frozen=True)
+class Brought:
+    """A file that a rubric names in the place of one of the lab's, and the public traces that were recorded of it.
+
+    `keys` lead to the line of the rubric that names it.
+    """
+
+    traces: Traces
+    keys: tuple[str, ...]
+    file: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Handout:
+    """What students get beside the starter files, by path, and the names that stand there in the place of the sheet's."""
+
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
+
+
+def _brings_nothing(settings: Mapping[str, Any]) -> None:
+    """Of a lab whose rubric names nothing."""
+
+
+def _nothing_more(own: Brought | None) -> Handout:
+    return Handout()
+
+
+def _any_will_do(settings: Mapping[str, Any], traces: Traces) -> None:
+    """Of a lab that is about one thing alone."""
+
+
 @dataclass(frozen=True, eq=False)
 class Lab:
     """One lab, as one value.
@@ -74,16 +112,29 @@ class Lab:
         Checks whose findings point to another name than the first of their part.
     calls
         How each name is called, in a line, where `imugrade repro` can write the call down.
+    waits_for
+        What is waited for while a question takes long, in a word, by the question's operation.
+    settings
+        The keys of a rubric that are this lab's own, and how each is read: from the file's reader, its node (None where it is left
+        out) and the folder that paths in it start from.
     libraries
         What some submissions import and what takes longer to import than the rest of their work: a class shares it.
     recorder
         The program that records ground truth, as ``python -m`` names it; it may be missing where only public truth is used.
+    depends_on
+        Packages whose versions may change a number: of the recorder's, or of a submission's.
     same_for_all
         Scenarios in which no secret changes a number.
-    motions
-        Public scenarios that students get as tables and pictures.
     student, charts, checked
         Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
+    truth
+        Gives the traces to grade with, from a secret (None: the public ones) and the settings of a rubric.
+    match
+        Refuses traces, by a RubricError, that are of something else than the settings name.
+    brought
+        Finds what the settings name in the place of something of the lab's: a kit has to carry it.
+    handout
+        Makes what students get of that; None stands for the lab's own.
     """
 
     module: str
@@ -95,13 +146,19 @@ class Lab:
     student: Callable[..., Conversation]
     charts: Callable[[Any, Traces], tuple[Chart, ...]]
     checked: Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]
+    truth: Callable[[str | None, Mapping[str, Any]], Traces]
+    match: Callable[[Mapping[str, Any], Traces], None] = _any_will_do
+    brought: Callable[[Mapping[str, Any]], Brought | None] = _brings_nothing
+    handout: Callable[[Brought | None], Handout] = _nothing_more
     model: str = ""
     points_to: Mapping[str, str] = field(default_factory=dict)
     calls: Mapping[str, str] = field(default_factory=dict)
+    waits_for: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, Callable[[Reader, Node | None, Path], Any]] = field(default_factory=dict)
     libraries: tuple[str, ...] = ()
     recorder: str = ""
+    depends_on: tuple[str, ...] = ("numpy",)
     same_for_all: frozenset[str] = frozenset()
-    motions: tuple[str, ...] = ()
 
     def __reduce__(self) -> tuple[Callable[[str], Lab], tuple[str]]:
         """It travels by its name: another process, on another machine perhaps, has it in another folder."""
@@ -150,9 +207,9 @@ class Lab:
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, furniture: Mapping[str, Any]) -> str:
-        """The text of the sound stand-in for a name, where the box is furnished so."""
+        """The text of the sound stand-in for a name, where the box is furnished so: ``FURNITURE_IMU`` is its ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
-        return text.replace("IMU_SENSORS", repr(tuple(furniture.get("imu", ()))))
+        return _FURNITURE.sub(lambda found: repr(furniture[found[1].lower()]), text)
 
 
 def lab_of(module: str) -> Lab:

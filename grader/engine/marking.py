@@ -21,7 +21,7 @@ from grader.engine.lab_box import open_box
 from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
-from grader.engine.traces import Traces, match_robot
+from grader.engine.traces import Traces
 from grader.engine.written import Check
 from grader.ground.text import printable
 from grader.intake import Submission
@@ -49,14 +49,14 @@ class Marker:
     Raises
     ------
     RubricError
-        Where rubric and checks do not match, or the traces are of another robot than the rubric names.
+        Where rubric and checks do not match, or the traces are of something else than the rubric names.
     GraderError
         Where no box can be opened.
     """
 
     def __init__(self, rubric: Rubric, traces: Traces, *, rung: str | None = None, box: Box | None = None) -> None:
         self._lab, self._rubric, self._traces = rubric.lab, rubric, traces
-        match_robot(rubric.model, traces)
+        rubric.lab.match(rubric.settings, traces)
         self._box = box or open_box(rubric.lab, rung)  # it warms up while the checks are collected
         try:
             self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
@@ -232,8 +232,7 @@ class Marker:
             "traces_sha256": self._traces.sha256,
             "submission_sha256": submission.sha256,
             "python": platform.python_version(),
-            "mujoco": _version("mujoco"),
-            "numpy": _version("numpy"),
+            **{package: _version(package) for package in self._lab.depends_on},
             "isolation": self._box.rung.name,
             "seed": SEED,
         }
@@ -252,7 +251,7 @@ def _as_far_as_it_came(result: Result) -> Result:
 
 @cache
 def _version(package: str) -> str:
-    """Of what the workers import; this process does without mujoco, which is slow to import."""
+    """Of what the workers import; this process does without most of it."""
     return version(package)
 
 

@@ -17,12 +17,12 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
-from grader.engine.robot import Model
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
 from grader.engine.written import checks_of
 from grader.ground.errors import RequestError
@@ -36,7 +36,6 @@ __all__ = [
     "Extension",
     "LatePolicy",
     "Limits",
-    "Model",
     "OwnChecks",
     "Rubric",
     "RubricError",
@@ -47,7 +46,7 @@ __all__ = [
     "shipped",
 ]
 
-_OPTIONAL = ("model", "extra_credit", "late", "mistakes")
+_OPTIONAL = ("extra_credit", "late", "mistakes")
 OwnChecks = tuple[tuple[str, bytes], ...]
 """Names and contents of the files in the folder ``checks`` beside a rubric: what is read is what runs, wherever that is."""
 
@@ -122,6 +121,7 @@ class LatePolicy:
 class Rubric:
     """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
 
+    `settings` is what the keys say that are the lab's own (`Lab.settings`), by key.
     `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `mistakes` are
     those that have a price: what each costs in a check that it loses, in place of the check's own points. `sha256` is that of all
     that marks depend on: a comment, the order of the lines or another late policy leaves it as it is; `asked_sha256` of what is
@@ -133,7 +133,7 @@ class Rubric:
     criteria: tuple[Criterion, ...]
     extensions: tuple[Extension, ...]
     limits: Limits
-    model: Model
+    settings: Mapping[str, Any]
     sha256: str
     asked_sha256: str
     source: str
@@ -206,7 +206,7 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     source
         How the messages call the file.
     folder
-        What a relative model path starts from; None is the working folder.
+        What relative paths in it start from; None is the working folder.
 
     Raises
     ------
@@ -215,13 +215,13 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     """
     reader = Reader(source)
     root = reader.compose(data)
-    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), _OPTIONAL)
+    keys = reader.fields(root, "the rubric", ("criteria", "extensions", "limits"), (*lab.settings, *_OPTIONAL))
     criteria = _criteria(reader, keys.get("criteria"), [part.id for part in lab.parts])
     each, cap = _extra_credit(reader, keys.get("extra_credit"))
     extensions = _extensions(reader, keys.get("extensions"), [bonus.id for bonus in lab.bonuses], each)
     worth = round(sum(extension.points for extension in extensions), 2)
     limits = _limits(reader, keys.get("limits"))
-    model = _model(reader, keys.get("model"), folder or Path())
+    settings = {key: read(reader, keys.get(key), folder or Path()) for key, read in lab.settings.items()}
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
     own = () if folder is None else own_checks(lab, folder)
@@ -234,9 +234,9 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     granted = (worth if cap is None else cap) if worth else None
     written = [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []  # without any it is the digest of before
     priced = [mistakes] if mistakes else []
-    digest = _digest(criteria, extensions, limits, model, granted, *priced, *written)
-    asked = _digest(limits, model, *written)
-    return Rubric(lab, criteria, extensions, limits, model, digest, asked, source, granted, late, mistakes, own)
+    digest = _digest(criteria, extensions, limits, *settings.values(), granted, *priced, *written)
+    asked = _digest(limits, *settings.values(), *written)
+    return Rubric(lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, mistakes, own)
 
 
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:
@@ -443,15 +443,3 @@ def _without_lines(value: object) -> object:
     if isinstance(value, tuple):
         return [_without_lines(item) for item in value]
     return value.name if isinstance(value, Path) else value
-
-
-def _model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
-    keys = reader.fields(node, "model", (), ("path", "sensors"))
-    sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
-    names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
-    path = reader.text(keys.get("path"), "the model's path")
-    if path and not os.path.isfile(folder / path):
-        reader.say(keys["path"], f"there is no model {quote(keys['path'])}; the path is relative to this file")
-    found = {key: node.start_mark.line + 1 for key, node in {"model": node, **keys, **sensors}.items() if node}
-    given = {key: name for key, name in names.items() if name}
-    return Model(folder / path if path else None, **given, source=reader.source, lines=found)

@@ -36,7 +36,7 @@ def told(finding: Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mis
         kind = finding.fault.type if finding.fault.type in _TOLD_TYPES else "an exception"
         if kind == "TypeError" and not finding.fault.line:
             kind += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
-        id_ = mistake_of(finding.fault)
+        id_ = mistake_of(finding.fault, mistakes)
         hint = f"{mistakes[id_].hint} {_PUBLIC}"
         return Told("error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, mistakes=(id_,))
     return _no_answer(finding, mistakes)

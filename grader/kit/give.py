@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from grader import __version__
-from grader.engine.lab import Lab
-from grader.engine.robot import LAB_FILE, LAB_IMU, Robot
+from grader.engine.lab import Brought, Handout, Lab
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric
-from grader.engine.traces import Traces, obtain, shipped
+from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.ground.text import printable
@@ -67,7 +66,7 @@ def kits(wanted: Wanted) -> Iterator[Kit]:
 
 
 def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
-    """Starter files, the robot's model in the sheet's folder, public motions, a README and the wheel, in a new folder.
+    """Starter files, what the lab hands out beside them, a README and the wheel, in a new folder.
 
     Raises
     ------
@@ -75,16 +74,11 @@ def student(lab: Lab, out: Path, rubric: Path | None = None) -> Kit:
         If the folder has something in it: a student's work must not be overwritten.
     """
     _refuse_full(out)
-    carried = _carried(lab, rubric)
-    traces = carried or shipped()
-    robot = carried.robot if carried else Robot(LAB_FILE, traces.models["lab"], LAB_IMU)
-    files = {name: _named_after(lab, robot, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
+    brought = _brought(lab, rubric)
+    handout = lab.handout(brought)
+    files = {name: _named_after(handout, _starter(lab, name)).encode() for name in (*lab.files, "README.md")}
     files |= {path: _text(f"students/{source}").encode() for path, source in _EDITORS.items()}
-    files |= {f"traces/{name}": content for name, content in truth.motions(traces, lab.motions).items()}
-    files |= {
-        _beside(lab, robot.file): robot.xml.encode(),
-        wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), carried),
-    }
+    files |= {**handout.files, wheel.name(): wheel.build(lab, rubric or shipped_rubric(lab), brought)}
     _write(out, files)
     return Kit(out, "students", "public scenarios")
 
@@ -129,26 +123,18 @@ def gradescope(lab: Lab, out: Path, rubric: Path | None = None, hidden: Traces |
 
 
 def _wheel(lab: Lab, rubric: Path | None) -> bytes:
-    return wheel.build(lab, rubric or shipped_rubric(lab), _carried(lab, rubric))
+    return wheel.build(lab, rubric or shipped_rubric(lab), _brought(lab, rubric))
 
 
-def _carried(lab: Lab, rubric: Path | None) -> Traces | None:
-    """The public traces of the instructor's own robot, its model among them: whoever has no reference cannot record them."""
-    model = load(lab, rubric).model
-    return None if model.is_lab else obtain(None, None, model)
+def _brought(lab: Lab, rubric: Path | None) -> Brought | None:
+    return lab.brought(load(lab, rubric).settings)
 
 
-def _named_after(lab: Lab, robot: Robot, text: str) -> str:
-    """A starter file with the robot's own names in the place of the sheet's."""
-    own = {lab.model: _beside(lab, robot.file)} | dict(zip(LAB_IMU, robot.imu, strict=True))
-    for sheet, name in own.items():
+def _named_after(handout: Handout, text: str) -> str:
+    """A starter file with the names of what is handed out in the place of the sheet's."""
+    for sheet, name in handout.names.items():
         text = text.replace(f'"{sheet}"', json.dumps(name, ensure_ascii=False))
     return text
-
-
-def _beside(lab: Lab, file: str) -> str:
-    """The path of a model in the folder that the sheet loads its own from."""
-    return (PurePosixPath(lab.model).parent / file).as_posix()
 
 
 def _starter(lab: Lab, name: str) -> str:

@@ -12,15 +12,14 @@ import importlib.metadata
 import io
 import json
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 import yaml
 
 from grader import __version__
-from grader.engine.lab import Lab
+from grader.engine.lab import Brought, Lab
 from grader.engine.rubric import CARRIED, own_checks
-from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.report import truth
@@ -40,12 +39,12 @@ def name() -> str:
     return f"imugrade-{__version__}-py3-none-any.whl"
 
 
-def build(lab: Lab, rubric: Path, carried: Traces | None = None) -> bytes:
+def build(lab: Lab, rubric: Path, own: Brought | None = None) -> bytes:
     """The wheel's bytes, with this rubric.
 
     Parameters
     ----------
-    carried : public traces of the robot that the rubric names, in the place of those of the lab's
+    own : what the rubric names in the place of something of the lab's
 
     Raises
     ------
@@ -56,7 +55,7 @@ def build(lab: Lab, rubric: Path, carried: Traces | None = None) -> bytes:
     place = f"grader/{lab.folder.relative_to(beside('grader', '')).as_posix()}"
     files = {**dict(_package()), f"{place}/rubric.yaml": rubric.read_bytes()}
     files |= {f"{place}/{CARRIED}/{name}": content for name, content in own_checks(lab, rubric.parent)}
-    files |= _own(place, rubric, carried) if carried else {}
+    files |= _own(place, rubric, own) if own else {}
     files |= {f"{info}/{path}": text.encode() for path, text in _information().items()}
     record = "".join(f"{path},{_digest(content)},{len(content)}\n" for path, content in files.items())
     files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
@@ -85,22 +84,22 @@ def _package() -> Iterator[tuple[str, bytes]]:
             yield f"grader/{inside.as_posix()}", path.read_bytes()
 
 
-def _own(folder: str, rubric: Path, carried: Traces) -> dict[str, bytes]:
-    """The robot's traces and model, and the rubric that finds the model there."""
-    text, place = rubric.read_text(encoding="utf-8-sig"), f"robot/{carried.robot.file}"
-    files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(carried).items()}
-    path = _path_in(text)
+def _own(folder: str, rubric: Path, own: Brought) -> dict[str, bytes]:
+    """What the rubric names and its traces, and the rubric that finds it there."""
+    text, place = rubric.read_text(encoding="utf-8-sig"), f"own/{own.file}"
+    files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(own.traces).items()}
+    path = _named_in(text, own.keys)
     if path is not None:
         start, end = path.start_mark.index, path.end_mark.index
         text = f"{text[:start]}{json.dumps(place)}{text[end:]}"
-        files[f"{folder}/{place}"] = carried.robot.xml.encode()
+        files[f"{folder}/{place}"] = own.text.encode()
     return {**files, f"{folder}/rubric.yaml": text.encode()}
 
 
-def _path_in(rubric: str) -> yaml.Node | None:
-    """Where a rubric that was read before names its model."""
+def _named_in(rubric: str, keys: Iterable[str]) -> yaml.Node | None:
+    """What stands in a rubric that was read before, where these keys lead; None if it is left out."""
     node: yaml.Node | None = yaml.compose(rubric, Loader=yaml.SafeLoader)
-    for name in ("model", "path"):
+    for name in keys:
         pairs = node.value if node else []
         node = next((value for key, value in pairs if key.value == name), None)
     return node

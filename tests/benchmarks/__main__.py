@@ -24,9 +24,10 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Worker
 from tests.benchmarks import cold, guard
@@ -62,7 +63,7 @@ def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]
         finally:
             asked.append((op, dict(fields or {}), dict(arrays or {}), self.cpu_s - before))
 
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         submission = read_submission(sample, LAB.files)
         marker.mark(submission)
         with mock.patch.object(Worker, "ask", noting):
@@ -137,7 +138,7 @@ def ratios(some: Sequence[float], of: Sequence[float]) -> guard.Seen:
 
 def memory(sample: Path) -> float:
     """MB that a marker with its zygote holds for itself alone, after one submission."""
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         marker.mark(read_submission(sample, LAB.files))
         zygote = marker._box._zygote
         pids = [os.getpid()] + ([zygote.pid, *_children(zygote.pid)] if zygote else [])

@@ -15,9 +15,9 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine import traces
 from grader.engine.findings import Lost, Skipped
 from grader.engine.traces import Traces
+from grader.labs.imu import bundles
 from grader.labs.imu.answers import NoiseRun
 from grader.labs.imu.checks import check_noise_model as checks
 from grader.labs.imu.student import Student
@@ -117,7 +117,7 @@ class Model:
 
 def losses(law: Law, runs: int, seed: int = 1) -> dict[str, int]:
     """How many of `runs` models with this law lose each check."""
-    truth = traces.shipped()
+    truth = bundles.shipped()
     rng = np.random.default_rng(seed)
     lost = dict.fromkeys(CHECKS, 0)
     for _ in range(runs):

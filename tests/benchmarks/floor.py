@@ -21,7 +21,7 @@ import mujoco
 import numpy as np
 import scipy.signal  # noqa: F401 - imported by the zygote, too
 
-from grader.engine.traces import shipped
+from grader.labs.imu.bundles import shipped
 
 FILES = ("imu_reader", "noisy_imu", "filters")
 

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.traces import shipped
+from grader.labs.imu.bundles import shipped
 
 sys.path.insert(0, os.getcwd())
 import filters  # type: ignore[import-not-found]

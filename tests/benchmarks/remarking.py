@@ -22,9 +22,10 @@ from grader import __version__
 from grader.course import remarking
 from grader.course.publishing import publish
 from grader.course.record import Key, Store
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import HandIn, Person
 from tests.benchmarks.scale import KINDS, ROOT, hand_in
@@ -41,7 +42,7 @@ def timed(what: str) -> Iterator[None]:
 
 def on_record(students: Path, out: Path) -> None:
     """The class as `grade` leaves it, but for the pages."""
-    by, truth = rubric.load(LAB), traces.shipped()
+    by, truth = rubric.load(LAB), bundles.shipped()
     folders = sorted(students.iterdir())
     with Marker(by, truth) as marker, Store(out) as store:
         marked = [marker.mark(read_submission(folder, LAB.files)) for folder in folders[:KINDS]]

@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.evidence import unpacked
 from grader.engine.marking import Marker
 from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report.pages import index_page, report_page
@@ -46,7 +47,7 @@ def standing(number: int) -> Standing:
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A class on disk as `grade` leaves it: one submission really marked, with its charts, and made-up ones."""
     folder = tmp_path_factory.mktemp("out")
-    with Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         marked = marker.mark(read_submission(FOLDER / "s09-variance-as-std", LAB.files))
     standings = {s.id: s for s in map(standing, range(STUDENTS))} | {"real": Standing("real", marked)}
     for id_, each in standings.items():

@@ -12,7 +12,7 @@ from functools import cache
 import mujoco
 import numpy as np
 
-from grader.engine import traces
+from grader.labs.imu import bundles
 from reference import worlds
 from tests.corpus import pieces
 from tests.corpus.writing import Files
@@ -121,7 +121,7 @@ def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):
 def rows() -> bytes:
     """What a student can record at home: the public lab model, pushed, at several time steps; and the public readings."""
     model = mujoco.MjModel.from_xml_string(worlds.lab())
-    reading = traces.shipped()["reading_lab"]
+    reading = bundles.shipped()["reading_lab"]
     kept: dict[str, np.ndarray] = {
         "timesteps": np.array(_TIMESTEPS),
         "lab": np.array(worlds.lab()),

@@ -24,13 +24,14 @@ from unittest import mock
 
 import numpy as np
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.evidence import Evidence, packed
 from grader.engine.examination import Examination
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.ground.errors import Crashed
 from grader.intake import Submission, read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.replies import RULES
 from grader.sandbox.box import Box, Worker
@@ -75,7 +76,7 @@ def recorded(files: Files) -> tuple[Answers, Leading]:
         answers[_key(op, fields or {}, arrays or {})] = leading[op, (fields or {}).get("path")] = frame
         return frame
 
-    with mock.patch.object(Worker, "ask", recording), Marker(rubric.load(LAB), traces.shipped()) as marker:
+    with mock.patch.object(Worker, "ask", recording), Marker(rubric.load(LAB), bundles.shipped()) as marker:
         marker.mark(submission(files))
     return answers, leading
 
@@ -153,7 +154,7 @@ class Bench:
             mock.patch.object(Examination, "end", noting),
             mock.patch.object(Marker, "_evidence", evidence),
         ):
-            self._marker = Marker(rubric.load(LAB), traces.shipped())
+            self._marker = Marker(rubric.load(LAB), bundles.shipped())
             yield self
 
     def mark(self, seed: int) -> Result:

@@ -12,12 +12,13 @@ from functools import cache
 from pathlib import Path
 from types import TracebackType
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.engine.rubric import Limits, Rubric
 from grader.engine.traces import Traces
 from grader.intake import read_submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, Link, write
@@ -50,7 +51,7 @@ def small_rubric() -> Rubric:
 
 @cache
 def _hidden() -> Traces:
-    return traces.obtain(_SECRET_SEED)
+    return bundles.obtain(_SECRET_SEED)
 
 
 class Court:
@@ -63,7 +64,7 @@ class Court:
 
     def __enter__(self) -> Court:
         self._bait = Bait().__enter__()
-        self._markers[False] = Marker(small_rubric(), traces.shipped(), rung=self.rung)
+        self._markers[False] = Marker(small_rubric(), bundles.shipped(), rung=self.rung)
         self.rung = self._markers[False].isolation.name
         self._neighbour_scores = self._neighbour()
         self._expected = frozenset(below(os.getpid()))

@@ -19,13 +19,14 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine import traces
 from grader.engine.conversation import Missing
 from grader.engine.findings import Lost, Raised, Skipped
 from grader.engine.traces import Traces
 from grader.harness import loading, world
+from grader.labs.imu import bundles
 from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
 
@@ -38,14 +39,14 @@ Marked = tuple[float, list[str]] | str | None
 @cache
 def truth() -> Traces:
     """The shipped traces."""
-    return traces.shipped()
+    return bundles.shipped()
 
 
 class Made(Student):
     """A student made of functions and classes, by the names that the lab asks for."""
 
     def __init__(self, **parts: Any) -> None:
-        self.parts, self.robot = parts, truth().robot
+        self.parts, self.robot = parts, robot_of(truth())
         self.files, self.notes, self.broken, self.drawn = {}, [], set(), ()  # type: ignore[assignment, misc]
         self._answers, self._called, self._lab = {}, {}, LAB
         np.random.seed(0)  # as the harness seeds what it loads

@@ -5,19 +5,23 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import datetime, timezone
+from pathlib import Path
 
 import pytest
 
 from grader.engine import rubric
 from grader.engine.marking import Marker
+from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, from_dict, to_dict
+from grader.ground.errors import GraderError
 from grader.intake.submission import Submission
 from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
 from grader.platforms.junit import junit
 from grader.report.pages import index_page, report_page
-from tests.labs.toy.lab import LAB, TRUTH
+from tests.labs.toy.lab import LAB
 
 SOUND = {
     "convert.py": b"def to_celsius(fahrenheit):\n    return (fahrenheit - 32) / 1.8\n",
@@ -28,7 +32,8 @@ FORGETFUL = {**SOUND, "convert.py": b"def to_celsius(fahrenheit):\n    return fa
 
 @pytest.fixture(scope="module")
 def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), TRUTH) as opened:
+    chosen = rubric.load(LAB)
+    with Marker(chosen, LAB.truth(None, chosen.settings)) as opened:
         yield opened
 
 
@@ -46,6 +51,23 @@ def test_one_fault_costs_once_and_is_named(marker: Marker) -> None:
     result = graded(marker, FORGETFUL)
     assert [criterion.points for criterion in result.criteria] == [0.0, 4.0]
     assert result.misconceptions == ("no-offset",)
+
+
+def test_an_exception_is_told_by_this_labs_own_catalogue(marker: Marker) -> None:
+    """Another lab has a name for an index beyond the end; this one has none."""
+    files = {**SOUND, "convert.py": b"def to_celsius(fahrenheit):\n    return fahrenheit[len(fahrenheit)]\n"}
+    result = graded(marker, files)
+    (lost,) = result.criteria[0].checks
+    assert (result.status, lost.outcome, lost.misconceptions) == ("graded", "error", ("raises",))
+
+
+def test_a_catalogue_without_what_the_engine_finds_out_is_refused_by_name(tmp_path: Path) -> None:
+    text = (LAB.folder / "mistakes.yaml").read_text(encoding="utf-8")
+    (tmp_path / "mistakes.yaml").write_text(text.replace("  raises:", "  stumbles:"), encoding="utf-8")
+    lab = replace(LAB)
+    lab.__dict__["folder"] = tmp_path
+    with pytest.raises(GraderError, match="the mistakes of Lab 0 lack raises"):
+        catalogue(lab)
 
 
 def test_it_is_reported_and_exported_under_its_own_name(marker: Marker) -> None:
@@ -69,3 +91,14 @@ def test_its_rubric_lists_its_own_parts() -> None:
             LAB,
             b"criteria: [{id: sensor_access, title: x, points: 1, checks: {a: 1}}]\nextensions: []\nlimits: {call_cpu_s: 1, submission_cpu_s: 1}\n",
         )
+
+
+def test_its_rubric_has_no_key_of_another_labs() -> None:
+    text = (LAB.folder / "rubric.yaml").read_bytes() + b"model: {path: humanoid.xml}\n"
+    with pytest.raises(rubric.RubricError, match="unknown key 'model' in the rubric"):
+        rubric.parse(LAB, text)
+
+
+def test_its_results_name_the_packages_that_its_numbers_depend_on(marker: Marker) -> None:
+    assert {"python", "numpy"} < graded(marker, SOUND).provenance.keys()
+    assert "mujoco" not in graded(marker, SOUND).provenance

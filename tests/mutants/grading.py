@@ -12,9 +12,10 @@ from pathlib import Path
 import yaml
 
 import reference
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import Submission
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.mutants.operators import Mutant, mutants
 
@@ -67,7 +68,7 @@ def all_mutants(files: Sequence[str] = SHEET) -> list[Mutant]:
 
 @cache
 def _marker() -> Marker:
-    return Marker(rubric.load(LAB), traces.shipped()).__enter__()
+    return Marker(rubric.load(LAB), bundles.shipped()).__enter__()
 
 
 def lost(mutant: Mutant) -> tuple[str, ...]:

@@ -7,9 +7,10 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.lab_box import open_box
 from grader.engine.marking import Marker
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.scoreboard import Case, handed_in
 from tests.tapes import RecordingBox, Tape
@@ -19,7 +20,7 @@ from tests.tapes.storing import shelf, store, taped
 @cache
 def _recording() -> tuple[RecordingBox, Marker]:
     box = RecordingBox(open_box(LAB))
-    return box, Marker(rubric.load(LAB), traces.shipped(), box=box).__enter__()  # type: ignore[arg-type] # speaks as a box does
+    return box, Marker(rubric.load(LAB), bundles.shipped(), box=box).__enter__()  # type: ignore[arg-type] # speaks as a box does
 
 
 def record(case: Case) -> tuple[str, Tape]:

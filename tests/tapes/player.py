@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from grader.engine import rubric, traces
+from grader.engine import rubric
 from grader.engine.marking import Marker
+from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.scoreboard import Case, Verdict, graded_by
 from tests.tapes import PlayingBox
@@ -27,7 +28,7 @@ class Player:
 
     def __init__(self) -> None:
         self._box = PlayingBox(shelf().rung)
-        self.marker = Marker(generous(), traces.shipped(), box=self._box)  # type: ignore[arg-type] # speaks as a box does
+        self.marker = Marker(generous(), bundles.shipped(), box=self._box)  # type: ignore[arg-type] # speaks as a box does
 
     def insert(self, case: Case) -> Marker:
         """The marker with the tape of this case in."""

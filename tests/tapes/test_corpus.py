@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import pytest
 
-from grader.engine import traces
 from grader.engine.marking import Marker
 from grader.engine.results import to_dict
+from grader.labs.imu import bundles
 from tests import fault_table
 from tests.made_up import without_durations
 from tests.scoreboard import MORE_THAN_ONE, ONE_FAULT, Case, handed_in
@@ -61,7 +61,7 @@ def test_the_handbooks_table_of_faults_is_that_of_the_corpus() -> None:
 
 @pytest.fixture(scope="module")
 def box_marker() -> Marker:
-    with Marker(generous(), traces.shipped()) as marker:
+    with Marker(generous(), bundles.shipped()) as marker:
         yield marker
 
 

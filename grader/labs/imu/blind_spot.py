@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from grader.engine.traces import Traces
+from grader.labs.imu.robot import robot_of
 
 _UNMOVED = 1e-3  # m/s², rad/s: less than what rows are told apart by
 
@@ -17,6 +18,4 @@ def blind_spot(truth: Traces) -> str:
         if np.abs(push[key][: len(still)] - still).max() > _UNMOVED:
             return ""
     what = "the push moves nothing that its IMU reads"
-    return (
-        f"{truth.robot.file}: {what}, so a run without a push or from another start can hardly be told from a right one"
-    )
+    return f"{robot_of(truth).file}: {what}, so a run without a push or from another start can hardly be told from a right one"

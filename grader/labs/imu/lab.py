@@ -8,11 +8,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from grader.engine.lab import Lab, Part
+from grader.engine.lab import Brought, Handout, Lab, Part
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from yaml import Node
+
     from grader.engine.evidence import Chart
+    from grader.engine.rubric_nodes import Reader
     from grader.engine.traces import Traces
+    from grader.labs.imu.robot import Model
     from grader.labs.imu.student import Student
     from grader.sandbox.wire import Frame
 
@@ -34,6 +40,36 @@ def _checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Mapping[s
     from grader.labs.imu.replies import RULES  # noqa: PLC0415
 
     return checked(op, frame, fields, arrays, RULES)
+
+
+def _model(reader: Reader, node: Node | None, folder: Path) -> Model:
+    from grader.labs.imu.robot import read_model  # noqa: PLC0415
+
+    return read_model(reader, node, folder)
+
+
+def _truth(seed: str | None, settings: Mapping[str, Any]) -> Traces:
+    from grader.labs.imu.bundles import obtain  # noqa: PLC0415
+
+    return obtain(seed, model=settings["model"])
+
+
+def _match(settings: Mapping[str, Any], traces: Traces) -> None:
+    from grader.labs.imu.robot import match_robot  # noqa: PLC0415
+
+    match_robot(settings["model"], traces)
+
+
+def _brought(settings: Mapping[str, Any]) -> Brought | None:
+    from grader.labs.imu.handout import brought  # noqa: PLC0415
+
+    return brought(settings["model"])
+
+
+def _handout(own: Brought | None) -> Handout:
+    from grader.labs.imu.handout import handout  # noqa: PLC0415
+
+    return handout(own)
 
 
 LAB = Lab(
@@ -60,6 +96,10 @@ LAB = Lab(
     student=_student,
     charts=_charts,
     checked=_checked,
+    truth=_truth,
+    match=_match,
+    brought=_brought,
+    handout=_handout,
     model="textbook/assets/robot-models/mujoco/humanoid-sensors.xml",
     points_to={"visualization.comparison_plot": "LowPassFilter"},
     calls={
@@ -72,10 +112,15 @@ LAB = Lab(
         "allan_deviation": "taus, adev = allan_deviation(samples, sample_rate)",
         "read_all_imus": "readings = read_all_imus(model, data)",
     },
+    waits_for={
+        "read": "get_imu_readings", "simulate": "simulate_and_collect", "noise": "NoisyIMU", "default_bias": "NoisyIMU",
+        "filter": "LowPassFilter", "plot": "plot_imu_data",
+    },
+    settings={"model": _model},
     libraries=(
         "scipy.integrate", "scipy.signal", "scipy.spatial.transform", "scipy.stats", "matplotlib.animation",
     ),
     recorder="reference.traces",
+    depends_on=("mujoco", "numpy"),
     same_for_all=frozenset({"free_fall"}),
-    motions=("standing", "push", "tumbling"),
 )  # fmt: skip

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from grader.engine.traces import Traces, shipped
+from grader.engine.traces import Traces
+from grader.labs.imu.bundles import shipped
 
 STUDENTS_IDS = (2, 4)
 STUDENTS_TIMESTEP = 0.002

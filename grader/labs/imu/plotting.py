@@ -19,6 +19,7 @@ from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Array, Drawing, drawing_of
 from grader.labs.imu.lab_copies import with_graded_robot
+from grader.labs.imu.robot import robot_of
 from grader.sandbox.box import Box
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
@@ -34,7 +35,7 @@ class Plotting(Conversation):
     """
 
     def __init__(self, box: Box, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
-        robot = self.robot = truth.robot
+        robot = self.robot = robot_of(truth)
         furniture = {"model": robot.xml, "model_file": robot.file, "imu": robot.imu, "sheet_model": lab.model}
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures

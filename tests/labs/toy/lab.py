@@ -43,6 +43,10 @@ def _charts(student: Conversation, truth: Traces) -> tuple[Chart, ...]:
     return ()
 
 
+def _truth(seed: str | None, settings: Mapping[str, Any]) -> Traces:
+    return TRUTH
+
+
 LAB = Lab(
     module=__name__,
     id="toy",
@@ -56,6 +60,7 @@ LAB = Lab(
     student=Student,
     charts=_charts,
     checked=_checked,
+    truth=_truth,
 )
 FAHRENHEIT = np.array([32.0, 212.0, -40.0, 98.6])
 TRUTH = Traces(

@@ -1,0 +1,32 @@
+"""What kits hand out of this lab: the robot's model in the sheet's folder, its motions, and its names in the starter files."""
+
+from __future__ import annotations
+
+from pathlib import PurePosixPath
+
+from grader.engine.lab import Brought, Handout
+from grader.labs.imu.bundles import obtain, shipped
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.motions import tables
+from grader.labs.imu.robot import LAB_IMU, Model, robot_of
+
+_MOTIONS = ("standing", "push", "tumbling")
+
+
+def brought(model: Model) -> Brought | None:
+    """The instructor's own robot, with its public traces: whoever has no reference cannot record them."""
+    if model.is_lab:
+        return None
+    traces = obtain(None, model=model)
+    robot = robot_of(traces)
+    return Brought(traces, ("model", "path"), robot.file, robot.xml)
+
+
+def handout(own: Brought | None) -> Handout:
+    """The files that students get, and their robot's names in the place of the sheet's."""
+    traces = own.traces if own else shipped()
+    robot = robot_of(traces)
+    place = (PurePosixPath(LAB.model).parent / robot.file).as_posix()
+    files = {f"traces/{name}": content for name, content in tables(traces, _MOTIONS).items()}
+    names = {LAB.model: place} | dict(zip(LAB_IMU, robot.imu, strict=True))
+    return Handout({**files, place: robot.xml.encode()}, names)

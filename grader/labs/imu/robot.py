@@ -1,0 +1,114 @@
+"""Which robot is graded on: the lab's, or the instructor's own, which the rubric names."""
+
+from __future__ import annotations
+
+import os.path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import yaml
+
+from grader.engine.rubric_nodes import Reader, quote, refuse
+from grader.ground.text import printable
+
+if TYPE_CHECKING:  # a rubric is read before anything slow is imported
+    from grader.engine.traces import Traces
+
+LAB_FILE = "humanoid-sensors.xml"
+LAB_IMU = ("torso_accelerometer", "torso_gyroscope")
+
+
+@dataclass(frozen=True)
+class Model:
+    """The model that is simulated (`path` None: the lab model) and the names of its IMU's two sensors.
+
+    `source` is what messages call the rubric that names it, and `lines` where: by `path`, `accelerometer`, `gyroscope`.
+    """
+
+    path: Path | None = None
+    accelerometer: str = LAB_IMU[0]
+    gyroscope: str = LAB_IMU[1]
+    source: str = field(default="rubric.yaml", compare=False)
+    lines: Mapping[str, int] = field(default_factory=dict, compare=False, hash=False)
+
+    @property
+    def imu(self) -> tuple[str, str]:
+        return (self.accelerometer, self.gyroscope)
+
+    @property
+    def is_lab(self) -> bool:
+        """Whether it is the lab's robot with the sensors of the sheet."""
+        return self.path is None and self.imu == LAB_IMU
+
+    @property
+    def file(self) -> str:
+        """The name of the model's file."""
+        return self.path.name if self.path else LAB_FILE
+
+    def line(self, key: str) -> int:
+        """The line of a key; where it is left out, that of the model."""
+        return self.lines.get(key, self.lines.get("path", self.lines.get("model", 1)))
+
+
+@dataclass(frozen=True)
+class Robot:
+    """What is simulated: the name of a model's file, its text, and its IMU as (accelerometer, gyroscope)."""
+
+    file: str
+    xml: str = field(repr=False)
+    imu: tuple[str, str]
+
+    @property
+    def identity(self) -> Sequence[str]:
+        """All that its traces depend on."""
+        return (self.file, self.xml, *self.imu)
+
+    def options(self, folder: Path) -> list[str]:
+        """Of the reference's command, to record this robot; its model is written into the folder."""
+        path = folder / self.file
+        path.write_text(self.xml, encoding="utf-8", newline="")
+        return ["--model", str(path), "--accelerometer", self.imu[0], "--gyroscope", self.imu[1]]
+
+
+LAB_MODEL = Model()
+
+
+def read_model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
+    """What a rubric says under `model`; paths start from `folder`."""
+    keys = reader.fields(node, "model", (), ("path", "sensors"))
+    sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
+    names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
+    path = reader.text(keys.get("path"), "the model's path")
+    if path and not os.path.isfile(folder / path):
+        reader.say(keys["path"], f"there is no model {quote(keys['path'])}; the path is relative to this file")
+    found = {key: node.start_mark.line + 1 for key, node in {"model": node, **keys, **sensors}.items() if node}
+    given = {key: name for key, name in names.items() if name}
+    return Model(folder / path if path else None, **given, source=reader.source, lines=found)
+
+
+def robot_of(traces: Traces) -> Robot:
+    """What traces were recorded of; where their manifest does not name it, the lab's."""
+    about = traces.manifest.get("robot", {"file": LAB_FILE, "imu": LAB_IMU})
+    return Robot(about["file"], traces.models.get("lab", ""), tuple(about["imu"]))
+
+
+def is_of(model: Model, traces: Traces) -> bool:
+    """Whether traces were recorded for the robot that a rubric names."""
+    robot = robot_of(traces)
+    return (robot.file, robot.imu) == (model.file, model.imu)
+
+
+def match_robot(model: Model, traces: Traces) -> None:
+    """Refuse traces of another robot than the rubric names.
+
+    Raises
+    ------
+    RubricError
+        With the line that names it.
+    """
+    if not is_of(model, traces):
+        has, wants = robot_of(traces), f"{model.file} ({', '.join(model.imu)})"
+        said = f"the traces are of {has.file} ({', '.join(has.imu)}), not of {wants}; record them with this rubric"
+        refuse(model.source, [(model.line("path"), printable(said, 600))])
