@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from grader.engine.breakpoints import breakpoints
-from grader.engine.findings import Where
+from grader.engine.findings import Fault, Where
 from grader.engine.loaded import Endings, Loaded, loaded_from, mistake_of, overran
 from grader.engine.question import Question
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
@@ -28,6 +28,7 @@ SEED = 0
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
 _MOST_BREAKPOINTS = 3
+_DID = {"hints": "lost its type hints", "unread": "could not be read"}
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
 _SENT_BYTES = 24_000_000
 _LOADING = ("load", "run_script")
@@ -411,7 +412,7 @@ class Conversation:
             return
         self._noted.add(path)
         for first in loaded.stepped_over[:1]:
-            did = "lost its type hints" if first.how == "hints" else "was stepped over"
+            did = _DID.get(first.how, "was stepped over")
             more = len(loaded.stepped_over) - 1
             others = f"; {more} statement{'s' * (more > 1)} after it too" if more else ""
             self.note(f"{first.where} {did}: {first.why}{others}; what the file defines counts")
@@ -439,6 +440,8 @@ class Conversation:
         there = [home] if home in self.paths else []
         for path in (*there, *self._elsewhere(name, home)):
             for each in self.load(path).stepped_over:
+                if name in each.defines and each.how == "unread":
+                    return _refused(name, each.fault, path)
                 if name in each.defines:
                     more = THERE if each.fault.type == "ModuleNotFoundError" else ""
                     why = f"{each.where} did not define {name}: {each.why}{more}"
@@ -446,8 +449,7 @@ class Conversation:
         if not there:
             return Missing(name, "file-missing", f"{home} was not handed in, and no other file defines {name}")
         if (fault := self.load(home).unreadable) is not None:
-            said = f"{fault.type}: {printable(fault.message, 200)} at {fault.where or home}"
-            return Missing(name, "does-not-import", "\n".join([said, *fault.lines]), fault.at or Where(home))
+            return _refused(name, fault, home)
         return Missing(name, "name-missing", f"{home} does not define {name}")
 
     def note(self, text: str) -> None:
@@ -455,6 +457,12 @@ class Conversation:
         shown = printable(text, _LONGEST_NOTE)
         if shown not in self.notes:
             self.notes.append(shown)
+
+
+def _refused(name: str, fault: Fault, path: str) -> Missing:
+    """Why a name is missing of which Python could not read the definition."""
+    said = f"{fault.type}: {printable(fault.message, 200)} at {fault.where or path}"
+    return Missing(name, "does-not-import", "\n".join([said, *fault.lines]), fault.at or Where(path))
 
 
 def _found_in(path: str, strays: Mapping[str, str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 import re
 import traceback
 from typing import Any
@@ -66,7 +67,7 @@ def describe(error: BaseException) -> dict[str, Any]:
 
 def _pointed_at(error: SyntaxError) -> str:
     """The line that is no Python, and a caret below the place where Python gave up, if it says so."""
-    whole = (error.text or "").rstrip()
+    whole = (error.text or linecache.getline(error.filename or "", error.lineno or 0)).rstrip()
     line = whole.lstrip()
     column = (error.offset or 0) - 1 - (len(whole) - len(line))
     return f"{line}\n{' ' * column}^" if 0 <= column <= len(line) <= _LONGEST_POINTED_AT else line

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import drawing, faults, figures, notebooks, packages, stepping, world
+from . import drawing, faults, figures, gaps, notebooks, packages, stepping, world
 
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -119,7 +119,9 @@ def _defined(path: str) -> set[str]:
     for text in texts:
         try:
             names.update(name for node in ast.parse(text).body for name in stepping.bound(node))
-        except (ValueError, SyntaxError, RecursionError, MemoryError):
+        except SyntaxError:
+            names.update(gaps.names_in(text))
+        except (ValueError, RecursionError, MemoryError):
             continue
     return names
 
@@ -155,9 +157,12 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 def _stand_in(path: str, names: dict[str, Any]) -> None:
     """Put stand-ins where a file lacks a name: its definition failed, it was deleted again, or it should be there."""
-    for name, standin in STATE.standins.items():
-        if name not in names and (path.removesuffix(".py") == STATE.homes.get(name) or name in _defined(path)):
-            names[name] = standin
+    lacking = [name for name in STATE.standins if name not in names]
+    own = _defined(path) if lacking else set()
+    for name in lacking:
+        home = f"{STATE.homes.get(name)}.py"
+        if home == path or home not in STATE.paths or name in own:
+            names[name] = STATE.standins[name]
 
 
 def _absent_names(home: str) -> Any:
@@ -251,6 +256,7 @@ def _import_file(path: str) -> types.ModuleType | None:
 
 def _run_file(path: str, names: dict[str, Any]) -> bool:
     """Run a file's statements among these names; whether it could be read, and each of them ended well."""
+    _stand_in(path, names)  # what a file misspells, its own lines may call by the right name
     return _run_text(Path(STATE.folder, path).read_bytes(), path, names)
 
 
@@ -291,10 +297,13 @@ def _compile(source: bytes, path: str, flags: int = 0) -> list[stepping.Unit]:
     text = _decode(source)
     own = faults.own_name(path)
     _remember_lines(own, text)
-    tree = ast.parse(text, own)
-    if _RELATIVE.search(text):
-        packages.without_dots(tree, path)  # let files that were written as a package import each other
-    return stepping.units_of(tree, own, flags=flags)
+    try:
+        tree = ast.parse(text, own)
+        if _RELATIVE.search(text):
+            packages.without_dots(tree, path)  # let files that were written as a package import each other
+        return stepping.units_of(tree, own, flags=flags)
+    except SyntaxError as refused:
+        return gaps.units_around(text, own, STATE.stepper.wanted, refused, flags=flags)
 
 
 def _remember_lines(own: str, text: str) -> None:
@@ -319,6 +328,7 @@ def _run_notebook(path: str) -> types.ModuleType:
         return STATE.modules[path]
     module = types.ModuleType("__main__")
     STATE.modules[path] = module
+    _stand_in(path, vars(module))
     _run_cells(path, vars(module))
     _stand_in(path, vars(module))
     return module

@@ -17,7 +17,7 @@ import os
 import signal
 import time
 import types
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +29,7 @@ _IDLE_SHARE = 0.02  # of one processor: whoever uses less only waits
 _HINTS_AS_TEXT = __future__.annotations.compiler_flag
 _MAX_NOTED = 40  # statements of a submission that are told of
 _IMPORTS = (ast.Import, ast.ImportFrom)
-_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 class OutOfTimeError(BaseException):
@@ -49,6 +49,18 @@ class NotThere:
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(name) if name.startswith("__") else self._error()
+
+
+class Gap(ast.Assign):
+    """Stands for lines that are no Python, and for the names that went with them."""
+
+    refused: SyntaxError
+
+    @classmethod
+    def of(cls, lost: Sequence[str], refused: SyntaxError) -> Gap:
+        gap = cls([ast.Name(name, ast.Store()) for name in lost], ast.Constant(None), lineno=refused.lineno or 1)
+        gap.refused = refused
+        return gap
 
 
 @dataclass(frozen=True)
@@ -143,7 +155,9 @@ class Stepper:
         """Run these statements of a file among these names; `after` is called after each that has run."""
         names["__builtins__"] = vars(builtins)  # those that all modules share: the harness's are its own
         for unit in units:
-            if why := self._skipped.get((path, unit.number)):
+            if isinstance(unit.node, Gap):
+                self._note(path, unit, "unread", unit.node.refused)
+            elif why := self._skipped.get((path, unit.number)):
                 self._note(path, unit, "ended", why)
             else:
                 self._run_in_place(path, unit, names)
@@ -175,7 +189,7 @@ class Stepper:
             self._import_the_rest(path, unit, names, raised)
             return
         how = "raised"
-        if isinstance(unit.node, _DEFINITIONS) and isinstance(raised, Exception):
+        if isinstance(unit.node, DEFINITIONS) and isinstance(raised, Exception):
             with contextlib.suppress(BaseException):
                 _evaluate(_compiled(unit.node, unit.code.co_filename, _HINTS_AS_TEXT), names)
                 how = "hints"
@@ -260,7 +274,8 @@ def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
 
 
 def _compiled(node: ast.stmt, name: str, flags: int = 0) -> types.CodeType:
-    code: types.CodeType = compile(ast.Module([node], []), name, "exec", flags, dont_inherit=True)
+    body = [] if isinstance(node, Gap) else [node]
+    code: types.CodeType = compile(ast.Module(body, []), name, "exec", flags, dont_inherit=True)
     return code
 
 
@@ -286,7 +301,7 @@ def _first_line(node: ast.stmt) -> int:
 
 def bound(node: ast.AST) -> list[str]:
     """The names that a statement defines or sets, whichever way it goes; none that it imports."""
-    if isinstance(node, _DEFINITIONS):
+    if isinstance(node, DEFINITIONS):
         return [node.name]
     if isinstance(node, ast.Assign | ast.AnnAssign):
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
