@@ -910,3 +910,39 @@ def test_no_two_names_share_an_id(given_names: list[str]) -> None:
         assert len(id.encode()) <= 255
         assert not id.startswith(".")
         assert all(char.isalnum() or char in "-_." for char in id)
+
+
+# ---- programs that are called otherwise, notebooks that are none ----
+
+
+@EVERY_WAY
+def test_a_text_is_added_to_a_programs_name_and_it_is_a_program(tmp_path: Path, pack: Pack) -> None:
+    submission = read_submission(pack(tmp_path, {"filters.py.txt": b"x = 1\n", "log.txt": b"42\n"}), LAB.files)
+    assert submission.files == {"filters.py": b"x = 1\n", "log.txt": b"42\n"}
+    assert submission.notes == ("Taken for programs although they are called texts: filters.py.txt.",)
+
+
+def test_a_text_beside_a_program_stays_a_text(tmp_path: Path) -> None:
+    files = {"filters.py": b"x = 1\n", "Filters.py.txt": b"old\n", "imu_reader.txt": b"what I did\n"}
+    assert read_submission(as_folder(tmp_path, files), LAB.files).files == files
+
+
+def test_where_there_is_no_code_the_files_that_are_asked_for_may_be_texts(tmp_path: Path) -> None:
+    submission = read_submission(as_folder(tmp_path, {"filters.txt": b"x = 1\n", "notes.txt": b"42\n"}), LAB.files)
+    assert submission.files == {"filters.py": b"x = 1\n", "notes.txt": b"42\n"}
+
+
+@pytest.mark.parametrize("content", [b'{"cells": [', b"[1, 2]", b"", b"[" * 100_000])
+def test_a_notebook_that_nobody_can_open_is_nothing_to_mark_unless_there_is_code(
+    tmp_path: Path, content: bytes
+) -> None:
+    files = {"lab.ipynb": content, "imu_data.png": b"a picture"}
+    submission = read_submission(as_folder(tmp_path, files), LAB.files)
+    assert (submission.status, submission.files) == ("empty", files)
+    assert submission.notes == (
+        "No program could be read: lab.ipynb is no notebook, or was cut off on the way; hand it in again.",
+    )
+    (tmp_path / "more").mkdir()
+    assert (
+        read_submission(as_folder(tmp_path / "more", {**files, "filters.py": b"x = 1\n"}), LAB.files).status == "ready"
+    )

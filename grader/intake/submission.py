@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import os
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ from grader.intake.names import (
     safe_id,
 )
 from grader.intake.pile import MAX_OPENINGS, Pile, Unreadable, listing
+from grader.intake.texts import as_programs
 
 
 @dataclass(frozen=True)
@@ -100,9 +102,12 @@ def read_submission(
         pile = _gather(path, sources)
     except Unreadable as reason:
         return _nothing_to_mark(id, name, "unreadable", (str(reason),), {})
+    as_programs(pile, required)
     layout = lay_out(pile, required)
     if layout is None:
         return _nothing_to_mark(id, name, *_nothing_found(pile), pile.files)
+    if broken := _broken_notebooks(pile):
+        return _nothing_to_mark(id, name, "empty", (broken, *pile.notes()), pile.files)
     levels = {**dict.fromkeys(layout.inside, 0), **layout.above}
     files = {path: pile.files[outwards(layout.folder, level) + path] for path, level in levels.items()}
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
@@ -164,6 +169,21 @@ def _nothing_found(pile: Pile) -> tuple[Literal["empty", "unreadable"], tuple[st
         if archives:
             said.append(f"Not opened, because an archive must be alone in its folder: {listing(archives)}.")
     return ("unreadable" if pile.broken or alone else "empty"), (*said, *pile.notes())
+
+
+def _broken_notebooks(pile: Pile) -> str:
+    """What is said where all the code is notebooks that nobody can open; empty where there is other code."""
+    code = sorted(filter(is_code, pile.files))
+    if not all(path.endswith(".ipynb") and not _is_notebook(pile.files[path]) for path in code):
+        return ""
+    return f"No program could be read: {listing(code)} is no notebook, or was cut off on the way; hand it in again."
+
+
+def _is_notebook(content: bytes) -> bool:
+    try:
+        return isinstance(json.loads(content), dict)
+    except (ValueError, RecursionError):
+        return False
 
 
 def _nothing_to_mark(

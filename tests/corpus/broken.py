@@ -137,8 +137,8 @@ ENCODINGS: list[Broken] = [
     Broken("binary-noise-model", {**listy(), "noisy_imu.py": bytes(range(256)) * 8}, keeps=but("noise_model", "visualization"), costs="noise_model", names=("does-not-import",)),
     Broken("latin-1-without-saying-so", {**verbatim(), "filters.py": verbatim()["filters.py"].encode("latin-1")}, keeps=but("filtering", "visualization")),
     Broken("python-2-filters", {**tidy(), "filters.py": tidy()["filters.py"].replace("class Low", "print 'filters'\n\n\nclass Low")}, keeps=but("filtering", "visualization"), costs="filtering", names=("does-not-import",)),
-    Broken("notebook-of-broken-json", {"lab.ipynb": '{"cells": [{"cell_type": "code", "source": ['}, status=("graded", "empty")),
-    Broken("notebook-that-is-a-list", {"lab.ipynb": "[1, 2, 3]"}, status=("graded", "empty")),
+    Broken("notebook-of-broken-json", {"lab.ipynb": '{"cells": [{"cell_type": "code", "source": ['}, status=("empty",)),
+    Broken("notebook-that-is-a-list", {"lab.ipynb": "[1, 2, 3]"}, status=("empty",)),
     Broken("unfilled-template", {name: text.split("    def ")[0].split("\ndef ")[0] for name, text in verbatim().items()}, costs="sensor_access"),
     Broken("nul-bytes-in-noise", {**tidy(), "noisy_imu.py": tidy()["noisy_imu.py"] + "\x00\x00"}, keeps=but("noise_model", "visualization"), costs="noise_model", names=("does-not-import",)),
 ]
