@@ -84,6 +84,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "ours": ours,
         "undrawn": {**undrawn(), **pictures},
         "png": pictures,
+        "other": {"kinematics.py": "import numpy as np\n\n\ndef forward(q):\n    return np.eye(4)\n"},
         "sound": verbatim(),
         **dict.fromkeys(("twin1", "twin2"), edit(verbatim(), "filters.py", ("# Test filtering", "# Tests"))),
     }
@@ -113,6 +114,7 @@ CASES = {
     "not-judged": ("ours", "The grader failed here; the points are open: ", "Not judged"),
     "picture": ("undrawn", "imu_data.png was handed in, and no code draws it: ", "Picture without code"),
     "empty": ("png", "", "Empty"),
+    "nothing": ("other", "Nothing was earned: ", "Nothing earned"),
 }
 
 

@@ -22,6 +22,7 @@ KINDS = {
     "not-judged": "Not judged",
     "unreadable": "Unreadable",
     "empty": "Empty",
+    "nothing": "Nothing earned",
     "timed-out": "Timed out",
     "not-understood": "Answer not understood",
     "tampering": "Tampering",
@@ -115,6 +116,8 @@ def _own(standing: Standing) -> Iterator[Reason]:
         yield Reason("not-judged", f"The grader failed here; the points are open: {_some(open_)}")
     if result.status in ("empty", "unreadable"):
         yield Reason(result.status, " ".join(words.notes(result)) or words.STATUS[result.status])
+    if result.status == "graded" and not result.score:
+        yield Reason("nothing", "Nothing was earned: look whether another lab was handed in.")
     if timed_out(result):
         yield Reason("timed-out", "Every check timed out: look at what the code does.")
     if not_understood(result):
