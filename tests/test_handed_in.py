@@ -121,7 +121,7 @@ def test_six_panels_of_one_channel_are_recognised(recording: dict[str, Any]) -> 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_random_pictures_of_other_things_show_nothing(seed: int) -> None:
-    """250 by ``python -m tests.benchmarks.handed_in``."""
+    """More of them by ``python -m tests.benchmarks.handed_in``."""
     assert shown(content(handed_pictures.other(seed)[0])) != BOTH
 
 

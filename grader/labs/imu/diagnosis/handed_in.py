@@ -37,7 +37,7 @@ _FOLLOWED = 0.75
 _EVIDENCE, _OF_EACH, _OF_THREE = 40.0, 5.0, 60.0
 """Nats, of three curves in one panel; of each and of all three in panels of their own.
 
-By `python -m tests.benchmarks.handed_in`.
+Of the first 130 other pictures of `python -m tests.benchmarks.handed_in` none has as much; at 25 in one panel a random walk had 31.
 """
 
 _TOGETHER, _ALONE = (0, 1, 2), ((0,), (1,), (2,))
