@@ -19,13 +19,13 @@ from grader.engine.marking import Marker
 from grader.harness.pictures import decode
 from grader.intake import Submission
 from grader.labs.imu import bundles
-from grader.labs.imu.checks.handed_in import _INK
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.lab import LAB
 from reference.imu_reader import MODEL_PATH, simulate_and_collect
-from tests.corpus.pieces import lab
+from tests import handed_pictures
+from tests.corpus.pieces import COMPARE, lab
 
-BOTH, NONE = {0, 1}, set[int]()
+BOTH = {0, 1}
 
 
 @pytest.fixture(scope="module")
@@ -34,13 +34,17 @@ def recording() -> dict[str, Any]:
     return simulate_and_collect(model, mujoco.MjData(model), duration_seconds=5.0)
 
 
-def drawn(recording: dict[str, Any], style: str = "default", dpi: int = 100) -> Any:
-    """The sheet's own figure as a picture."""
+def drawn(
+    recording: dict[str, Any], style: str = "default", dpi: int = 100, colours: tuple[str, ...] = ("C0", "C1", "C2")
+) -> Any:
+    """The sheet's own figure as a picture; in one colour, its curves differ by their strokes."""
     with mpl.rc_context():
         plt.style.use(style)
         figure, axes = plt.subplots(2, 1, figsize=(12, 8), sharex=True)
         for panel, key, label in zip(axes, ("acceleration", "angular_velocity"), ("m/s²", "rad/s"), strict=True):
-            panel.plot(recording["time"], recording[key], label=["X", "Y", "Z"])
+            for axis, colour in enumerate(colours):
+                stroke = ("-", "--", ":")[axis] if len(set(colours)) == 1 else "-"
+                panel.plot(recording["time"], recording[key][:, axis], stroke, color=colour, label="XYZ"[axis])
             panel.set(title=key, ylabel=label)
             panel.legend()
             panel.grid(True)
@@ -59,18 +63,16 @@ def content(picture: Any, form: str = "PNG") -> bytes:
 
 
 def shown(picture: bytes) -> set[int]:
-    """Which sensors a reader of the picture recognises; none where it is no plot."""
-    facts, arrays = decode({}, {"bytes": np.frombuffer(picture, np.uint8)})
-    if not _INK[0] < facts["ink"] < _INK[1]:
-        return NONE
+    """Which sensors are recognised."""
+    _, arrays = decode({}, {"bytes": np.frombuffer(picture, np.uint8)})
     push = bundles.shipped()["push"]
     series = {key: push[key] for key in ("time", "acceleration", "angular_velocity")}
     return sensors_shown(arrays["preview"], arrays["palette"], series)
 
 
-def in_a_window(picture: Any) -> Any:
+def in_a_window(picture: Any, colour: str = "#282c34") -> Any:
     width, height = picture.size
-    window = Image.new("RGB", (width + 120, height + 180), (40, 44, 52))
+    window = Image.new("RGB", (width + 120, height + 180), colour)
     window.paste((220, 70, 60), (0, 0, width + 120, 40))
     window.paste(picture, (60, 100))
     return window
@@ -92,6 +94,36 @@ def test_the_sheets_figure_is_recognised_on_a_screenshot(recording: dict[str, An
 
 def test_the_sheets_figure_is_recognised_in_the_bytes_of_a_jpeg(recording: dict[str, Any]) -> None:
     assert shown(content(drawn(recording), "JPEG")) == BOTH
+
+
+@pytest.mark.parametrize("colours", [("k", "0.4", "0.7"), ("k", "k", "k")], ids=["greys", "strokes"])
+def test_the_sheets_figure_is_recognised_without_colours(recording: dict[str, Any], colours: tuple[str, ...]) -> None:
+    assert shown(content(drawn(recording, colours=colours))) == BOTH
+
+
+def test_the_sheets_figure_is_recognised_in_the_style_classic(recording: dict[str, Any]) -> None:
+    assert shown(content(drawn(recording, "classic"))) == BOTH
+
+
+def test_a_dark_figure_is_recognised_in_a_light_window(recording: dict[str, Any]) -> None:
+    assert shown(content(in_a_window(drawn(recording, "dark_background"), "white"))) == BOTH
+
+
+def test_six_panels_of_one_channel_are_recognised(recording: dict[str, Any]) -> None:
+    figure, panels = plt.subplots(3, 2, figsize=(12, 8))
+    for axes, channel in zip(panels.T.ravel(), range(6), strict=True):
+        key = ("acceleration", "angular_velocity")[channel // 3]
+        axes.plot(recording["time"], recording[key][:, channel % 3])
+    stream = io.BytesIO()
+    figure.savefig(stream)
+    plt.close(figure)
+    assert shown(stream.getvalue()) == BOTH
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_pictures_of_other_things_show_nothing(seed: int) -> None:
+    """More of them by ``python -m tests.benchmarks.handed_in``."""
+    assert shown(content(handed_pictures.other(seed)[0])) != BOTH
 
 
 def _sines(recording: dict[str, Any]) -> Any:
@@ -132,3 +164,20 @@ def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
     earned = sum(check.points or 0.0 for name, check in checks.items() if name != "comparison_plot")
     assert earned == pytest.approx(8.0)
     assert [note for note in result.notes if "imu_data.png" in note and A_PERSON_MAY in note]
+
+
+def _marks(marker: Marker, files: dict[str, str], picture: bytes) -> dict[str, float | None]:
+    handed = {name: text.encode() for name, text in files.items()} | {"imu_data.png": picture}
+    result = marker.mark(Submission("s", "s", handed, (), "ready", ""), only="visualization")
+    return {check.id.partition(".")[2]: check.points for check in result.criteria[0].checks}
+
+
+def test_a_comparison_of_two_panels_of_any_name_is_not_the_plot(recording: dict[str, Any], marker: Marker) -> None:
+    """Raw above and filtered below, saved as `before_after.png`: no code draws the data."""
+    two = COMPARE.replace("fig, ax = plt.subplots(figsize=(10, 4))", "fig, (ax, low) = plt.subplots(2, 1)")
+    two = two.replace("ax.plot(t, np.array(smooth)", "low.plot(t, np.array(smooth)")
+    two = two.replace("ax.legend()", "ax.legend(), low.legend(), low.set_ylabel(ax.get_ylabel())")
+    two = two.replace("filtered_imu.png", "before_after.png")
+    assert two.count("low.plot") == two.count("low.legend") == two.count("before_after") == 1
+    marks = _marks(marker, lab(plot="", compare=two), content(drawn(recording)))
+    assert marks["curves_match_data"] == pytest.approx(2.5)

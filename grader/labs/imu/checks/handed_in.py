@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
+
 from grader.engine.conversation import Missing
+from grader.engine.figures import Figure
 from grader.engine.findings import A_PERSON_MAY, Raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.checks.plot_runs import drawing_of_data, has_curves, series_of
+from grader.labs.imu.diagnosis import comparing
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.student import Student
 
@@ -31,10 +35,9 @@ def counts(student: Student, truth: Traces) -> bool:
 
 
 def _counts(student: Student, truth: Traces) -> bool:
-    if not shows_something(student, PICTURE) or _is_drawn(student, truth):
-        return False
     picture = student.picture(PICTURE)
-    assert picture is not None
+    if picture is None or min(picture.size_px) < _SMALLEST_PX or _is_drawn(student, truth):
+        return False
     shown = sensors_shown(picture.preview, picture.palette, series_of(truth, "push"))
     if shown == {0, 1}:
         student.note(
@@ -49,7 +52,16 @@ def _is_drawn(student: Student, truth: Traces) -> bool:
             return True
     except (Missing, NoAnswer, Raised):
         pass
-    figures = (figure for drawing in student.scripts() for figure in drawing.figures)
-    return any(
-        has_curves(figure) and len(figure.axes) > 1 and "filter" not in (figure.path or "") for figure in figures
-    )
+    return any(_is_of_data(figure) for drawing in student.scripts() for figure in drawing.figures)
+
+
+def _is_of_data(figure: Figure) -> bool:
+    """Whether a script's figure is the plot of the data: it goes by that name, or is none of raw and filtered data.
+
+    What a broken filter makes of the data may look like neither; then the name of the file tells.
+    """
+    if not has_curves(figure):
+        return False
+    name = PurePath(figure.path or "").name
+    compares = bool(comparing.comparisons(figure) or comparing.named_comparisons(figure) or "filter" in name)
+    return name == PICTURE or (len(figure.axes) > 1 and not compares)

@@ -1,8 +1,8 @@
-"""Looking at a picture that no code draws: which of the two sensors' recordings it shows, by curves and colours alone.
+"""Looking at a picture that no code draws: which of the two sensors' recordings it shows, by what is drawn alone.
 
-Where a panel lies and what its limits are is not known; that it is one map from values to rows for all three of its curves is.
-The liveliest channel is looked for in every colour, whatever its map; under the map that is found the other two must stand in
-colours of their own. Words cannot be read from pixels here.
+Where a panel lies and what its limits are is not known. That all curves of a panel are one map from values to rows is, and that all
+panels of a picture are equally wide and equally long in time. Whatever is off the ground is ink: a colour tells nothing, curves
+come in greys and dashes too. Words cannot be read from pixels here.
 """
 
 from __future__ import annotations
@@ -12,195 +12,210 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.engine.figures import Array, Mask
-from grader.labs.imu.diagnosis.sight import Pixels, commonest
+from grader.labs.imu.diagnosis.following import Curves, Ink, Place, Weight, places, settled, weighed
 
 _DURATIONS = (5.0, 3.0, 10.0, 2.0, 1.2)  # s: the sheet's first
-_STRONG, _WEAK = (
-    0.35,
-    0.12,
-)  # difference from the ground, each channel 0 to 1, of an ink and of what is left of it in a thin line
-_SAME, _ALIKE = 0.2, 0.35
-"""Largest difference of two hues, of one ink and of one that is mixed with others."""
-_MOST_INKS, _FEWEST_PIXELS = 8, 25
-_SPANNED, _DENSEST = 0.5, 0.2  # of the columns of a region by a curve, and the most of its rows
-_FEWEST_COLUMNS, _MOST_SPANS = 40, 4
-_HEIGHTS = 0.93 ** np.arange(42)  # of a region, by the liveliest channel: from all of it to a twentieth
-_NEAR = 2  # rows
-_LIVELY = 20  # rows that the liveliest channel goes up and down
-_FOLLOWED, _OWN = 0.75, 0.15
-"""Of the columns: where a channel, or one that lies over it, stands in its place; where its own colour does.
+_ALIKE = 0.06  # largest difference, each channel 0 to 1, of colours that are one ground
+_INKS = (
+    0.14,
+    0.07,
+)  # difference from the ground of what is drawn: a grid has less than the first, a thin line more than the second
+_SHARE, _FILLED = 0.04, 0.5  # of the picture by a region, and of the region by its ground
+_MOST_INK = 0.3  # of a region: a window has more, around a figure of another colour
+_MOST_GROUNDS, _MOST_REGIONS = 4, 8
+_STRONG, _ONE_COLOUR, _MOST_COLOURS, _FEWEST_PIXELS = 0.3, 0.15, 5, 25
+_SPANNED, _DENSEST = 0.5, 0.2  # of the columns of a part by a colour that may be a curve's, and the most of its pixels
+_LINE = 0.12  # of a region's height: less is no border of a panel
+_MARGIN = 0.5 / 11  # of a panel's width, on either side of its curves, unless the code says otherwise
+_NARROWEST, _NEAR = 70, 2  # columns of a span, and between two that are one
+_MOST_GROUPS, _TRIED = 5, 4
+_FOLLOWED = 0.75
+"""Of a curve's columns: a legend hides some of it, and dashes leave gaps."""
+_EVIDENCE, _OF_EACH, _OF_THREE = 40.0, 5.0, 60.0
+"""Nats, of three curves in one panel; of each and of all three in panels of their own.
 
-The sheet's figure at 40 to 300 dpi, in eight styles, as JPEG, in three window frames and over 3, 5 and 10 s shows both sensors; in
-greys, in the style `classic` and dark in a light window it is not recognised. Of twelve figures of the same form with sines,
-walks and noise none shows both.
+Of the first 130 other pictures of `python -m tests.benchmarks.handed_in` none has as much; at 25 in one panel a random walk had 31.
 """
+
+_TOGETHER, _ALONE = (0, 1, 2), ((0,), (1,), (2,))
+_Key = tuple[int, tuple[int, ...]]
+"""A sensor, and which of its channels are on one scale."""
+Pixels = NDArray[np.float32]
 
 
 def sensors_shown(preview: np.ndarray, palette: np.ndarray, series: Mapping[str, Array]) -> set[int]:
-    """Which sensors (0 acceleration, 1 angular velocity) a picture shows, each in a place of its own.
+    """Which sensors (0 acceleration, 1 angular velocity) a picture shows, each in places of its own.
 
     Parameters
     ----------
     preview : (h, w) ndarray of indices into `palette` (n, 3), 0 to 255
     series : ``time``, ``acceleration``, ``angular_velocity`` of the first moments of the recording
     """
-    strokes = _strokes(np.divide(palette, 255, dtype=np.float32)[preview])
-    width, time = preview.shape[1], series["time"] - series["time"][0]
-    sensors = [series[key] for key in ("acceleration", "angular_velocity")]
+    colours = np.divide(palette, 255, dtype=np.float32)
     shown: set[int] = set()
-    for columns in (slice(0, width), slice(0, width // 2), slice(width // 2, width)):
-        curves = [stroke[:, columns] for stroke in strokes]
-        for duration, (first, last) in itertools.product(_DURATIONS, _spans(curves)):
-            at = np.arange(first, last)
-            stamps = (at - first) * (duration / (last - first))
-            at, stamps = at[stamps <= time[-1]], stamps[stamps <= time[-1]]
-            if len(at) < _FEWEST_COLUMNS:
-                continue
-            parts = [curve[:, at] for curve in curves]
-            for sensor in {0, 1} - shown:
-                if _shows(parts, np.array([np.interp(stamps, time, channel) for channel in sensors[sensor].T])):
-                    shown.add(sensor)
-            if len(shown) == 2:
-                return shown
+    for least in _INKS:
+        spans = [(ink, span) for ink, its in _regions(preview, colours, least) for span in its]
+        found = [_shown(group) for group in _groups(spans, series)]
+        shown = max(found, key=len, default=shown)
+        if len(shown) == 2:
+            break
     return shown
 
 
-# --- colours -------------------------------------------------------------------------------------------------------------
+# --- regions -------------------------------------------------------------------------------------------------------------
 
 
-def _strokes(picture: Pixels) -> list[Mask]:
-    """Where each strong colour stands; each pixel has that one which it is nearest to."""
-    off = picture - commonest(picture).astype(np.float32)
-    strength, hues = np.abs(off).max(axis=2), _hues(off)
-    inks = list(itertools.islice(_inks(off), 2 * _MOST_INKS))
-    if not inks:
-        return []
-    unlike = np.stack([np.abs(hues - ink).max(axis=2) for ink in inks])
-    nearest = np.where((strength > _WEAK) & (unlike.min(axis=0) < _ALIKE), unlike.argmin(axis=0), -1)
-    found = [nearest == number for number in range(len(inks))]
-    return sorted(found, key=lambda stroke: -int(stroke.any(axis=0).sum()))[:_MOST_INKS]
+def _regions(preview: np.ndarray, palette: Pixels, least: float) -> Iterator[tuple[Ink, list[tuple[int, int]]]]:
+    """What is drawn on each ground, and the columns from which to which curves may go there."""
+    for rows, columns, ground in itertools.islice(_grounds(preview, palette), _MOST_REGIONS):
+        part, off = preview[rows, columns], np.abs(palette - ground).max(axis=1)
+        mask = (off > least)[part]
+        if mask.mean() <= _MOST_INK:
+            yield Ink.of(mask), _spans(mask, list(_colours(part, palette, off)))
 
 
-def _inks(off: Pixels) -> Iterator[Pixels]:
-    """The hues of the strong colours, those of most pixels first."""
-    colours, counts = np.unique(off.reshape(-1, 3), axis=0, return_counts=True)
-    lengths, hues = np.abs(colours).max(axis=1), _hues(colours)
+def _grounds(preview: np.ndarray, palette: Pixels) -> Iterator[tuple[slice, slice, Pixels]]:
+    """Rectangles that one colour fills for the most part: a figure, its panels, a window around it."""
+    from scipy import ndimage  # noqa: PLC0415 - slow to import, and few submissions need it
+
+    counts = np.bincount(preview.ravel(), minlength=len(palette))
     known: list[Pixels] = []
-    for index in np.argsort(-counts * lengths):
-        hue = hues[index]
-        strong = lengths[index] > _STRONG and counts[index] >= _FEWEST_PIXELS
-        if strong and all(np.abs(hue - ink).max() > _SAME for ink in known):
-            known.append(hue)
-            yield hue
-
-
-def _hues(off: Pixels) -> Pixels:
-    """The ways from the ground, each by its largest part."""
-    hues: Pixels = off / np.maximum(np.abs(off).max(axis=-1, keepdims=True), 1e-6)
-    return hues
-
-
-def _spans(strokes: Sequence[Mask]) -> list[tuple[int, int]]:
-    """First and last column of what may be curves, those that differ."""
-    spans: list[tuple[int, int]] = []
-    for stroke in strokes:
-        columns = np.flatnonzero(stroke.any(axis=0))
-        if len(columns) < _SPANNED * stroke.shape[1] or stroke.mean() > _DENSEST:
+    for index in np.argsort(-counts):
+        like = np.abs(palette - palette[index]).max(axis=1) < _ALIKE
+        if counts[like].sum() < _SHARE * preview.size or len(known) == _MOST_GROUNDS:
+            return
+        if any(np.abs(palette[index] - colour).max() < _ALIKE for colour in known):
             continue
-        span = int(columns[0]), int(columns[-1]) + 1
-        if all(max(abs(span[0] - first), abs(span[1] - last)) > _NEAR for first, last in spans):
-            spans.append(span)
-    return spans[:_MOST_SPANS]
+        known.append(palette[index])
+        mask = like[preview]
+        whole = ndimage.binary_closing(np.pad(mask, 3), np.ones((5, 5)))[3:-3, 3:-3]  # over grids and frames
+        for rows, columns in ndimage.find_objects(ndimage.label(whole)[0]):
+            part = mask[rows, columns]
+            if part.size >= _SHARE * preview.size and part.mean() >= _FILLED:
+                yield rows, columns, palette[index]
 
 
-# --- curves --------------------------------------------------------------------------------------------------------------
+def _colours(part: np.ndarray, palette: Pixels, off: Pixels) -> Iterator[Mask]:
+    """Where each strong colour stands, those of most pixels first."""
+    counts = np.bincount(part.ravel(), minlength=len(palette))
+    strong = np.flatnonzero((off >= _STRONG) & (counts >= _FEWEST_PIXELS))
+    known: list[Pixels] = []
+    for index in strong[np.argsort(-(counts * off)[strong], kind="stable")]:
+        if all(np.abs(palette[index] - colour).max() >= _ONE_COLOUR for colour in known):
+            known.append(palette[index])
+            yield (np.abs(palette - palette[index]).max(axis=1) < _ONE_COLOUR)[part]
+        if len(known) == _MOST_COLOURS:
+            return
+
+
+def _spans(mask: Mask, colours: Sequence[Mask]) -> list[tuple[int, int]]:
+    """First and last columns of what may be curves, in one, two or three panels abreast: of a colour, or between borders."""
+    height, width = mask.shape
+    borders = np.flatnonzero(_longest(mask) >= _LINE * height)
+    found: list[tuple[int, int]] = []
+    for abreast in (1, 2, 3):
+        edges = [width * number // abreast for number in range(abreast + 1)]
+        for left, right in itertools.pairwise(edges):
+            for colour in colours:
+                its = colour[:, left:right]
+                columns = np.flatnonzero(its.any(axis=0))
+                if len(columns) >= _SPANNED * (right - left) and its.mean() <= _DENSEST:
+                    found.append((left + int(columns[0]), left + int(columns[-1]) + 1))
+            between = borders[(borders >= left) & (borders < right)]
+            if len(between):
+                first, last = int(between[0]), int(between[-1]) + 1
+                margin = round((last - first) * _MARGIN)
+                found += [(first + margin, last - margin), (first, last)]
+    spans: list[tuple[int, int]] = []
+    for first, last in found:
+        new = all(max(abs(first - other[0]), abs(last - other[1])) > _NEAR for other in spans)
+        if new and last - first >= _NARROWEST:
+            spans.append((first, last))
+    return spans
+
+
+def _longest(mask: Mask) -> NDArray[np.intp]:
+    """The longest unbroken line in each column."""
+    line = np.zeros(mask.shape[1], np.intp)
+    longest = line
+    for row in mask:
+        line = (line + 1) * row
+        longest = np.maximum(longest, line)
+    return longest
+
+
+# --- panels --------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class _Map:
-    """From values to rows: `row = start + slope * value`; the slope is negative, rows count downwards."""
+class _Group:
+    """Places in panels that are equally wide and equally long in time, the likeliest first."""
 
-    start: float
-    slope: float
+    duration_s: float
+    width: float
+    places: Mapping[_Key, list[Place]]
 
-    def rows(self, values: Array) -> Array:
-        return self.start + self.slope * values
+    @property
+    def promise(self) -> float:
+        """Of both sensors, each in one panel or in three."""
+        best = {key: its[0].promise for key, its in self.places.items()}
+        alone = [sum(best.get((sensor, which), -1.0) for which in _ALONE) / 3 for sensor in (0, 1)]
+        return sum(max(best.get((sensor, _TOGETHER), -1.0), alone[sensor]) for sensor in (0, 1))
 
-
-def _shows(strokes: Sequence[Mask], channels: Array) -> bool:
-    """Whether three strokes follow the three channels (3, n) by one map; the strokes are masks (h, n)."""
-    liveliest = int(np.std(channels, axis=1).argmax())
-    thin = [stroke for stroke in strokes if 0 < stroke.mean() < _DENSEST]
-    widened = [_near(stroke) for stroke in thin]
-    for stroke in thin:
-        found = _map_of(stroke, channels[liveliest])
-        if found is not None and _all_follow(widened, found, channels, liveliest):
-            return True
-    return False
+    def is_like(self, other: _Group) -> bool:
+        return self.duration_s == other.duration_s and _as_wide(self.width, other.width)
 
 
-def _near(stroke: Mask) -> Mask:
-    """A stroke and the rows next to it."""
-    near: Mask = stroke.copy()
-    for step in range(1, _NEAR + 1):
-        near[step:] |= stroke[:-step]
-        near[:-step] |= stroke[step:]
-    return near
+def _as_wide(width: float, other: float) -> bool:
+    return abs(width - other) <= max(2 * _NEAR, 0.03 * other)
 
 
-def _map_of(stroke: Mask, values: Array) -> _Map | None:
-    """The map under which most columns of a stroke follow a channel; None where few do."""
-    rows, columns = np.nonzero(stroke)
-    height, spread = len(stroke), float(np.ptp(values))
-    if spread <= 0 or np.count_nonzero(stroke.any(axis=0)) < _FOLLOWED * stroke.shape[1]:
-        return None
-    best, found = 0, None
-    for share in _HEIGHTS:
-        slope = -share * height / spread
-        starts = ((rows - slope * (values[columns] - values.max())) / _NEAR).astype(np.intp)
-        fits = (starts >= 0) & (starts < height)
-        there = np.zeros((height, stroke.shape[1]), bool)
-        there[starts[fits], columns[fits]] = True
-        votes = np.count_nonzero(there[:-1] | there[1:], axis=1)
-        if votes.max() > best:
-            best = int(votes.max())
-            found = _Map((int(votes.argmax()) + 1) * _NEAR - slope * float(values.max()), slope)
-    if found is None or best < _FOLLOWED / 2 * stroke.shape[1]:
-        return None
-    return _refined(found, rows.astype(float), values[columns])
+def _groups(spans: Sequence[tuple[Ink, tuple[int, int]]], series: Mapping[str, Array]) -> list[_Group]:
+    """The groups in which both sensors may be shown, the likeliest few."""
+    time = series["time"] - series["time"][0]
+    groups: list[_Group] = []
+    for duration in _DURATIONS:
+        found: list[tuple[_Key, Place]] = []
+        for sensor, key in enumerate(("acceleration", "angular_velocity")):
+            curves = Curves(time, series[key].T, duration)
+            for ink, (first, last) in spans:
+                found += [((sensor, which), place) for which, place in places(ink, first, last, curves)]
+        for width in sorted({place.width for _, place in found}):
+            its: dict[_Key, list[Place]] = {}
+            for which, place in sorted(found, key=lambda each: -each[1].promise):
+                if _as_wide(place.width, width):
+                    its.setdefault(which, []).append(place)
+            groups.append(_Group(duration, width, its))
+    likeliest: list[_Group] = []
+    for group in sorted(groups, key=lambda group: -group.promise):
+        if not any(map(group.is_like, likeliest)):
+            likeliest.append(group)
+        if len(likeliest) == _MOST_GROUPS:
+            break
+    return likeliest
 
 
-def _refined(found: _Map, rows: Array, values: Array) -> _Map | None:
-    """The straight line through the pixels that a map goes near, a few times over."""
-    for reach in (3 * _NEAR, 2 * _NEAR, _NEAR):
-        near = np.abs(rows - found.rows(values)) <= reach
-        if np.count_nonzero(near) < _FEWEST_COLUMNS or np.ptp(values[near]) <= 0:
-            return None
-        slope, start = np.polyfit(values[near], rows[near], 1)
-        found = _Map(float(start), float(slope))
-    return found if found.slope < 0 else None
+def _shown(group: _Group) -> set[int]:
+    """The sensors that have a panel each, or three each."""
+    in_one = {sensor for sensor in (0, 1) if _stands(_best(group, (sensor, _TOGETHER)), _EVIDENCE)}
+    if len(in_one) == 2:
+        return in_one
+    in_three = set()
+    for sensor in (0, 1):
+        three = [_best(group, (sensor, which)) for which in _ALONE]
+        if all(_stands(each, _OF_EACH) for each in three) and sum(each.evidence for each in three) >= _OF_THREE:
+            in_three.add(sensor)
+    return max(in_one, in_three, key=len)
 
 
-def _all_follow(strokes: Sequence[Mask], found: _Map, channels: Array, liveliest: int) -> bool:
-    """Whether each channel stands where the map has it, in a stroke of its own or under another channel's."""
-    rows = found.rows(channels)
-    if np.ptp(rows[liveliest]) < _LIVELY:
-        return False
-    at, columns = np.rint(rows).astype(np.intp), np.arange(rows.shape[1])
-    within = (at >= 0) & (at < len(strokes[0]))
-    stands = np.array([stroke[np.clip(at, 0, len(stroke) - 1), columns] & within for stroke in strokes])
-    likely = stands.mean(axis=2) > _OWN
-    for three in itertools.product(*(np.flatnonzero(likely[:, channel]) for channel in range(3))):
-        if len(set(three)) < 3:
-            continue
-        own = np.array([stands[stroke, channel] for channel, stroke in enumerate(three)])
-        covered = np.array([
-            np.any([own[other] & (np.abs(at[other] - at[k]) <= _NEAR) for other in range(3) if other != k], axis=0)
-            for k in range(3)
-        ])  # fmt: skip
-        followed = (own | covered).mean(axis=1)
-        if followed.min() > _FOLLOWED and own[liveliest].mean() > _FOLLOWED:
-            return True
-    return False
+def _best(group: _Group, key: _Key) -> Weight:
+    tried = [weighed(settled(place)) for place in group.places.get(key, [])[:_TRIED]]
+    standing = [weight for weight in tried if weight.followed >= _FOLLOWED]
+    return max(standing, key=lambda weight: weight.evidence, default=Weight(0.0, 0.0))
+
+
+def _stands(weight: Weight, evidence: float) -> bool:
+    return weight.followed >= _FOLLOWED and weight.evidence >= evidence
