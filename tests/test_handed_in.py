@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -164,6 +165,14 @@ def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
     earned = sum(check.points or 0.0 for name, check in checks.items() if name != "comparison_plot")
     assert earned == pytest.approx(8.0)
     assert [note for note in result.notes if "imu_data.png" in note and A_PERSON_MAY in note]
+
+
+def test_under_a_secret_it_earns_as_much_because_whoever_drew_it_did_not_know_it(
+    recording: dict[str, Any], tmp_path: Path
+) -> None:
+    with Marker(rubric.load(LAB), bundles.obtain("a secret of pictures", tmp_path)) as marker:
+        marks = _marks(marker, lab(plot="", compare=""), content(drawn(recording)))
+    assert sum(marks[name] or 0.0 for name in marks if name != "comparison_plot") == pytest.approx(8.0)
 
 
 def _marks(marker: Marker, files: dict[str, str], picture: bytes) -> dict[str, float | None]:

@@ -9,9 +9,11 @@ from grader.engine.figures import Figure
 from grader.engine.findings import A_PERSON_MAY, Raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
+from grader.labs.imu import bundles
 from grader.labs.imu.checks.plot_runs import drawing_of_data, has_curves, series_of
 from grader.labs.imu.diagnosis import comparing
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
+from grader.labs.imu.robot import LAB_MODEL, is_of
 from grader.labs.imu.student import Student
 
 PICTURE = "imu_data.png"
@@ -38,12 +40,17 @@ def _counts(student: Student, truth: Traces) -> bool:
     picture = student.picture(PICTURE)
     if picture is None or min(picture.size_px) < _SMALLEST_PX or _is_drawn(student, truth):
         return False
-    shown = sensors_shown(picture.preview, picture.palette, series_of(truth, "push"))
+    shown = sensors_shown(picture.preview, picture.palette, series_of(_public(truth), "push"))
     if shown == {0, 1}:
         student.note(
             f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
         )
     return shown == {0, 1}
+
+
+def _public(truth: Traces) -> Traces:
+    """Of the lab's robot the public traces, whatever is graded with: whoever made a picture beforehand knew no secret."""
+    return bundles.shipped() if is_of(LAB_MODEL, truth) else truth
 
 
 def _is_drawn(student: Student, truth: Traces) -> bool:
