@@ -139,13 +139,21 @@ def at_fixed_places(accel: Array, gyro: Array, scene: Scene) -> Explanation | No
 
     Whether it does so whatever the ids are, is seen with other ids.
     """
-    starts = [_start(got[0], scene.sensordata) for got in (accel, gyro)]
-    return None if starts[0] is None or starts[1] is None else always_reads(starts[0], starts[1])
+    got = (accel[0], gyro[0])
+    starts = [_start(numbers, scene.sensordata) for numbers in got]
+    if starts[0] is None or starts[1] is None:
+        return None
+    own = [int(scene.address[sensor]) for sensor in scene.pairs[0]]
+    # Numbers that never move stand anywhere: they tell of a place only beside others that stand where they should not.
+    elsewhere = [
+        start != at and bool(np.ptp(its, axis=0).any()) for start, at, its in zip(starts, own, got, strict=True)
+    ]
+    return always_reads(starts[0], starts[1]) if any(elsewhere) else None
 
 
 def _start(got: Array, sensordata: Array) -> int | None:
-    """Where these three numbers (k, 3) stand in every state; None for numbers that do not move, which stand anywhere."""
-    if not np.isfinite(got).all() or not np.ptp(got, axis=0).all():
+    """The first place where these three numbers (k, 3) stand in every state."""
+    if not np.isfinite(got).all():
         return None
     places = range(sensordata.shape[1] - 2)
     return next((i for i in places if np.abs(sensordata[:, i : i + 3] - got).max() <= ATOL), None)
