@@ -46,7 +46,6 @@ MORE_THAN_ONE: Mapping[str, str] = {
     "no-imu-reader": _WHOLE_FILE,
     "no-imu-reader-sheet": _WHOLE_FILE,
     "no-filters": _WHOLE_FILE,
-    "reader-with-a-syntax-error": _WHOLE_FILE,
     "accelerometer-panel-only": _HALF_A_PICTURE,
     "saved-before-the-gyroscope": _HALF_A_PICTURE,
 }

@@ -106,7 +106,7 @@ def test_a_path_that_does_not_exist_is_one_line(run: Run, tmp_path: Path) -> Non
 
 def test_an_unknown_criterion_is_one_line_with_what_was_probably_meant(run: Run, tmp_path: Path) -> None:
     line = "imugrade: --only filterin: the rubric has no such criterion; did you mean filtering?\n"
-    assert run("check", hand_in(tmp_path / "me"), "--only", "filterin") == (2, "", line)
+    assert run("check", hand_in(tmp_path / "me"), "--only", "filterin") == (2, "checking me …\n", line)
 
 
 def test_a_rubric_that_is_missing_or_broken_is_told(run: Run, students: Path, tmp_path: Path) -> None:
@@ -161,7 +161,7 @@ def test_a_fault_of_the_grader_is_one_line_and_exit_code_3(
 ) -> None:
     checked(monkeypatch, fault)
     code, out, err = run("check", tmp_path)
-    assert (code, out) == (3, "")
+    assert (code, out) == (3, f"checking {tmp_path.name} …\n")
     assert all(line.startswith("imugrade: ") for line in err.splitlines())
     assert err.startswith("imugrade: the grader itself failed: ")
 
