@@ -38,9 +38,7 @@ from tests.corpus.writing import Files, write
 
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
 ONE_FAULT = ("faulty", "lookalikes")
-_WHOLE_FILE = (
-    "the file that is missing or cannot be read was to hold two parts or more, and each part has nothing to show"
-)
+_WHOLE_FILE = "the file that is missing was to hold two parts or more, and each part has nothing to show"
 _HALF_A_PICTURE = "half of the picture is missing: the panel, and the three curves in it"
 MORE_THAN_ONE: Mapping[str, str] = {
     "no-imu-reader": _WHOLE_FILE,
