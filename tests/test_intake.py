@@ -932,6 +932,13 @@ def test_where_there_is_no_code_the_files_that_are_asked_for_may_be_texts(tmp_pa
     assert submission.files == {"filters.py": b"x = 1\n", "notes.txt": b"42\n"}
 
 
+def test_of_two_texts_that_would_be_the_same_program_none_is_lost(tmp_path: Path) -> None:
+    submission = read_submission(
+        as_folder(tmp_path, {"filters.py.txt": b"x = 1\n", "filters.txt": b"y = 2\n"}), LAB.files
+    )
+    assert submission.files == {"filters.py": b"x = 1\n", "filters.txt": b"y = 2\n"}
+
+
 @pytest.mark.parametrize("content", [b'{"cells": [', b"[1, 2]", b"", b"[" * 100_000])
 def test_a_notebook_that_nobody_can_open_is_nothing_to_mark_unless_there_is_code(
     tmp_path: Path, content: bytes

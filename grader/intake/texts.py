@@ -21,6 +21,7 @@ def as_programs(pile: Pile, required: Collection[str]) -> None:
             program += ".py"
         if is_code(program) and folded(program) not in there:
             pile.files[program] = pile.files.pop(path)
+            there.add(folded(program))
             taken.append(path)
     if taken:
         pile.remarks.append(f"Taken for programs although they are called texts: {listing(taken)}.")
