@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
 from tests.corpus.faulty import FAULTY
 from tests.corpus.pieces import lab
@@ -23,12 +19,6 @@ SAMPLE = (
     "bias-drawn-in-read",
     "reset-forgotten",
 )
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
 
 
 @pytest.mark.parametrize("case", list(recast(SAMPLE)), ids=lambda case: case.name)

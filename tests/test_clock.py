@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.intake import Submission
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import COLLECT_WHILE, lab
 
 BY_THE_CLOCK = COLLECT_WHILE.replace(
     "while data.time < duration_seconds:", "start = time.CLOCK()\n    while time.CLOCK() - start < SECONDS:"
 )
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
-        yield marker
 
 
 def told(marker: Marker, files: dict[str, str]) -> list[tuple[str, float | None, str]]:

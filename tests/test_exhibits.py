@@ -4,7 +4,6 @@ import base64
 import io
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
@@ -35,12 +34,6 @@ from tests.made_up import SHA
 from tests.made_up import result as made_up
 
 TRUTH = bundles.shipped()
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), TRUTH) as opened:
-        yield opened
 
 
 def panels(chart: Chart | None) -> dict[str, Panel]:

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
 
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.harness import gaps, stepping
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import Files, notebook
@@ -113,12 +109,6 @@ SLIPS: dict[str, tuple[Files, str]] = {
     "a class whose name is misspelt, and its demo": (edit(verbatim(), "filters.py", ("class LowPassFilter", "class LowpassFilter")), "filtering"),
     "a class whose name is misspelt, and the next file": (edit(verbatim(), "noisy_imu.py", ("class NoisyIMU", "class NoisyImu")), "noise_model"),
 }  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
 
 
 @pytest.mark.parametrize("name", SLIPS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,12 +17,6 @@ from tests.corpus.writing import as_bytes, write
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 _ZERO_READER = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    return np.zeros(3), np.zeros(3)\n"
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
 
 
 def _mark(marker: Marker, folder: Path, **changed: str) -> Result:

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.module_level import EDITS, LAYOUTS, Edit, above
 from tests.corpus.writing import as_bytes
 from tests.scoreboard import Case, Verdict, look_at_edit
@@ -32,12 +27,6 @@ ELSEWHERE = (
     "pdb-in-the-noise",
     "defined-in-an-if",
 )
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
-        yield marker
 
 
 def marked(marker: Marker, edit: Edit, layout: str) -> Result:

@@ -2,22 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.nothing import NOTHING, Nothing
 from tests.scoreboard import Case, handed_in
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
 
 
 @pytest.mark.parametrize("nothing", NOTHING, ids=lambda nothing: nothing.name)

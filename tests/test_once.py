@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from importlib import resources
 
 import pytest
 
-from grader.engine import rubric
 from grader.engine.examination import Check, Examination, Judgement
 from grader.engine.feedback import Told
 from grader.engine.marking import Marker
 from grader.engine.results import CriterionResult
 from grader.intake import Submission
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
@@ -30,12 +26,6 @@ class LowPassFilter:
     def update(self, measurement):
         return np.zeros(3)
 """
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
-        yield marker
 
 
 def _criterion(marker: Marker, criterion: str, files: dict[str, str]) -> CriterionResult:

@@ -2,30 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, CriterionResult
 from grader.intake import Submission
-from grader.labs.imu import bundles
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import filter_outputs, filtering, noise_laws
 from grader.labs.imu.diagnosis.noise import Facts, bias_mistakes
 from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.digits import told_apart
-from grader.labs.imu.lab import LAB
 from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
 
 
 def _marked(marker: Marker, sample: Unforeseen) -> CriterionResult:

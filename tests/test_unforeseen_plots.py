@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult
 from grader.intake import Submission
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from tests.corpus.unforeseen_plots import FAULTY, SOUND, Unforeseen
 
 CRITERION = "visualization"
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
 
 
 def lost(marker: Marker, sample: Unforeseen) -> dict[str, CheckResult]:

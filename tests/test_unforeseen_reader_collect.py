@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
@@ -20,7 +19,6 @@ from grader.labs.imu.checks.check_sensor_access import with_others_first
 from grader.labs.imu.compare import told
 from grader.labs.imu.diagnosis import collection, handling
 from grader.labs.imu.diagnosis.collection import Story, Worlds
-from grader.labs.imu.lab import LAB
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
 
 EVERYWHERE = {  # faults that reach into other criteria: into the plot by the recording's form, into all by a shared class
@@ -39,19 +37,18 @@ Marked = Callable[[Sample], Result]
 
 
 @pytest.fixture(scope="module")
-def marked() -> Iterator[Marked]:
+def marked(marker: Marker) -> Marked:
     """Marks a sample once."""
     results: dict[str, Result] = {}
-    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
 
-        def mark(sample: Sample) -> Result:
-            if sample.name not in results:
-                content = {name: text.encode() for name, text in sample.files.items()}
-                only = None if sample.name in EVERYWHERE else sample.part
-                results[sample.name] = marker.mark(Submission("s", "s", content, (), "ready", ""), only=only)
-            return results[sample.name]
+    def mark(sample: Sample) -> Result:
+        if sample.name not in results:
+            content = {name: text.encode() for name, text in sample.files.items()}
+            only = None if sample.name in EVERYWHERE else sample.part
+            results[sample.name] = marker.mark(Submission("s", "s", content, (), "ready", ""), only=only)
+        return results[sample.name]
 
-        yield mark
+    return mark
 
 
 def lost(result: Result) -> list[CheckResult]:

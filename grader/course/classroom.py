@@ -235,8 +235,7 @@ class _Run:
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
-        for entry in entries:
-            submission = reader.read(entry)
+        for entry, submission in reader.each(entries):
             key = self._key(submission)
             self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # handed in twice as it is: the first time counts

@@ -77,7 +77,7 @@ def _due(folder: Path, standing: Standing, store: Store, lab: Lab) -> tuple[dict
     """The files of a submission that are not current, and the digests to keep once they are written."""
     known = _Known.of(store.page_digest(standing.id))
     record, report = folder / "result.json", folder / "report.html"
-    result, files = repr(standing.result), {}
+    result, files = store.digest(standing.id), {}
     made_from = _digest(result, _bytes(record))
     if made_from != known.record:
         files[record] = to_json(standing.result).encode()

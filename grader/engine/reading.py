@@ -7,13 +7,13 @@ import os
 import sys
 import threading
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from grader.engine.processes import begin_process, starting_ours
 from grader.ground.errors import RequestError
@@ -39,6 +39,9 @@ class Readable(Protocol):
     def name(self) -> str: ...
 
     def read(self) -> Submission: ...
+
+
+Entry = TypeVar("Entry", bound=Readable)
 
 
 @dataclass(frozen=True)
@@ -100,10 +103,28 @@ class Reader:
         RequestError
             If it has gone meanwhile.
         """
-        for _ in range(_ATTEMPTS):
-            answer = self._answer(entry)
-            if answer is not None:
-                break
+        return next(self.each([entry]))[1]
+
+    def each(self, entries: Iterable[Entry]) -> Iterator[tuple[Entry, Submission]]:
+        """The same of several, in turn: the next one is read while whoever asked is busy with one."""
+        following = iter(entries)
+        entry = next(following, None)
+        if entry is not None:
+            self._ask(entry)
+        while entry is not None:
+            submission, read = self._submission(entry), entry
+            entry = next(following, None)
+            if entry is not None:
+                self._ask(entry)
+            yield read, submission
+
+    def _submission(self, entry: Readable) -> Submission:
+        """What comes of a submission that the process was asked for."""
+        answer = self._answer()
+        for _ in range(_ATTEMPTS - 1):
+            if answer is None:
+                self._ask(entry)
+                answer = self._answer()
         if isinstance(answer, RequestError):
             raise answer
         if isinstance(answer, Submission):
@@ -112,16 +133,17 @@ class Reader:
             entry.id, entry.name, answer or f"What was handed in could not be read within {self._within_s:g} s."
         )
 
-    def _answer(self, entry: Readable) -> Submission | RequestError | str | None:
-        """What the process says; None where it did not come to an end with it, or something killed it."""
+    def _ask(self, entry: Readable) -> None:
         line = self._line or self._start()
-        try:
+        with suppress(OSError):  # it has ended: there is no answer then
             line.send(entry)
-            if line.poll(self._within_s):
-                answer: Submission | RequestError | str = line.recv()
+
+    def _answer(self) -> Submission | RequestError | str | None:
+        """What the process says; None where it did not come to an end with it, or something killed it."""
+        with suppress(EOFError, OSError):
+            if self._line is not None and self._line.poll(self._within_s):
+                answer: Submission | RequestError | str = self._line.recv()
                 return answer
-        except (EOFError, OSError):
-            pass
         self._end()
         return None
 
