@@ -46,7 +46,17 @@ Told = TypeVar("Told", bound=Hypothesis)
 
 def explain(hypotheses: Iterable[Told], seen: object) -> Told | None:
     """The cheapest that fits; None where none does, or where another of its cost does that is told as something else."""
-    for _, equals in itertools.groupby(sorted(hypotheses, key=_cost), key=_cost):
+    return first_that_fits(by_cost(hypotheses), seen)
+
+
+def by_cost(hypotheses: Iterable[Told]) -> tuple[tuple[Told, ...], ...]:
+    """Those of equal cost together, the cheapest first."""
+    return tuple(tuple(equals) for _, equals in itertools.groupby(sorted(hypotheses, key=_cost), key=_cost))
+
+
+def first_that_fits(levels: Iterable[Iterable[Told]], seen: object) -> Told | None:
+    """`explain` of hypotheses that are sorted already: those of a level are not made before all cheaper ones have failed."""
+    for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.told for each in fitting}) == 1 else None
     return None

@@ -107,7 +107,7 @@ def explain(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
 
     The simplest wins: nothing wrong, then one mistake, then one of each kind.
     """
-    return hypothesis.explain(_hypotheses(), _Returned(accel, gyro, scene))
+    return hypothesis.first_that_fits(_by_cost(), _Returned(accel, gyro, scene))
 
 
 def treated(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
@@ -174,12 +174,12 @@ def agrees(accel: Array, gyro: Array, explanation: Explanation, scene: Scene) ->
 
 
 @functools.cache
-def _hypotheses() -> tuple[Explanation, ...]:
+def _by_cost() -> tuple[tuple[Explanation, ...], ...]:
+    return hypothesis.by_cost(_hypotheses())
+
+
+def _hypotheses() -> Iterator[Explanation]:
     """Nothing wrong; a place, a value; both, or a value that is rounded besides."""
-    return tuple(_combined())
-
-
-def _combined() -> Iterator[Explanation]:
     values: list[tuple[tuple[str, ...], Value]] = [
         ((), _as_is),
         *(((name,), value) for name, value in _value_mistakes()),
