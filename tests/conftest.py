@@ -24,6 +24,7 @@ from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
+from tests.tapes import suite
 
 
 @pytest.fixture(scope="session")
@@ -31,3 +32,10 @@ def marker() -> Iterator[Marker]:
     """A warm one for whatever is marked by the lab's own rubric and data: to open one takes longer than to mark."""
     with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def player() -> Iterator[suite.Marking]:
+    """The same from tapes, for what a test of `tests.tapes.suite` marks."""
+    with suite.opened() as marking:
+        yield marking

@@ -35,6 +35,7 @@ from tests.corpus.nothing import NOTHING, Nothing
 from tests.corpus.pieces import verbatim
 from tests.corpus.sound import SOUND, WRAPPED
 from tests.corpus.writing import Files, write
+from tests.tapes import Marking
 
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
 ONE_FAULT = ("faulty", "lookalikes")
@@ -294,7 +295,7 @@ def grade(case: Case) -> Verdict:
     return graded_by(_marker(), case)
 
 
-def graded_by(marker: Marker, case: Case) -> Verdict:
+def graded_by(marker: Marking, case: Case) -> Verdict:
     """What the scoreboard says of a case that this marker grades."""
     verdict, started = Verdict(case), time.perf_counter()
     try:

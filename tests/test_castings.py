@@ -6,11 +6,11 @@ import ast
 
 import pytest
 
-from grader.engine.marking import Marker
 from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
 from tests.corpus.faulty import FAULTY
 from tests.corpus.pieces import lab
 from tests.scoreboard import Case, graded_by, recast
+from tests.tapes import Marking
 
 SAMPLE = (
     "state-of-the-class",
@@ -22,8 +22,8 @@ SAMPLE = (
 
 
 @pytest.mark.parametrize("case", list(recast(SAMPLE)), ids=lambda case: case.name)
-def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case, marker: Marker) -> None:
-    assert graded_by(marker, case).troubles == []
+def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case, player: Marking) -> None:
+    assert graded_by(player, case).troubles == []
 
 
 def test_nearly_all_of_the_single_faults_can_be_cast() -> None:

@@ -6,12 +6,12 @@ import ast
 
 import pytest
 
-from grader.engine.marking import Marker
 from grader.harness import gaps, stepping
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import Files, notebook
 from tests.scoreboard import Case, handed_in
+from tests.tapes import Marking
 
 TEXT = """\
 import math
@@ -75,7 +75,7 @@ def test_slips_beside_the_definitions_cost_one_of_them_together() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["Dear marker,\nthis is\nmy work\nfor the lab.\nBest regards\nJo Doe\n", "x = (" + "1" * 500_000]
+    "text", ["Dear player,\nthis is\nmy work\nfor the lab.\nBest regards\nJo Doe\n", "x = (" + "1" * 500_000]
 )
 def test_what_is_no_program_at_all_is_refused_as_a_whole(text: str) -> None:
     with pytest.raises(SyntaxError):
@@ -112,9 +112,9 @@ SLIPS: dict[str, tuple[Files, str]] = {
 
 
 @pytest.mark.parametrize("name", SLIPS)
-def test_one_slip_costs_one_criterion(name: str, marker: Marker) -> None:
+def test_one_slip_costs_one_criterion(name: str, player: Marking) -> None:
     files, lost = SLIPS[name]
-    result = marker.mark(handed_in(Case("slips", name, files)))
+    result = player.mark(handed_in(Case("slips", name, files)))
     assert [part.id for part in result.criteria if part.points != part.max_points] == [lost]
     first = next(check for part in result.criteria for check in part.checks if check.outcome == "failed")
     assert first.misconceptions == ("name-missing" if "misspelt" in name else "does-not-import",)

@@ -10,6 +10,7 @@ from grader.intake import Submission
 from tests.corpus.module_level import EDITS, LAYOUTS, Edit, above
 from tests.corpus.writing import as_bytes
 from tests.scoreboard import Case, Verdict, look_at_edit
+from tests.tapes import Marking
 
 _WAITING = (
     "loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard",
@@ -29,7 +30,7 @@ ELSEWHERE = (
 )
 
 
-def marked(marker: Marker, edit: Edit, layout: str) -> Result:
+def marked(marker: Marking, edit: Edit, layout: str) -> Result:
     files = {
         name: as_bytes(content) for name, content in LAYOUTS[layout](edit.steps).items() if isinstance(content, str)
     }
@@ -48,9 +49,9 @@ def marked(marker: Marker, edit: Edit, layout: str) -> Result:
         ),
     ],
 )
-def test_an_edit_costs_what_a_fair_marker_takes(marker: Marker, edit: Edit, layout: str) -> None:
+def test_an_edit_costs_what_a_fair_marker_takes(player: Marking, edit: Edit, layout: str) -> None:
     verdict = Verdict(Case("module level", edit.name, {}))
-    look_at_edit(verdict, marked(marker, edit, layout), edit)
+    look_at_edit(verdict, marked(player, edit, layout), edit)
     assert verdict.troubles == []
 
 
@@ -71,8 +72,8 @@ def test_there_are_at_least_thirty_edits_and_each_is_another() -> None:
         ),
     ],
 )  # fmt: skip
-def test_what_is_stepped_over_is_a_note_with_file_and_line(marker: Marker, code: str, said: str) -> None:
-    result = marked(marker, Edit("one", above("recorder", code)), "three-files")
+def test_what_is_stepped_over_is_a_note_with_file_and_line(player: Marking, code: str, said: str) -> None:
+    result = marked(player, Edit("one", above("recorder", code)), "three-files")
     assert (result.score, result.notes) == (100.0, (said,))
 
 

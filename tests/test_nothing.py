@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.marking import Marker
 from tests.corpus.nothing import NOTHING, Nothing
 from tests.scoreboard import Case, handed_in
+from tests.tapes import Marking
 
 
 @pytest.mark.parametrize("nothing", NOTHING, ids=lambda nothing: nothing.name)
-def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Nothing, marker: Marker) -> None:
-    result = marker.mark(handed_in(Case("sound", nothing.name, nothing.files)))
+def test_a_part_that_does_nothing_keeps_a_few_points_for_its_form(nothing: Nothing, player: Marking) -> None:
+    result = player.mark(handed_in(Case("sound", nothing.name, nothing.files)))
     points = {criterion.id: criterion.points for criterion in result.criteria}
     kept = {
         c.id: c.points for each in result.criteria for c in each.checks if each.id == nothing.criterion and c.points

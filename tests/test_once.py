@@ -8,12 +8,12 @@ import pytest
 
 from grader.engine.examination import Check, Examination, Judgement
 from grader.engine.feedback import Told
-from grader.engine.marking import Marker
 from grader.engine.results import CriterionResult
 from grader.intake import Submission
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
+from tests.tapes import Marking
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"
@@ -28,37 +28,37 @@ class LowPassFilter:
 """
 
 
-def _criterion(marker: Marker, criterion: str, files: dict[str, str]) -> CriterionResult:
+def _criterion(player: Marking, criterion: str, files: dict[str, str]) -> CriterionResult:
     content = {name: text.encode() for name, text in files.items()}
-    result = marker.mark(Submission("s", "s", content, (), "ready", ""), only=criterion)
+    result = player.mark(Submission("s", "s", content, (), "ready", ""), only=criterion)
     return result.criteria[0]
 
 
-def test_a_reader_of_constants_earns_the_form_of_its_answer_alone(marker: Marker) -> None:
-    criterion = _criterion(marker, "sensor_access", lab(read=CONSTANT))
+def test_a_reader_of_constants_earns_the_form_of_its_answer_alone(player: Marking) -> None:
+    criterion = _criterion(player, "sensor_access", lab(read=CONSTANT))
     assert {check.id: check.outcome for check in criterion.checks if check.points} == {
         "sensor_access.returns_two_vectors": "passed"
     }
     assert criterion.checks[3].message.startswith("Needs a reading that follows the simulation")
 
 
-def test_an_unknown_treatment_of_the_right_sensor_costs_once(marker: Marker) -> None:
-    criterion = _criterion(marker, "sensor_access", lab(read=SCALED))
+def test_an_unknown_treatment_of_the_right_sensor_costs_once(player: Marking) -> None:
+    criterion = _criterion(player, "sensor_access", lab(read=SCALED))
     lost = {check.id: check.points for check in criterion.checks if check.outcome != "passed"}
     assert lost == {"sensor_access.matches_truth": 3.0}  # one of two sensors is right
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
 
 
-def test_a_filter_of_zeros_earns_nothing_and_is_called_stuck(marker: Marker) -> None:
-    criterion = _criterion(marker, "filtering", lab(low_pass=STUCK))
+def test_a_filter_of_zeros_earns_nothing_and_is_called_stuck(player: Marking) -> None:
+    criterion = _criterion(player, "filtering", lab(low_pass=STUCK))
     assert criterion.points == 0
     assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"output-stuck"}
 
 
 @pytest.mark.parametrize("fault", INTERFACE_FAULTS, ids=lambda fault: fault.name)
-def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(marker: Marker, fault: Faulty) -> None:
+def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(player: Marking, fault: Faulty) -> None:
     content = {name: str(text).encode() for name, text in fault.files.items()}
-    result = marker.mark(Submission("s", "s", content, (), "ready", ""))
+    result = player.mark(Submission("s", "s", content, (), "ready", ""))
     lost = {criterion.id for criterion in result.criteria if criterion.points < criterion.max_points}
     assert lost == {"sensor_access"}
     assert set(result.misconceptions) <= {fault.mistake, *fault.also}
@@ -73,58 +73,58 @@ def test_what_was_written_for_a_part_as_it_is_loses_nothing_with_it(marker: Mark
     ],
 )
 def test_rows_that_were_changed_after_a_sound_run_cost_the_rows_and_not_reset_and_push(
-    marker: Marker, spoilt: str
+    player: Marking, spoilt: str
 ) -> None:
     collect = COLLECT_LOOKUP.replace("    return {", f"    {spoilt}\n    return {{")
-    criterion = _criterion(marker, "data_collection", lab(collect=collect))
+    criterion = _criterion(player, "data_collection", lab(collect=collect))
     assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"data_collection.matches_truth"}
 
 
-def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(marker: Marker) -> None:
+def test_rows_of_nothing_earn_neither_reset_nor_push_and_no_reset_is_claimed(player: Marking) -> None:
     collect = COLLECT_LOOKUP.replace(
         "    return {",
         "    acceleration, angular_velocity = np.random.normal(0, 9.81, (2, *acceleration.shape))\n    return {",
     )
-    criterion = _criterion(marker, "data_collection", lab(collect=collect))
+    criterion = _criterion(player, "data_collection", lab(collect=collect))
     outcomes = {check.id.partition(".")[2]: check.outcome for check in criterion.checks}
     assert (outcomes["starts_from_reset"], outcomes["applies_push"]) == ("skipped", "skipped")
 
 
-def test_noise_on_one_axis_alone_costs_its_size_and_not_its_law(marker: Marker) -> None:
+def test_noise_on_one_axis_alone_costs_its_size_and_not_its_law(player: Marking) -> None:
     files = edit(lab(), "noisy_imu.py", (
         "self.rng.normal(0.0, self.accel_noise_std, size=3)", "np.array([0, 0, self.rng.normal(0.0, self.accel_noise_std)])"
     ))  # fmt: skip
-    criterion = _criterion(marker, "noise_model", files)
+    criterion = _criterion(player, "noise_model", files)
     assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.noise_size"}
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
 
 
-def test_a_bias_that_is_added_twice_is_not_called_ignored(marker: Marker) -> None:
+def test_a_bias_that_is_added_twice_is_not_called_ignored(player: Marking) -> None:
     changes = [(f"{sensor} + self.{sensor}_bias", f"{sensor} + 2 * self.{sensor}_bias") for sensor in ("accel", "gyro")]
-    criterion = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *changes))
+    criterion = _criterion(player, "noise_model", edit(lab(), "noisy_imu.py", *changes))
     assert {check.id for check in criterion.checks if check.outcome != "passed"} == {"noise_model.given_bias"}
     assert [mistake for check in criterion.checks for mistake in check.misconceptions] == []
 
 
-def test_who_uses_what_is_not_there_is_told_what_is(marker: Marker) -> None:
+def test_who_uses_what_is_not_there_is_told_what_is(player: Marking) -> None:
     files = edit(lab(), "noisy_imu.py", ("    def read(self):\n", "    def read(self):\n        tqdm()\n"))
     files["noisy_imu.py"] = "from tqdm_of_mine import tqdm\n" + files["noisy_imu.py"]
-    message = _criterion(marker, "noise_model", files).checks[0].message
+    message = _criterion(player, "noise_model", files).checks[0].message
     assert "ModuleNotFoundError: No module named 'tqdm_of_mine'; there are numpy, scipy, matplotlib, mujoco," in message
 
 
-def test_a_part_that_is_still_to_be_written_is_called_that(marker: Marker) -> None:
+def test_a_part_that_is_still_to_be_written_is_called_that(player: Marking) -> None:
     starter = resources.files("grader.labs.imu").joinpath("starter", "noisy_imu.py.txt").read_text(encoding="utf-8")
-    criterion = _criterion(marker, "noise_model", {**lab(), "noisy_imu.py": starter})
+    criterion = _criterion(player, "noise_model", {**lab(), "noisy_imu.py": starter})
     assert criterion.points == 0
     assert {mistake for check in criterion.checks for mistake in check.misconceptions} == {"not-written"}
     assert criterion.checks[0].hint.startswith("This part is still to be written")
 
 
-def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(marker: Marker) -> None:
+def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(player: Marking) -> None:
     files = lab()
     files["noisy_imu.py"] += "\n\n1 / 0\n"
-    result = marker.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+    result = player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
     assert (result.score, [note for note in result.notes if "stepped" in note]) == (
         100.0,
         [
@@ -134,18 +134,18 @@ def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(marker
     )
 
 
-def test_biases_in_each_others_place_are_told_as_that(marker: Marker) -> None:
+def test_biases_in_each_others_place_are_told_as_that(player: Marking) -> None:
     change = ("accel + self.accel_bias", "accel + self.gyro_bias"), ("gyro + self.gyro_bias", "gyro + self.accel_bias")
-    noise = _criterion(marker, "noise_model", edit(lab(), "noisy_imu.py", *change))
+    noise = _criterion(player, "noise_model", edit(lab(), "noisy_imu.py", *change))
     (row,) = (check for check in noise.checks if check.outcome != "passed")
     assert (row.id, row.misconceptions) == ("noise_model.given_bias", ("biases-exchanged",))
 
 
 def test_a_filter_that_is_negated_is_charged_for_its_recursion_and_the_report_says_where_the_rest_went(
-    marker: Marker,
+    player: Marking,
 ) -> None:
     files = edit(lab(), "filters.py", ("        return self.state.copy()\n", "        return -self.state\n"))
-    criterion = _criterion(marker, "filtering", files)
+    criterion = _criterion(player, "filtering", files)
     assert criterion.points == 14.0
     constant = next(check for check in criterion.checks if check.id == "filtering.passes_constant")
     assert (constant.outcome, constant.hint, constant.misconceptions) == ("passed", "", ())

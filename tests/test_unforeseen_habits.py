@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.marking import Marker
 from grader.intake import Submission
 from tests.corpus.unforeseen_habits import HABITS, Habit
+from tests.tapes import Marking
 
 
 @pytest.mark.parametrize("habit", HABITS, ids=lambda habit: habit.name)
-def test_a_habit_costs_the_one_check_that_a_marker_takes(habit: Habit, marker: Marker) -> None:
+def test_a_habit_costs_the_one_check_that_a_marker_takes(habit: Habit, player: Marking) -> None:
     content = {name: text.encode() for name, text in habit.files.items()}
-    (criterion,) = marker.mark(
+    (criterion,) = player.mark(
         Submission("s", "s", content, (), "ready", ""), only=habit.check.partition(".")[0]
     ).criteria
     lost = {check.id: check for check in criterion.checks if check.points != check.max_points}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, CriterionResult
 from grader.intake import Submission
 from grader.labs.imu import statistics as st
@@ -15,11 +14,12 @@ from grader.labs.imu.diagnosis.noise import Facts, bias_mistakes
 from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.digits import told_apart
 from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
+from tests.tapes import Marking
 
 
-def _marked(marker: Marker, sample: Unforeseen) -> CriterionResult:
+def _marked(player: Marking, sample: Unforeseen) -> CriterionResult:
     content = {name: text.encode() for name, text in sample.files.items()}
-    return marker.mark(Submission("s", "s", content, (), "ready", ""), only=sample.criterion).criteria[0]
+    return player.mark(Submission("s", "s", content, (), "ready", ""), only=sample.criterion).criteria[0]
 
 
 def _lost(criterion: CriterionResult) -> dict[str, CheckResult]:
@@ -27,15 +27,15 @@ def _lost(criterion: CriterionResult) -> dict[str, CheckResult]:
 
 
 @pytest.mark.parametrize("sample", SOUND, ids=lambda sample: sample.name)
-def test_a_sound_one_in_a_style_of_its_own_loses_nothing(sample: Unforeseen, marker: Marker) -> None:
-    criterion = _marked(marker, sample)
+def test_a_sound_one_in_a_style_of_its_own_loses_nothing(sample: Unforeseen, player: Marking) -> None:
+    criterion = _marked(player, sample)
     assert {name: check.message for name, check in _lost(criterion).items()} == {}
     assert [m for check in criterion.checks for m in check.misconceptions] == []
 
 
 @pytest.mark.parametrize("sample", FAULTY, ids=lambda sample: sample.name)
-def test_a_faulty_one_loses_what_the_marker_said_and_is_told_why(sample: Unforeseen, marker: Marker) -> None:
-    criterion = _marked(marker, sample)
+def test_a_faulty_one_loses_what_the_marker_said_and_is_told_why(sample: Unforeseen, player: Marking) -> None:
+    criterion = _marked(player, sample)
     lost = _lost(criterion)
     names = {mistake for check in lost.values() for mistake in check.misconceptions}
     assert lost

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.marking import Marker
 from grader.engine.results import CheckResult
 from grader.intake import Submission
 from tests.corpus.unforeseen_plots import FAULTY, SOUND, Unforeseen
+from tests.tapes import Marking
 
 CRITERION = "visualization"
 
 
-def lost(marker: Marker, sample: Unforeseen) -> dict[str, CheckResult]:
+def lost(player: Marking, sample: Unforeseen) -> dict[str, CheckResult]:
     content = {name: text.encode() for name, text in sample.files.items()}
-    criterion = marker.mark(Submission("s", "s", content, (), "ready", ""), only=CRITERION).criteria[0]
+    criterion = player.mark(Submission("s", "s", content, (), "ready", ""), only=CRITERION).criteria[0]
     return {check.id.partition(".")[2]: check for check in criterion.checks if check.points != check.max_points}
 
 
 @pytest.mark.parametrize("sample", SOUND[::6], ids=lambda sample: sample.name)
-def test_a_sound_picture_loses_nothing(sample: Unforeseen, marker: Marker) -> None:
-    assert {name: check.message for name, check in lost(marker, sample).items()} == {}
+def test_a_sound_picture_loses_nothing(sample: Unforeseen, player: Marking) -> None:
+    assert {name: check.message for name, check in lost(player, sample).items()} == {}
 
 
 @pytest.mark.parametrize("sample", FAULTY[::6], ids=lambda sample: sample.name)
-def test_a_picture_that_shows_less_loses_what_the_marker_said(sample: Unforeseen, marker: Marker) -> None:
-    checks = lost(marker, sample)
+def test_a_picture_that_shows_less_loses_what_the_marker_said(sample: Unforeseen, player: Marking) -> None:
+    checks = lost(player, sample)
     names = {mistake for check in checks.values() for mistake in check.misconceptions}
     assert checks
     assert set(checks) <= set(sample.loses)

@@ -10,7 +10,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.marking import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
 from grader.labs.imu import bundles
@@ -20,6 +19,7 @@ from grader.labs.imu.compare import told
 from grader.labs.imu.diagnosis import collection, handling
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
+from tests.tapes import Marking
 
 EVERYWHERE = {  # faults that reach into other criteria: into the plot by the recording's form, into all by a shared class
     "class-with-the-id-as-address",
@@ -37,7 +37,7 @@ Marked = Callable[[Sample], Result]
 
 
 @pytest.fixture(scope="module")
-def marked(marker: Marker) -> Marked:
+def marked(player: Marking) -> Marked:
     """Marks a sample once."""
     results: dict[str, Result] = {}
 
@@ -45,7 +45,7 @@ def marked(marker: Marker) -> Marked:
         if sample.name not in results:
             content = {name: text.encode() for name, text in sample.files.items()}
             only = None if sample.name in EVERYWHERE else sample.part
-            results[sample.name] = marker.mark(Submission("s", "s", content, (), "ready", ""), only=only)
+            results[sample.name] = player.mark(Submission("s", "s", content, (), "ready", ""), only=only)
         return results[sample.name]
 
     return mark

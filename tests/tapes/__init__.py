@@ -11,16 +11,24 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from grader.engine.results import Result
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
+from grader.intake import Submission
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.rungs import named
 from grader.sandbox.wire import Frame
 
 _KINDS = {kind.__name__: kind for kind in (Crashed, Malformed)}
+
+
+class Marking(Protocol):
+    """What most tests need of a marker."""
+
+    def mark(self, submission: Submission, only: str | None = None) -> Result: ...
 
 
 class StaleError(AssertionError):
