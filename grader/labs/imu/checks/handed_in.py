@@ -107,7 +107,9 @@ def hold_against_code(student: Student, truth: Traces) -> None:
     picture = _plot(student) if missing else None
     if picture is None or not _shows_both(picture, truth):
         return
-    missing &= _missing_from(list(student.scripts()), truth)
+    scripts = list(student.scripts())
+    plots = [figure for drawing in scripts for figure in drawing.figures if _may_be_the_plot(figure)]
+    missing &= _missing_from(plots, truth) if all(map(_is_known, scripts)) else set()
     if missing:
         words = " and ".join(("acceleration", "angular velocity")[sensor] for sensor in sorted(missing))
         student.note(
@@ -125,22 +127,18 @@ def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
     if not any(map(has_curves, drawing.figures)):
         return set()
     drawn = {sensor for plot in candidates(student, truth, drawing) for sensor, _ in plot.drawn}
-    return set() if drawn == _BOTH else _missing_from([drawing], truth)
+    return _missing_from(drawing.figures, truth) if drawn != _BOTH and _is_known(drawing) else set()
 
 
-def _missing_from(drawings: Sequence[Drawing], truth: Traces) -> set[int]:
-    """The sensors that no curve of a figure can be; none where something is not known of what was drawn."""
-    if not all(map(_is_known, drawings)):
-        return set()
+def _may_be_the_plot(figure: Figure) -> bool:
+    """Raw beside filtered data is asked for, too, and shows a sensor whatever the plot shows."""
+    return _name(figure) == PICTURE or not _compares(figure)
+
+
+def _missing_from(figures: Sequence[Figure], truth: Traces) -> set[int]:
+    """The sensors that no curve of the figures can be; none where there are too many curves to tell."""
     recordings = [series_of(truth), series_of(truth, "push"), series_of(_public(truth), "push")]
-    figures = [figure for drawing in drawings for figure in drawing.figures]
-    curves = [
-        curve
-        for figure in figures
-        if _name(figure) == PICTURE or not _compares(figure)
-        for axes in figure.axes
-        for curve in axes.curves
-    ]
+    curves = [curve for figure in figures for axes in figure.axes for curve in axes.curves]
     if len(curves) > _MOST_CURVES:
         return set()
     return _BOTH - {sensor for curve in curves for sensor in sensors_of(curve, recordings)}
