@@ -20,7 +20,7 @@ from grader.course.record import FILE_NAME, Store
 from grader.desk.cliques import Clique, cliques
 from grader.desk.looks import looks
 from grader.engine import rubric
-from grader.engine.findings import A_PERSON_MAY
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
 from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person, Standing
@@ -232,6 +232,7 @@ NEEDY = (
     Student("sly", {ADDRESS: 0.0}, {ADDRESS: {"misconceptions": ("tampering",)}}),
     Student("late", hand_in=HandIn(late=Lateness("", None))),
     Student("drew", notes=(f"imu_data.png was handed in: {A_PERSON_MAY} for it",)),
+    Student("lent", notes=(f"imu_data.png was handed in: {ANOTHER_VERSION}",)),
     Student("edge", {TITLES: 0.5, "sensor_access.leaves_simulation_alone": 0.0, "visualization.two_labelled_panels": 0.0,
                      "visualization.saves_image": 0.0, "visualization.axis_labels_with_units": 0.0}),
     Student("slow", dict.fromkeys([c.id for c in rubric.load(LAB).checks], 0.0), {c.id: {"outcome": "timeout"} for c in rubric.load(LAB).checks}),
@@ -247,7 +248,7 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
     with desk_over(out) as desk:
         page = words(desk.get("/").text)
         for title in ("Not judged", "Unreadable", "Empty", "Timed out", "Answer not understood", "Tampering", "Not placed",
-                      "Not in the roster", "Unknown lateness", "Alike", "Picture without code", "Near a boundary"):  # fmt: skip
+                      "Not in the roster", "Unknown lateness", "Alike", "Picture without code", "Picture of other curves", "Near a boundary"):  # fmt: skip
             assert f"{title} 1" in page, title
         assert "sound" not in page
         assert "notes.txt &lt;is&gt; nobody" in page

@@ -1,10 +1,10 @@
-"""Handed-in pictures that no code draws: the sheet's figure is recognised however it was saved, and nothing else is."""
+"""Handed-in pictures: the sheet's figure is recognised however it was saved, and nothing else is; beside code it is held against that."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import matplotlib as mpl
@@ -15,16 +15,24 @@ import pytest
 from PIL import Image
 
 from grader.engine import rubric
-from grader.engine.findings import A_PERSON_MAY
+from grader.engine.figures import Curve, Sight
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.engine.traces import Traces
 from grader.harness.pictures import decode
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
+from grader.labs.imu.diagnosis.resembling import sensors_of
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.student import Student
 from reference.imu_reader import MODEL_PATH, simulate_and_collect
 from tests import handed_pictures
-from tests.corpus.pieces import COMPARE, lab
+from tests.corpus.pieces import COMPARE, PLOT_LOOP, lab
+from tests.scoreboard import handed_in
+from tests.tapes.player import player
+from tests.tapes.storing import taped
 
 BOTH = {0, 1}
 
@@ -167,18 +175,26 @@ def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
     assert [note for note in result.notes if "imu_data.png" in note and A_PERSON_MAY in note]
 
 
+@pytest.fixture(scope="module")
+def secret(tmp_path_factory: pytest.TempPathFactory) -> Traces:
+    return bundles.obtain("a secret of pictures", tmp_path_factory.mktemp("secret"))
+
+
 def test_under_a_secret_it_earns_as_much_because_whoever_drew_it_did_not_know_it(
-    recording: dict[str, Any], tmp_path: Path
+    recording: dict[str, Any], secret: Traces
 ) -> None:
-    with Marker(rubric.load(LAB), bundles.obtain("a secret of pictures", tmp_path)) as marker:
+    with Marker(rubric.load(LAB), secret) as marker:
         marks = _marks(marker, lab(plot="", compare=""), content(drawn(recording)))
     assert sum(marks[name] or 0.0 for name in marks if name != "comparison_plot") == pytest.approx(8.0)
 
 
-def _marks(marker: Marker, files: dict[str, str], picture: bytes) -> dict[str, float | None]:
+def _marks(marker: Marker, files: Mapping[str, str], picture: bytes) -> dict[str, float | None]:
+    return {check.id.partition(".")[2]: check.points for check in _marked(marker, files, picture).criteria[0].checks}
+
+
+def _marked(marker: Marker, files: Mapping[str, str], picture: bytes) -> Result:
     handed = {name: text.encode() for name, text in files.items()} | {"imu_data.png": picture}
-    result = marker.mark(Submission("s", "s", handed, (), "ready", ""), only="visualization")
-    return {check.id.partition(".")[2]: check.points for check in result.criteria[0].checks}
+    return marker.mark(Submission("s", "s", handed, (), "ready", ""), only="visualization")
 
 
 def test_a_comparison_of_two_panels_of_any_name_is_not_the_plot(recording: dict[str, Any], marker: Marker) -> None:
@@ -190,3 +206,111 @@ def test_a_comparison_of_two_panels_of_any_name_is_not_the_plot(recording: dict[
     assert two.count("low.plot") == two.count("low.legend") == two.count("before_after") == 1
     marks = _marks(marker, lab(plot="", compare=two), content(drawn(recording)))
     assert marks["curves_match_data"] == pytest.approx(2.5)
+
+
+# --- held against what the code draws ------------------------------------------------------------------------------------
+
+HANDED_ON = {
+    "as it is": (1.0, 0.0, 1.0, 0.0, {1}),
+    "in other units, without an offset, over milliseconds": (-57.3, 4.0, 1000.0, 0.0, {1}),
+    "over an axis of its own": (1.0, 0.0, 1 / 60, 0.0, {1}),
+    "with noise, so that it may be the other one": (1.0, 0.0, 1.0, 0.5, {0, 1}),
+    "of noise alone": (0.0, 0.0, 1.0, 1.0, set()),
+    "at rest": (0.0, 9.81, 1.0, 0.0, set()),
+    "beyond all numbers": (1e308, 0.0, 1e308, 0.0, {1}),
+}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("changed", HANDED_ON)
+def test_a_curve_is_taken_for_whatever_sensor_it_may_show(changed: str) -> None:
+    scale, offset, per_s, noise, sensors = HANDED_ON[changed]
+    run = bundles.shipped()["tumbling"]
+    series = {key: run[key] for key in ("time", "acceleration", "angular_velocity")}
+    rate = series["angular_velocity"][:, 1] / 10
+    y = scale * rate + offset + noise * np.random.default_rng(3).normal(0, 0.2, size=len(rate))
+    seen = Sight(np.ones(100, bool), np.ones(100, bool))
+    curve = Curve("", "#000000", "line", len(y), per_s * series["time"], y, "-", "None", "", 1.0, (), 1.5, seen)
+    assert sensors_of(curve, [series]) == sensors
+
+
+GYROSCOPE = 'imu_data["angular_velocity"][:, k]'
+OTHER_CODE = {
+    "the other sensor": PLOT_LOOP.replace(GYROSCOPE, 'imu_data["acceleration"][:, k]'),
+    "zeros": PLOT_LOOP.replace(GYROSCOPE, "np.zeros(len(t))").replace('imu_data["acceleration"][:, k]', "0 * t"),
+    "noise": PLOT_LOOP.replace(GYROSCOPE, "np.random.default_rng(k).normal(size=len(t))"),
+}
+MAY_BE_ITS_OWN = {
+    "wrong units": PLOT_LOOP.replace(GYROSCOPE, f"9.81 * {GYROSCOPE}"),
+    "one axis of each": PLOT_LOOP.replace('enumerate("xyz")', 'enumerate("x")'),
+    "a window of it": PLOT_LOOP.replace('    t = imu_data["time"]\n', '    imu_data = {k: v[:300] for k, v in imu_data.items()}\n    t = imu_data["time"]\n'),
+    "an exception": PLOT_LOOP.replace(f"bottom.plot(t, {GYROSCOPE}", "bottom.plot(t, missing"),
+    "another file": PLOT_LOOP.replace(f"bottom.plot(t, {GYROSCOPE}", "bottom.plot([], []"),
+}  # fmt: skip
+BOTH_IN_A_SCRIPT = """
+if __name__ == "__main__":
+    model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+    recorded = simulate_and_collect(model, mujoco.MjData(model), 5.0)
+    figure, panels = plt.subplots(2, 1)
+    panels[0].plot(recorded["time"], recorded["acceleration"])
+    panels[1].plot(recorded["time"], recorded["angular_velocity"])
+    figure.savefig("imu_data.png")
+"""
+
+
+def _notes_of(result: Result) -> list[str]:
+    """What is told of a picture that shows what the code does not draw."""
+    return [note for note in result.notes if ANOTHER_VERSION in note]
+
+
+@pytest.mark.parametrize("plot", sorted({*OTHER_CODE} - {"the other sensor"}))
+def test_a_picture_of_both_sensors_beside_code_that_draws_less_is_told_to_whoever_looks(
+    recording: dict[str, Any], marker: Marker, plot: str
+) -> None:
+    assert OTHER_CODE[plot] != PLOT_LOOP
+    (note,) = _notes_of(_marked(marker, lab(plot=OTHER_CODE[plot]), content(drawn(recording))))
+    missing = "acceleration and angular velocity" if plot == "zeros" else "angular velocity"
+    assert f"; what the code draws shows no {missing}: " in note
+
+
+@pytest.mark.parametrize("plot", MAY_BE_ITS_OWN)
+def test_nothing_is_told_of_a_picture_that_the_code_itself_may_have_drawn(
+    recording: dict[str, Any], marker: Marker, plot: str
+) -> None:
+    assert MAY_BE_ITS_OWN[plot] != PLOT_LOOP
+    files = lab(plot=MAY_BE_ITS_OWN[plot])
+    if plot == "another file":
+        files["imu_reader.py"] = files["imu_reader.py"].partition('if __name__ == "__main__":')[0] + BOTH_IN_A_SCRIPT
+    assert _notes_of(_marked(marker, files, content(drawn(recording)))) == []
+
+
+def test_nothing_is_told_of_the_picture_that_the_code_drew_and_another_one_costs_nothing(
+    recording: dict[str, Any], marker: Marker
+) -> None:
+    """The gyroscope's panel shows the acceleration, in the code and in the first picture."""
+    own, true = (
+        _marked(marker, lab(plot=OTHER_CODE["the other sensor"]), content(drawn(recording | changed)))
+        for changed in ({"angular_velocity": recording["acceleration"]}, {})
+    )
+    assert (_notes_of(own), len(_notes_of(true))) == ([], 1)
+    assert [check.points for check in own.criteria[0].checks] == [check.points for check in true.criteria[0].checks]
+
+
+def test_under_a_secret_the_picture_is_still_of_the_public_run(recording: dict[str, Any], secret: Traces) -> None:
+    with Marker(rubric.load(LAB), secret) as marker:
+        result = _marked(marker, lab(plot=OTHER_CODE["the other sensor"]), content(drawn(recording)))
+        assert len(_notes_of(result)) == 1
+
+
+@pytest.mark.quick
+def test_no_sound_submission_pays_for_a_look_at_its_picture(
+    recording: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten of the corpus, from their tapes, which have no answer about a picture."""
+    picture, looked = {"imu_data.png": content(drawn(recording))}, []
+    monkeypatch.setattr(Student, "picture", lambda _, name: looked.append(name))
+    for case in [case for case in taped() if case.part == "sound"][::16]:
+        handed = handed_in(case)
+        result = player().insert(case).mark(replace(handed, files=handed.files | picture))
+        assert _notes_of(result) == []
+    assert looked == []

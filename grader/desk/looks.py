@@ -11,7 +11,7 @@ from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick
 from grader.course.remarks import equal, not_understood, timed_out
 from grader.desk.cliques import Clique
-from grader.engine.findings import A_PERSON_MAY
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.results import Result
 from grader.ground.text import printable
 from grader.people.standing import Standing
@@ -33,6 +33,7 @@ KINDS = {
     "same-files": "Same files",
     "alike": "Alike",
     "picture": "Picture without code",
+    "other-picture": "Picture of other curves",
     "boundary": "Near a boundary",
 }
 """How the reasons are called, the most pressing first."""
@@ -139,6 +140,7 @@ def _own(standing: Standing) -> Iterator[Reason]:
             f"{each.criterion} was set to {points} by hand on {each.at}; the automatic marks have changed since.",
         )
     yield from (Reason("picture", note) for note in words.notes(result) if A_PERSON_MAY in note)
+    yield from (Reason("other-picture", note) for note in words.notes(result) if ANOTHER_VERSION in note)
     yield from _near_a_boundary(standing, result)
 
 

@@ -11,6 +11,8 @@ from grader.ground.text import printable
 
 A_PERSON_MAY = "a person who looks at it may give more"
 """In a note: a person should look at this."""
+ANOTHER_VERSION = "the picture may be of another version of the code, and a person may look at both"
+"""In a note: a picture shows what the code does not draw. It costs nothing, and there are honest reasons for it."""
 
 
 @dataclass(frozen=True)

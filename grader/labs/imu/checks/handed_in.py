@@ -1,18 +1,21 @@
-"""Pictures that were handed in and that no code draws: they are looked at, and what they show counts for a half."""
+"""Pictures that were handed in: one that no code draws counts for a half, any other one is held against what the code draws."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import PurePath
 
 from grader.engine.conversation import Missing
-from grader.engine.figures import Figure
-from grader.engine.findings import A_PERSON_MAY, Raised
+from grader.engine.figures import Figure, Picture
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu import bundles
-from grader.labs.imu.checks.plot_runs import drawing_of_data, has_curves, series_of
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.checks.plot_runs import candidates, drawing_of_data, has_curves, series_of
 from grader.labs.imu.diagnosis import comparing
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
+from grader.labs.imu.diagnosis.resembling import sensors_of
 from grader.labs.imu.robot import LAB_MODEL, is_of
 from grader.labs.imu.student import Student
 
@@ -23,6 +26,8 @@ _INK = (0.005, 0.6)
 The sheet's figure has 0.05 to 0.13 in any style and frame; axes without curves 0.009, noise 0.66 and more.
 """
 _SMALLEST_PX = 150
+_BOTH = {0, 1}
+_MOST_CURVES = 100
 
 
 def shows_something(student: Student, name: str) -> bool:
@@ -37,15 +42,22 @@ def counts(student: Student, truth: Traces) -> bool:
 
 
 def _counts(student: Student, truth: Traces) -> bool:
-    picture = student.picture(PICTURE)
-    if picture is None or min(picture.size_px) < _SMALLEST_PX or _is_drawn(student, truth):
+    picture = _plot(student)
+    if picture is None or _is_drawn(student, truth) or not _shows_both(picture, truth):
         return False
-    shown = sensors_shown(picture.preview, picture.palette, series_of(_public(truth), "push"))
-    if shown == {0, 1}:
-        student.note(
-            f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
-        )
-    return shown == {0, 1}
+    student.note(
+        f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
+    )
+    return True
+
+
+def _plot(student: Student) -> Picture | None:
+    picture = student.picture(PICTURE)
+    return None if picture is None or min(picture.size_px) < _SMALLEST_PX else picture
+
+
+def _shows_both(picture: Picture, truth: Traces) -> bool:
+    return sensors_shown(picture.preview, picture.palette, series_of(_public(truth), "push")) == _BOTH
 
 
 def _public(truth: Traces) -> Traces:
@@ -69,6 +81,70 @@ def _is_of_data(figure: Figure) -> bool:
     """
     if not has_curves(figure):
         return False
-    name = PurePath(figure.path or "").name
-    compares = bool(comparing.comparisons(figure) or comparing.named_comparisons(figure) or "filter" in name)
-    return name == PICTURE or (len(figure.axes) > 1 and not compares)
+    return _name(figure) == PICTURE or (len(figure.axes) > 1 and not _compares(figure))
+
+
+def _compares(figure: Figure) -> bool:
+    return bool(comparing.comparisons(figure) or comparing.named_comparisons(figure) or "filter" in _name(figure))
+
+
+def _name(figure: Figure) -> str:
+    return PurePath(figure.path or "").name
+
+
+# --- held against the code -----------------------------------------------------------------------------------------------
+
+
+def hold_against_code(student: Student, truth: Traces) -> None:
+    """A note where the picture shows both sensors and nothing that the code draws can be one of them; it costs nothing.
+
+    That a picture is not recognised tells nothing: of honest ones one in eleven is not. So a picture is looked at only where the
+    code draws too little, and all that the code draws is taken for the recording that it may be.
+    """
+    if PICTURE not in student.files:
+        return
+    missing = _missing_from_plot(student, truth)
+    picture = _plot(student) if missing else None
+    if picture is None or not _shows_both(picture, truth):
+        return
+    scripts = list(student.scripts())
+    plots = [figure for drawing in scripts for figure in drawing.figures if _may_be_the_plot(figure)]
+    missing &= _missing_from(plots, truth) if all(map(_is_known, scripts)) else set()
+    if missing:
+        words = " and ".join(("acceleration", "angular velocity")[sensor] for sensor in sorted(missing))
+        student.note(
+            f"{PICTURE} was handed in and shows both sensors as they are recorded; what the code draws shows no {words}: "
+            f"{ANOTHER_VERSION}"
+        )
+
+
+def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
+    """The sensors of which `plot_imu_data` draws no curve in any of its figures; none where it draws nothing at all."""
+    try:
+        drawing = drawing_of_data(student, truth)
+    except (Missing, NoAnswer, Raised):
+        return set()
+    if not any(map(has_curves, drawing.figures)):
+        return set()
+    drawn = {sensor for plot in candidates(student, truth, drawing) for sensor, _ in plot.drawn}
+    return _missing_from(drawing.figures, truth) if drawn != _BOTH and _is_known(drawing) else set()
+
+
+def _may_be_the_plot(figure: Figure) -> bool:
+    """Raw beside filtered data is asked for, too, and shows a sensor whatever the plot shows."""
+    return _name(figure) == PICTURE or not _compares(figure)
+
+
+def _missing_from(figures: Sequence[Figure], truth: Traces) -> set[int]:
+    """The sensors that no curve of the figures can be; none where there are too many curves to tell."""
+    recordings = [series_of(truth), series_of(truth, "push"), series_of(_public(truth), "push")]
+    curves = [curve for figure in figures for axes in figure.axes for curve in axes.curves]
+    if len(curves) > _MOST_CURVES:
+        return set()
+    return _BOTH - {sensor for curve in curves for sensor in sensors_of(curve, recordings)}
+
+
+def _is_known(drawing: Drawing) -> bool:
+    """Whether it came to its end, and every picture is of a figure that could be read."""
+    strange = [picture for picture in drawing.strange if not picture.reason]
+    return drawing.fault is None and not strange and all(figure.pixels.size for figure in drawing.figures)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grader.engine.figures import Array, Mask
 from grader.labs.imu.diagnosis.following import Curves, Ink, Place, Weight, places, settled, weighed
 
-_DURATIONS = (5.0, 3.0, 10.0, 2.0, 1.2)  # s: the sheet's first
+DURATIONS = (5.0, 3.0, 10.0, 2.0, 1.2)  # s: the sheet's first
 _ALIKE = 0.06  # largest difference, each channel 0 to 1, of colours that are one ground
 _INKS = (
     0.14,
@@ -177,7 +177,7 @@ def _groups(spans: Sequence[tuple[Ink, tuple[int, int]]], series: Mapping[str, A
     """The groups in which both sensors may be shown, the likeliest few."""
     time = series["time"] - series["time"][0]
     groups: list[_Group] = []
-    for duration in _DURATIONS:
+    for duration in DURATIONS:
         found: list[tuple[_Key, Place]] = []
         for sensor, key in enumerate(("acceleration", "angular_velocity")):
             curves = Curves(time, series[key].T, duration)
