@@ -8,7 +8,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +87,8 @@ def simulate_and_collect(
 
 def plot_imu_data(imu_data: dict[str, FloatArray]) -> None:
     """Draw both sensors against time, one above the other, and save `imu_data.png`."""
+    import matplotlib.pyplot as plt  # noqa: PLC0415 - whoever only reads sensors need not wait for it
+
     fig, (upper, lower) = plt.subplots(2, 1, figsize=(10, 6.5), sharex=True)
     _plot_axes(upper, imu_data["time"], imu_data["acceleration"], ("X", "Y", "Z"))
     upper.axhline(GRAVITY_READING, color="k", linestyle="--", alpha=0.3, label="Gravity")

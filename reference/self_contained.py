@@ -14,7 +14,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from scipy.spatial import ConvexHull
 
 _SPECK = {"type": "sphere", "size": "0.001", "mass": "0", "contype": "0", "conaffinity": "0"}
 """What stands for a mesh that touches nothing: it keeps its name and its number among the geoms."""
@@ -153,6 +152,8 @@ def _hull(model: mujoco.MjModel, mesh: int) -> Any:
     """Corners (n, 3) of a mesh's convex hull, in the frame that `geom_pos` and `geom_quat` speak of."""
     start, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
     vertices = model.mesh_vert[start : start + count]
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - takes long to import, and few robots have meshes
+
     return vertices[ConvexHull(vertices).vertices]
 
 

@@ -17,14 +17,18 @@ sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from grader.engine import rubric
 from grader.engine.marking import Marker
+from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.tapes import suite
+
+SECRET = "a secret that must not leave 4711"
 
 
 @pytest.fixture(scope="session")
@@ -32,6 +36,19 @@ def marker() -> Iterator[Marker]:
     """A warm one for whatever is marked by the lab's own rubric and data: to open one takes longer than to mark."""
     with Marker(rubric.load(LAB), bundles.shipped()) as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where traces are kept for all workers of a run: to record some takes seconds."""
+    own = tmp_path_factory.getbasetemp()
+    return (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "traces"
+
+
+@pytest.fixture(scope="session")
+def hidden(cache: Path) -> Traces:
+    """Traces of a secret, for whatever holds under any."""
+    return bundles.obtain(SECRET, cache)
 
 
 @pytest.fixture(scope="session")

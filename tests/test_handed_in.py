@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -157,12 +157,6 @@ def test_other_pictures_do_not_show_both_sensors(
     assert shown(content(other(recording))) != BOTH
 
 
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
-
-
 def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
     recording: dict[str, Any], marker: Marker
 ) -> None:
@@ -175,15 +169,10 @@ def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
     assert [note for note in result.notes if "imu_data.png" in note and A_PERSON_MAY in note]
 
 
-@pytest.fixture(scope="module")
-def secret(tmp_path_factory: pytest.TempPathFactory) -> Traces:
-    return bundles.obtain("a secret of pictures", tmp_path_factory.mktemp("secret"))
-
-
 def test_under_a_secret_it_earns_as_much_because_whoever_drew_it_did_not_know_it(
-    recording: dict[str, Any], secret: Traces
+    recording: dict[str, Any], hidden: Traces
 ) -> None:
-    with Marker(rubric.load(LAB), secret) as marker:
+    with Marker(rubric.load(LAB), hidden) as marker:
         marks = _marks(marker, lab(plot="", compare=""), content(drawn(recording)))
     assert sum(marks[name] or 0.0 for name in marks if name != "comparison_plot") == pytest.approx(8.0)
 
@@ -296,8 +285,8 @@ def test_nothing_is_told_of_the_picture_that_the_code_drew_and_another_one_costs
     assert [check.points for check in own.criteria[0].checks] == [check.points for check in true.criteria[0].checks]
 
 
-def test_under_a_secret_the_picture_is_still_of_the_public_run(recording: dict[str, Any], secret: Traces) -> None:
-    with Marker(rubric.load(LAB), secret) as marker:
+def test_under_a_secret_the_picture_is_still_of_the_public_run(recording: dict[str, Any], hidden: Traces) -> None:
+    with Marker(rubric.load(LAB), hidden) as marker:
         result = _marked(marker, lab(plot=OTHER_CODE["the other sensor"]), content(drawn(recording)))
         assert len(_notes_of(result)) == 1
 

@@ -25,15 +25,14 @@ from grader.engine import rubric
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.kit import give, wheel
-from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.platforms import github
 from reference.worlds import LAB_MODEL
+from tests.conftest import SECRET
 from tests.corpus.sheet import VERBATIM
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / "reference"
-SEED = "a secret that must not leave 4711"
 
 
 @pytest.fixture(scope="module")
@@ -42,12 +41,6 @@ def students(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("kit") / "lab"
     give.student(LAB, out)
     return out
-
-
-@pytest.fixture(scope="module")
-def hidden(tmp_path_factory: pytest.TempPathFactory) -> Traces:
-    """Hidden traces, recorded once."""
-    return bundles.obtain(SEED, tmp_path_factory.mktemp("cache"))
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +146,7 @@ def _is_shared_with_the_grader(line: str) -> bool:
 def test_no_kit_holds_a_seed_and_only_gradescope_holds_hidden_traces(students: Path, autograder: Path) -> None:
     for place in (students, autograder):
         for name, content in everything(place).items():
-            assert SEED.encode() not in content, name
+            assert SECRET.encode() not in content, name
     held = [name for name in everything(autograder) if name.endswith(".npz")]
     assert sorted(Path(name).name for name in held) == ["hidden.npz", "public.npz"]
     assert [Path(name).name for name in everything(students) if name.endswith(".npz")] == ["public.npz"]

@@ -9,8 +9,8 @@ import pytest
 from grader.engine import examination, rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
+from grader.engine.traces import Traces
 from grader.intake import read_submission
-from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.corpus.sound import SOUND
 from tests.corpus.writing import as_bytes, write
@@ -105,8 +105,7 @@ def test_checks_and_rubric_hold_the_same_ids() -> None:
     assert len([check_id for check_id in listed if check_id.split(".")[0] in LAB.examined]) == 30
 
 
-def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(tmp_path: Path) -> None:
-    hidden = bundles.obtain("a seed of the tests", tmp_path / "cache")
+def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces, tmp_path: Path) -> None:
     reader = "\ndef get_imu_readings(model, data):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
     with Marker(rubric.load(LAB), hidden) as marker:
         result = _mark(marker, tmp_path / "own", imu_reader__py=_source("imu_reader.py") + reader)
@@ -116,8 +115,7 @@ def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(tmp_path: Path)
     )
 
 
-def test_hidden_data_is_not_told(tmp_path: Path) -> None:
-    hidden = bundles.obtain("a seed of the tests", tmp_path / "cache")
+def test_hidden_data_is_not_told(hidden: Traces, tmp_path: Path) -> None:
     spy = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    raise ValueError(str(list(data.qpos)))\n"
     leaky = "\nclass LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        pass\n    def update(self, x):\n        return str(list(x))\n"
     with Marker(rubric.load(LAB), hidden) as marker:

@@ -11,6 +11,7 @@ from grader import cli
 from grader.commands import checking, opening
 from grader.engine.results import Result
 from grader.engine.rubric import load
+from grader.engine.traces import Traces
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -96,8 +97,8 @@ def test_an_extension_that_was_tried_adds_its_checks(tmp_path: Path) -> None:
     assert after - before == len(next(part for part in rubric.extensions if part.id == "multiple_imus").checks) > 0
 
 
-def test_the_scenarios_that_no_seed_changes_are_told_apart(tmp_path: Path) -> None:
-    public, hidden = bundles.obtain(None, tmp_path), bundles.obtain("another seed", tmp_path)
+def test_the_scenarios_that_no_seed_changes_are_told_apart(hidden: Traces) -> None:
+    public = bundles.shipped()
     same = {
         name
         for name, scenario in public.scenarios.items()

@@ -69,11 +69,6 @@ def wheel_of_robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.Tem
     return fetched(Path(cache.mkdir("dm_control")) if cache else tmp_path_factory.mktemp("dm_control"))
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("cache")
-
-
 def marked(rubric_file: Path, submission: Path, cache: Path, seed: str | None = None) -> Result:
     chosen = rubric.load(LAB, rubric_file)
     with Marker(chosen, bundles.obtain(seed, cache, chosen.settings["model"])) as marker:

@@ -16,18 +16,12 @@ from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.lab_copies import STUDENTS_IDS, STUDENTS_TIMESTEP, with_graded_robot
-from reference import traces as recorder
 from tests.corpus import pieces, replays, sheet
 from tests.corpus.writing import Files, write
 
 MOST = 8.0  # of 20: keys, counts and stamps, or a shape, a copy and a hand off the simulation
 SHEET_PATH = "textbook/assets/robot-models/mujoco/humanoid-sensors.xml"
 COLLECTORS, READERS = replays.collectors(), replays.readers()
-
-
-@pytest.fixture(scope="module")
-def hidden(tmp_path_factory: pytest.TempPathFactory) -> traces.Traces:
-    return traces.load(recorder.record(tmp_path_factory.mktemp("hidden"), "a secret", "hidden"))
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +12,7 @@ from grader.engine import rubric
 from grader.engine.findings import Size
 from grader.engine.marking import Marker
 from grader.engine.results import Result, to_dict
+from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
@@ -61,12 +63,11 @@ SPY = {
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> list[Result]:
+def results(cache: Path, hidden: Traces) -> list[Result]:
     """The spy's results under two secrets: whatever differs between them was chosen by the spy, or is hidden itself."""
     found = []
-    for secret in ("one secret", "another one"):
-        hidden = bundles.obtain(secret, tmp_path_factory.mktemp("cache"))
-        with Marker(rubric.load(LAB), hidden) as marker:
+    for truth in (hidden, bundles.obtain("another secret", cache)):
+        with Marker(rubric.load(LAB), truth) as marker:
             found.append(marker.mark(handed_in(Case("sound", "spy", SPY))))
     return found
 
