@@ -102,9 +102,9 @@ def as_written() -> Iterator[Case]:
         yield from (Case("module level", f"{edit.name} in {layout}", put(edit.steps)) for edit in EDITS)
     yield from (Case("nothing", nothing.name, nothing.files) for nothing in NOTHING)
     for part, styles in SOUND_EXTENSIONS.items():
-        yield from (_extension(part, f"{part}-{style}", source) for style, source in styles.items())
+        yield from (extension(part, f"{part}-{style}", source) for style, source in styles.items())
     quick = [fault for fault in FAULTY_EXTENSIONS if fault.mistake != "never-returns"]
-    yield from (_extension(fault.extension, fault.name, fault.source) for fault in quick)
+    yield from (extension(fault.extension, fault.name, fault.source) for fault in quick)
 
 
 def recast(only: Container[str] | None = None) -> Iterator[Case]:
@@ -114,7 +114,7 @@ def recast(only: Container[str] | None = None) -> Iterator[Case]:
     yield from (Case("recast", name, files) for name, files in wanted if can_be_cast(files))
 
 
-def _extension(part: str, name: str, source: str) -> Case:
+def extension(part: str, name: str, source: str) -> Case:
     return Case("extensions", name, {**verbatim(), FILES[part]: source}, only=part)
 
 
@@ -249,7 +249,7 @@ def look_at_broken(verdict: Verdict, result: Result, broken: Broken) -> None:
         _look_at_names(verdict, result, names, {broken.names[0]}, set(broken.names), ())
 
 
-def look_at_extension(verdict: Verdict, result: Result, fault: FaultyExtension | None) -> None:
+def look_atextension(verdict: Verdict, result: Result, fault: FaultyExtension | None) -> None:
     """A sound one passes every check; a faulty one loses what it gets wrong and no more, but for filters of tilt."""
     (extension,) = result.extensions
     gone = {check.id for check in extension.checks if check.outcome != "passed"}
@@ -333,7 +333,7 @@ def look_at(verdict: Verdict, result: Result) -> None:
     elif case.part == "broken":
         look_at_broken(verdict, result, next(b for b in BROKEN if b.name == case.name))
     elif case.part == "extensions":
-        look_at_extension(verdict, result, next((f for f in FAULTY_EXTENSIONS if f.name == case.name), None))
+        look_atextension(verdict, result, next((f for f in FAULTY_EXTENSIONS if f.name == case.name), None))
     else:
         look_at_fault(verdict, result, next(f for f in (*FAULTY, *LOOKALIKES) if f.name == case.name))
 

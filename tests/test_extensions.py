@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -36,6 +36,8 @@ from reference.scene import Recording, generator
 from tests.corpus import extensions as corpus
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import write
+from tests.scoreboard import extension, handed_in
+from tests.tapes import player as tapes
 
 FOLDER = Path(reference.__file__).parent
 FloatArray = NDArray[np.float64]
@@ -45,15 +47,9 @@ FAULTY = [faulty for faulty in corpus.FAULTY_EXTENSIONS if faulty not in ENDLESS
 
 
 @pytest.fixture(scope="module")
-def truth(tmp_path_factory: pytest.TempPathFactory) -> traces.Traces:
+def truth(cache: Path) -> traces.Traces:
     """The public bundle, recorded anew where the simulator is another version than the one that recorded it."""
-    return bundles.obtain(None, tmp_path_factory.mktemp("cache"))
-
-
-@pytest.fixture(scope="module")
-def marker(truth: traces.Traces) -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), truth) as marker:
-        yield marker
+    return bundles.obtain(None, cache)
 
 
 Mark = Callable[..., Result]
@@ -74,9 +70,14 @@ def lost(result: ExtensionResult) -> set[str]:
 # --- marking --------------------------------------------------------------------------------------------------------
 
 
+def _from_its_tape(part: str, name: str, source: str) -> Result:
+    case = extension(part, name, source)
+    return tapes.player().insert(case).mark(handed_in(case), only=case.only)
+
+
 @pytest.mark.parametrize(("part", "style"), SOUND)
-def test_a_sound_extension_passes_every_check_whatever_its_style(part: str, style: str, mark: Mark) -> None:
-    result = mark({corpus.FILES[part]: corpus.SOUND_EXTENSIONS[part][style]}, only=part)
+def test_a_sound_extension_passes_every_check_whatever_its_style(part: str, style: str) -> None:
+    result = _from_its_tape(part, f"{part}-{style}", corpus.SOUND_EXTENSIONS[part][style])
     (extension,) = result.extensions
     assert extension.attempted
     assert [(c.id, c.outcome, c.message) for c in extension.checks if c.outcome != "passed"] == []
@@ -84,10 +85,8 @@ def test_a_sound_extension_passes_every_check_whatever_its_style(part: str, styl
 
 
 @pytest.mark.parametrize("faulty", FAULTY, ids=lambda faulty: faulty.name)
-def test_a_faulty_extension_loses_what_it_gets_wrong_and_is_told_why(
-    faulty: corpus.FaultyExtension, mark: Mark
-) -> None:
-    result = mark({corpus.FILES[faulty.extension]: faulty.source}, only=faulty.extension)
+def test_a_faulty_extension_loses_what_it_gets_wrong_and_is_told_why(faulty: corpus.FaultyExtension) -> None:
+    result = _from_its_tape(faulty.extension, faulty.name, faulty.source)
     gone = lost(result.extensions[0])
     assert gone >= set(faulty.loses)
     assert gone == set(faulty.loses) or faulty.extension == "complementary_filter"
