@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from grader.course.remarks import remarks
+from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.ground.errors import GraderError
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student
 from grader.people.standing import Standing
 from tests.corpus.pieces import edit, verbatim
@@ -17,6 +22,12 @@ SOUND = Case("sound", "verbatim", verbatim())
 SIGNED = Case(
     "faulty", "signed", edit(verbatim(), "filters.py", ("self.alpha * measurement +", "-self.alpha * measurement +"))
 )
+
+
+@pytest.fixture
+def marker() -> Iterator[Marker]:
+    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
+        yield opened
 
 
 def _filtering(marker: Marker, case: Case) -> Result:

@@ -198,6 +198,13 @@ def _is_named(plot: Plot, sensor: int) -> bool:
 @_to_the_end
 def check_curves_match_data(student: Student, truth: Traces) -> None:
     """Six curves show the six channels of the data against time"""
+    try:
+        _six_channels(student, truth)
+    finally:
+        handed_in.hold_against_code(student, truth)
+
+
+def _six_channels(student: Student, truth: Traces) -> None:
     plot = drawn_plot(student, truth)
     cut_off = {} if limits_fit(student, truth, plot) else plot.cut_off()
     shown = plot.drawn - set(cut_off)
@@ -402,13 +409,6 @@ _MEND_SCRIPT = "Run the file by itself and mend what stops it: what it draws aft
 @check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
-    try:
-        _raw_beside_filtered(student)
-    finally:
-        handed_in.hold_against_code(student, truth)  # last: what it asks may use up the time of the criterion
-
-
-def _raw_beside_filtered(student: Student) -> None:
     drawn = unread = False
     broken_off: Fault | None = None
     seen = ""
