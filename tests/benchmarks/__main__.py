@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -32,19 +32,29 @@ from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Worker
 from tests.benchmarks import cold, guard
 from tests.benchmarks.measuring import PLAIN_PYTEST, cost
+from tests.corpus.faulty import FAULTY
 from tests.corpus.sound import SOUND
-from tests.corpus.writing import write
+from tests.corpus.writing import Files, write
 
 SAMPLE = SOUND["tidy_functions"]
 """Function style, and no library that takes long to import."""
+SHEET = SOUND["sheet_verbatim"]
+"""The sheet's own layout: its demos run at module level."""
+FAULTS = ("id-as-slice-start", "reset-forgotten", "labels-without-units", "std-taken-as-variance", "starts-from-zeros")
+"""One of each criterion."""
+CLASSES: dict[str, Sequence[Files]] = {
+    "sound": (SAMPLE,),
+    "sheet": (SHEET,),
+    "faulty": [fault.files for fault in FAULTY if fault.name in FAULTS],
+}
 
 
-def class_of(size: int, folder: Path) -> list[str]:
-    """Copies of the sample, each with other bytes."""
+def class_of(size: int, folder: Path, kinds: Sequence[Files] = (SAMPLE,)) -> list[str]:
+    """Copies of the samples in turn, each with other bytes."""
     places = []
     for number in range(size):
         place = folder / f"{folder.name}-{number:04d}"
-        write(SAMPLE, place)
+        write(kinds[number % len(kinds)], place)
         with (place / "imu_reader.py").open("a") as file:
             file.write(f"\n# copy {place.name}\n")
         places.append(str(place))
@@ -92,8 +102,13 @@ def questions(sample: Path) -> tuple[dict[str, Any], list[tuple[str, float, int]
     return counts, sorted(parts, key=lambda part: -part[1])
 
 
-def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Path], tuple[float, float]]]:
-    def grade(jobs: int) -> Callable[[list[str], Path], tuple[float, float]]:
+Run = Callable[[list[str], Path], tuple[float, float]]
+
+
+def contenders(counts: Mapping[str, Path]) -> dict[str, tuple[str, Run]]:
+    """Each by its name: which class it grades, and how."""
+
+    def grade(jobs: int) -> Run:
         def run(places: list[str], at: Path) -> tuple[float, float]:
             out = at / f"out-{jobs}"
             shutil.rmtree(out, ignore_errors=True)
@@ -101,10 +116,10 @@ def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Pat
 
         return run
 
-    def floor(places: list[str], at: Path) -> tuple[float, float]:
-        return cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts), *places], at)
+    def floor(kind: str) -> Run:
+        return lambda places, at: cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts[kind]), *places], at)
 
-    def plain(*options: str) -> Callable[[list[str], Path], tuple[float, float]]:
+    def plain(*options: str) -> Run:
         def run(places: list[str], at: Path) -> tuple[float, float]:
             each = [cost([sys.executable, *PLAIN_PYTEST, *options], Path(place)) for place in places]
             return sum(cpu for cpu, _ in each), sum(wall for _, wall in each)
@@ -112,21 +127,29 @@ def contenders(folder: Path, counts: Path) -> dict[str, Callable[[list[str], Pat
         return run
 
     return {
-        "floor": floor,
-        "ours, one marker": grade(1),
-        "ours, two markers": grade(2),
-        "plain pytest": plain(),
-        "plain pytest -n 2": plain("-p", "xdist.plugin", "-n", "2"),
+        "floor": ("sound", floor("sound")),
+        "ours, one marker": ("sound", grade(1)),
+        "ours, two markers": ("sound", grade(2)),
+        "plain pytest": ("sound", plain()),
+        "plain pytest -n 2": ("sound", plain("-p", "xdist.plugin", "-n", "2")),
+        "floor of the sheet's own layout": ("sheet", floor("sheet")),
+        "ours, the sheet's own layout": ("sheet", grade(1)),
+        "ours, one fault in each": ("faulty", grade(1)),
     }
 
 
-def compare(small: int, large: int, rounds: int, folder: Path, counts: Path) -> dict[str, list[tuple[float, float]]]:
+def compare(
+    small: int, large: int, rounds: int, folder: Path, counts: Mapping[str, Path]
+) -> dict[str, list[tuple[float, float]]]:
     """CPU and wall seconds per submission of each contender, by round."""
-    few, many = (class_of(size, folder / name) for size, name in ((small, "few"), (large, "many")))
+    classes = {
+        kind: [class_of(size, folder / f"{kind}-{size}", its) for size in (small, large)]
+        for kind, its in CLASSES.items()
+    }
     slopes: dict[str, list[tuple[float, float]]] = {}
     for _ in range(rounds):
-        for name, run in contenders(folder, counts).items():
-            a, b = run(few, folder), run(many, folder)
+        for name, (kind, run) in contenders(counts).items():
+            a, b = (run(places, folder) for places in classes[kind])
             slopes.setdefault(name, []).append(((b[0] - a[0]) / (large - small), (b[1] - a[1]) / (large - small)))
     return slopes
 
@@ -164,12 +187,14 @@ def main() -> int:
     machine = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, {versions}"
     print(machine)
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
-        sample = Path(class_of(1, Path(scratch, "sample"))[0])
-        counts, parts = questions(sample)
+        sample, sheet = (Path(class_of(1, Path(scratch, kind), CLASSES[kind])[0]) for kind in ("sound", "sheet"))
+        (counts, parts), (of_sheet, _) = questions(sample), questions(sheet)
         mebibytes = [memory(sample) for _ in range(given.rounds)]
         from_cold = cold.measure(max(5, given.rounds), sample)
-        (asked := Path(scratch, "counts.json")).write_text(json.dumps(counts))
-        rows = compare(max(4, given.size // 5), given.size, given.rounds, Path(scratch), asked)
+        asked = {"sound": Path(scratch, "sound.json"), "sheet": Path(scratch, "sheet.json")}
+        for kind, its in (("sound", counts), ("sheet", of_sheet)):
+            asked[kind].write_text(json.dumps(its))
+        rows = compare(max(5, given.size // 5), given.size, given.rounds, Path(scratch), asked)
     cpu = {name: [spent for spent, _ in each] for name, each in rows.items()}
     wall = {name: [passed for _, passed in each] for name, each in rows.items()}
     median = {name: statistics.median(each) for name, each in cpu.items()}
@@ -184,6 +209,8 @@ def main() -> int:
     now = {
         "floor": ratios(ours, cpu["floor"]),
         "plain": ratios(ours, cpu["plain pytest"]),
+        "sheet": ratios(cpu["ours, the sheet's own layout"], cpu["floor of the sheet's own layout"]),
+        "faulty": ratios(cpu["ours, one fault in each"], ours),
         "markers": ratios(wall["ours, one marker"], wall["ours, two markers"]),
         "memory": guard.Seen.of(mebibytes),
         "first": ratios(from_cold["begun"], from_cold["bare"]),

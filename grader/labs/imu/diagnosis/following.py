@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,13 +58,19 @@ class Ink:
         return cls(near, rough)
 
     def at(self, rows: Array, columns: Array) -> Mask:
-        """Whether there is ink at these places; none outside."""
-        rows, columns = np.broadcast_arrays(np.rint(rows).astype(np.intp), np.rint(columns).astype(np.intp))
-        there: Mask = self.near[np.clip(rows, 0, len(self.near) - 1), columns] & (rows >= 0) & (rows < len(self.near))
+        """Whether there is ink at these places; none above or below."""
+        height, width = self.near.shape
+        place = np.clip(np.rint(rows), -1, height).astype(np.intp) + 1
+        there: Mask = self._framed[place * width + np.rint(columns).astype(np.intp)]
         return there
 
+    @cached_property
+    def _framed(self) -> Mask:
+        """`near` with an empty row above and below, row by row."""
+        return np.pad(self.near, ((1, 1), (0, 0))).ravel()
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Curves:
     """Channels of a recording, drawn on one scale.
 
@@ -84,6 +91,18 @@ class Curves:
         stamps = (columns - first) * (self.duration_s / (last - first))
         known = stamps <= self.time[-1]
         return columns[known], np.array([np.interp(stamps[known], self.time, channel) for channel in self.values])
+
+    @cached_property
+    def depths(self) -> Curves:
+        """The same curves from 0 at the highest value to 1 at the lowest."""
+        highest, lowest = self.values.max(), self.values.min()
+        return replace(self, values=(highest - self.values) / (highest - lowest))
+
+
+@lru_cache(maxsize=32)
+def _depths(curves: Curves, first: float, last: float, width: int) -> tuple[Array, Array]:
+    """Most places that are tried in turn differ in their rows alone."""
+    return curves.depths.within(first, last, width)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +126,8 @@ class Place:
 
     def rows(self) -> tuple[Array, Array]:
         """The columns (n,), and each curve's rows (k, n) in them."""
-        columns, values = self.curves.within(self.first, self.last, self.ink.near.shape[1])
-        highest, lowest = float(self.curves.values.max()), float(self.curves.values.min())
-        return columns, self.top + (highest - values) / (highest - lowest) * self.height
+        columns, depths = _depths(self.curves, self.first, self.last, self.ink.near.shape[1])
+        return columns, self.top + depths * self.height
 
     def moved(self, by: Array) -> Place:
         top, height, first, last = by.tolist()
@@ -197,8 +215,8 @@ def _followed(place: Place) -> float:
     columns, rows = place.rows()
     if len(columns) < _FEWEST_COLUMNS:
         return -1.0
-    share = place.ink.at(rows, columns).mean(axis=1)
-    return float(share.sum() + share.min())
+    followed: list[int] = np.count_nonzero(place.ink.at(rows, columns), axis=1).tolist()
+    return (sum(followed) + min(followed)) / len(columns)
 
 
 # --- weighing ------------------------------------------------------------------------------------------------------------
