@@ -1,4 +1,4 @@
-"""Record the tapes of the whole corpus anew: `python -m tests.tapes [--only NAME]`; some six minutes on two cores."""
+"""Record the tapes of the corpus and of the tests of `suite` anew: `python -m tests.tapes [--only NAME]`; some ten minutes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.engine.marking import Marker
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from tests.scoreboard import Case, handed_in
-from tests.tapes import RecordingBox, Tape
+from tests.tapes import RecordingBox, Tape, suite
 from tests.tapes.storing import shelf, store, taped
 
 
@@ -34,7 +34,9 @@ def record(case: Case) -> tuple[str, Tape]:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.tapes", description=__doc__)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--only", default="", help="cases whose name holds this; the others keep their tapes")
+    parser.add_argument(
+        "--only", default="", help="cases of the corpus whose name holds this; all others keep their tapes"
+    )
     options = parser.parse_args()
     chosen = [case for case in taped() if options.only in case.id]
     with ProcessPoolExecutor(options.jobs) as pool:
@@ -44,7 +46,7 @@ def main() -> int:
             if sys.stderr.isatty():
                 print(f"\r{count}/{len(chosen)}", end="", file=sys.stderr, flush=True)
     store(tapes)
-    return 0
+    return 0 if options.only else suite.record()
 
 
 if __name__ == "__main__":

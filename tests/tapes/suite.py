@@ -1,4 +1,4 @@
-"""Single submissions that tests mark, from tapes as the corpus is: `python -m tests.tapes.suite` records them by running those tests."""
+"""Single submissions that tests mark, from tapes as the corpus is; they are recorded by running those tests."""
 
 from __future__ import annotations
 
@@ -88,6 +88,11 @@ def _name(submission: Submission, only: str | None) -> str:
     return digest.hexdigest()[:20]
 
 
-if __name__ == "__main__":
+def record() -> int:
+    """Run those tests with a box; what pytest ends with."""
     command = [sys.executable, "-m", "pytest", "-n", "0", *TESTS]
-    sys.exit(subprocess.run(command, env={**os.environ, RECORDS: "1"}, check=False).returncode)
+    return subprocess.run(command, env={**os.environ, RECORDS: "1"}, check=False).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(record())
