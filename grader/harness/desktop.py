@@ -32,6 +32,7 @@ RunMagic = Callable[[str, dict[str, Any]], None]
 def furnish(run_magic: RunMagic) -> None:
     """Put the stand-ins in place."""
     _take_the_screen_away()
+    _set_without_tex()
     _offer_glfw()
     _offer_notebook_names(run_magic)
     _send_debuggers_on()
@@ -59,6 +60,13 @@ def _take_the_screen_away() -> None:
     viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
     viewer.launch_passive = viewer.Handle = _Viewer
     sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
+
+
+def _set_without_tex() -> None:
+    """Who has TeX may ask matplotlib to set texts with it; here matplotlib sets them itself."""
+    from matplotlib.text import Text
+
+    setattr(Text, "get_usetex", lambda text: False)  # noqa: B010 - a method is replaced on purpose
 
 
 class _Viewer:
