@@ -1,10 +1,11 @@
-"""What runs on the student's own desk counts: older releases, TeX, a folder that was made there once."""
+"""What runs on the student's own desk counts: other releases, TeX, a folder that was made there once."""
 
 from __future__ import annotations
 
 import pytest
 
 from grader.engine.marking import Marker
+from grader.harness import newer
 from tests.corpus.pieces import edit, verbatim
 from tests.corpus.writing import Files
 from tests.scoreboard import Case, handed_in
@@ -26,6 +27,13 @@ def _with(name: str, old: str, new: str) -> Files:
     return edit(verbatim(), name, (old, new))
 
 
+MANAGER = "plt.get_current_fig_manager()"
+NESTED = """
+    d = {"a": times}
+    print(f"{len(d["a"])} rows of {f"{dt:{"."}3f}"} s{"\\n".join(["", ""])} {{}} {'it\\'s'!r} {dt!s:>{8}}")
+    print('as ' + f'{', '.join(['x', 'y'])}', rf"\\d{d["a"].shape}", b"{}", "{d['a']}")  # "don't"
+    # Reset simulation
+"""
 ELSEWHERE = {
     "a type of numpy 1 in the recorder": (_with(READER, RECORDER, "times = np.zeros(n_steps, dtype=np.float_)"), "data_collection"),
     "a number of numpy 1 in the filter": (_with(FILTER, "self.alpha = alpha", "self.alpha = alpha\n        self.worst = -np.Inf"), "filtering"),
@@ -33,6 +41,7 @@ ELSEWHERE = {
         _with(READER, "    dt = model.opt.timestep\n", "".join(f"    {line}\n" for line in OLD_NAMES.split("\n")) + "    dt = model.opt.timestep\n"),
         "data_collection",
     ),
+    "f-strings of Python 3.12": (_with(READER, "    # Reset simulation\n", NESTED), "data_collection"),
     "a style that has another name now": (_with(READER, PLOT, f"{PLOT}\n    plt.style.use('seaborn-darkgrid')"), "visualization"),
     "the old way to a colour map": (
         _with(READER, PLOT, f"{PLOT}\n    from matplotlib import cm\n    cm.get_cmap('viridis', 3)(cm.get_cmap()(0.5)[0])"),
@@ -41,6 +50,27 @@ ELSEWHERE = {
     "the old way to a window's title": (_with(READER, SAVE, f"    plt.gcf().canvas.set_window_title('IMU')\n{SAVE}"), "visualization"),
     "texts set by TeX": (_with(READER, PLOT, f"{PLOT}\n    plt.rc('text', usetex=True)"), "visualization"),
     "a picture in a folder of the desk": (_with(READER, "imu_data.png", "figures/lab 4/imu_data.png"), "visualization"),
+    "a window that fills the screen": (_with(READER, PLOT, f"{PLOT}\n    {MANAGER}.window.state('zoomed')\n    {MANAGER}.resize(*{MANAGER}.window.maxsize())"), "visualization"),
+    "a window somewhere": (_with(READER, PLOT, f"{PLOT}\n    {MANAGER}.window.setGeometry(1, 2, 3, 4)\n    {MANAGER}.frame.Maximize(True)"), "visualization"),
+    "pictures of the simulation": (
+        _with(
+            READER, "    # Reset simulation\n",
+            "    with mujoco.Renderer(model, 48, 64) as renderer:\n        renderer.update_scene(data, camera=-1)\n"
+            "        assert renderer.render().shape == (48, 64, 3)\n    mujoco.GLContext(64, 48).make_current()\n    # Reset simulation\n",
+        ),
+        "data_collection",
+    ),
+    "a terminal, and Windows": (
+        _with(
+            READER, "    # Reset simulation\n",
+            "    import os, msvcrt, winsound\n    print('-' * os.get_terminal_size().columns)\n    assert not msvcrt.kbhit()\n    winsound.Beep(440, 10)\n",
+        ),
+        "data_collection",
+    ),
+    "the picture shown by a program": (
+        _with(READER, "    plt.show()\n", "    plt.show()\n    import os, subprocess\n    os.startfile('imu_data.png')\n    subprocess.run(['open', 'imu_data.png'], check=True)\n"),
+        "visualization",
+    ),
     "numbers in a folder of the desk": (_with(READER, SAVE, f"    np.savez('data/run.npz', **imu_data)\n{SAVE}"), "visualization"),
 }  # fmt: skip
 
@@ -50,6 +80,14 @@ def test_what_runs_there_loses_nothing_here(name: str, marker: Marker) -> None:
     files, part = ELSEWHERE[name]
     (criterion,) = marker.mark(handed_in(Case("sound", name, files)), only=part).criteria
     assert {check.id: check.message for check in criterion.checks if check.points != check.max_points} == {}
+
+
+NOT_PYTHON = ["f'{", 'f"{d["', "'", 'f"{x', 'f"' + "{" * 3000, 'f"{' * 3000, "x" * 500_000]
+
+
+@pytest.mark.parametrize("text", NOT_PYTHON, ids=lambda text: text[:5])
+def test_what_no_python_reads_stays_as_it_is(text: str) -> None:
+    assert newer.reworded(text) is None
 
 
 def test_what_this_release_means_by_a_name_stays(marker: Marker) -> None:

@@ -16,6 +16,8 @@ import types
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 _GUI_BACKENDS = ("tk", "qt", "gtk", "wx", "macosx", "webagg", "nbagg", "ipympl", "inline", "notebook", "widget")
 _GLANCES = 5000  # at a viewer's window before it is closed: a loop that records 5 s needs 2,500
 _PATIENCE_S = 2.0  # of CPU time before it is closed: such a loop needs 0.2, one that draws at every step never ends
@@ -23,6 +25,7 @@ _CPU_CLOCK = time.process_time  # student code finds another one, see `world`
 _MAX_MARKS = 1000  # geoms that a program draws into the viewer's scene
 _RUN_CELLS = ("time", "timeit", "capture", "prun")
 _INSTALLERS = frozenset(["pip", "pip3", "conda", "mamba", "uv", "apt", "apt-get", "brew"])
+_OPENERS = frozenset(["open", "xdg-open", "start", "explorer", "explorer.exe", "eog", "feh"])
 
 
 RunMagic = Callable[[str, dict[str, Any]], None]
@@ -33,6 +36,8 @@ def furnish(run_magic: RunMagic) -> None:
     """Put the stand-ins in place."""
     _take_the_screen_away()
     _set_without_tex()
+    _render_nothing()
+    _be_any_system()
     _offer_glfw()
     _offer_notebook_names(run_magic)
     _send_debuggers_on()
@@ -60,6 +65,84 @@ def _take_the_screen_away() -> None:
     viewer.launch = viewer.launch_from_path = lambda *args, **kwargs: None
     viewer.launch_passive = viewer.Handle = _Viewer
     sys.modules["mujoco.viewer"] = mujoco.viewer = viewer
+
+
+class _Window:
+    """The window of a figure, of whatever back end: it takes any wish for its place and size."""
+
+    def maxsize(self) -> tuple[int, int]:
+        return 1920, 1080
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return self
+
+    def __call__(self, *args: object, **kwargs: object) -> _Window:
+        return self
+
+
+class _Renderer:
+    """A renderer of the simulation whose pictures are black: there is no graphics card to draw them with."""
+
+    def __init__(self, model: Any, height: int = 240, width: int = 320, max_geom: int = 10_000, **_: object) -> None:
+        import mujoco
+
+        self.model, self.height, self.width = model, height, width
+        self.scene = mujoco.MjvScene(model, max_geom)
+        self._depth = False
+
+    def render(self, *, out: Any = None) -> Any:
+        shape = (self.height, self.width) if self._depth else (self.height, self.width, 3)
+        picture = np.zeros(shape, np.float32 if self._depth else np.uint8) if out is None else out
+        picture[...] = 0
+        return picture
+
+    def enable_depth_rendering(self) -> None:
+        self._depth = True
+
+    def disable_depth_rendering(self) -> None:
+        self._depth = False
+
+    def update_scene(self, *args: object, **kwargs: object) -> None:
+        """Nothing is seen."""
+
+    enable_segmentation_rendering = disable_segmentation_rendering = close = update_scene
+
+    def __enter__(self) -> _Renderer:
+        return self
+
+    def __exit__(self, *args: object) -> None:
+        """There is nothing to give back."""
+
+
+class _Context:
+    """What a graphics card would draw in."""
+
+    def __init__(self, max_width: int, max_height: int) -> None:
+        """Of any size."""
+
+    def make_current(self) -> None:
+        """Nothing is drawn."""
+
+    free = make_current
+
+
+def _render_nothing() -> None:
+    import mujoco
+    from matplotlib.backend_bases import FigureManagerBase
+
+    setattr(FigureManagerBase, "window", _Window())  # noqa: B010 - a manager of Agg has none
+    setattr(FigureManagerBase, "frame", _Window())  # noqa: B010
+    mujoco.Renderer, mujoco.GLContext = _Renderer, _Context
+
+
+def _be_any_system() -> None:
+    """What a terminal and Windows have."""
+    vars(os)["get_terminal_size"] = lambda *_: os.terminal_size((80, 24))
+    vars(os).setdefault("startfile", lambda *args, **kwargs: None)
+    for name in ("msvcrt", "winsound"):
+        sys.modules.setdefault(name, _Silent(name))
 
 
 def _set_without_tex() -> None:
@@ -218,15 +301,15 @@ def _offer_glfw() -> None:
 
 
 def _say_installed() -> None:
-    """Let a program that installs what it needs go on as if that had been done: what a box has is there already."""
+    """Let a program that installs what it needs, or shows what it drew, go on as if that had been done."""
     really_open, really_system = subprocess.Popen, os.system
 
     class Popen(really_open):  # type: ignore[valid-type,misc]
         def __new__(cls, args: Any, *rest: Any, **options: Any) -> Any:
-            return _Installed(args, **options) if _installs(args) else super().__new__(cls)
+            return _Installed(args, **options) if _is_done(args) else super().__new__(cls)
 
     vars(subprocess)["Popen"] = Popen
-    vars(os)["system"] = lambda command: 0 if _installs(command) else really_system(command)
+    vars(os)["system"] = lambda command: 0 if _is_done(command) else really_system(command)
 
 
 class _Installed:
@@ -253,7 +336,8 @@ class _Installed:
         return self.returncode
 
 
-def _installs(command: Any) -> bool:
+def _is_done(command: Any) -> bool:
+    """Whether it installs something, or shows a file in a window."""
     words = command.split() if isinstance(command, str) else command if isinstance(command, list | tuple) else []
     names = [os.path.basename(word) for word in words if isinstance(word, str)]
-    return "install" in names and not _INSTALLERS.isdisjoint(names)
+    return ("install" in names and not _INSTALLERS.isdisjoint(names)) or (bool(names) and names[0] in _OPENERS)

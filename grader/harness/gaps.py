@@ -30,7 +30,7 @@ def units_around(
     SyntaxError
         What Python said of the whole, where it is more than a few slips, or more than a slip in what has to run as a whole.
     """
-    tree, slips = around_slips(text, name, refused, flags)
+    tree, slips = _around_slips(text, name, refused, flags)
     lines = text.split("\n")
     lost = [_wanted_in("\n".join(lines[rows.start : rows.stop]), wanted) for rows, _ in slips]
     beside = next((n for n, names in enumerate(lost) if not names), None)
@@ -44,7 +44,7 @@ def names_in(text: str) -> list[str]:
     return _DEFINES.findall(text)
 
 
-def around_slips(
+def _around_slips(
     text: str, name: str, refused: SyntaxError, flags: int = 0
 ) -> tuple[ast.Module, list[tuple[range, SyntaxError]]]:
     """The file without the lines (as counted from 0) that Python refuses, and what it says of each such place."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import contextlib
 import importlib.machinery
 import importlib.util
 import os
@@ -19,7 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import drawing, faults, figures, gaps, notebooks, packages, stepping, world
+from . import drawing, faults, figures, gaps, newer, notebooks, packages, stepping, world
 
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -298,12 +299,25 @@ def _compile(source: bytes, path: str, flags: int = 0) -> list[stepping.Unit]:
     own = faults.own_name(path)
     _remember_lines(own, text)
     try:
-        tree = ast.parse(text, own)
+        tree = _parsed(text, own)
         if _RELATIVE.search(text):
             packages.without_dots(tree, path)  # let files that were written as a package import each other
         return stepping.units_of(tree, own, flags=flags)
     except SyntaxError as refused:
         return gaps.units_around(text, own, STATE.stepper.wanted, refused, flags=flags)
+
+
+def _parsed(text: str, own: str) -> ast.Module:
+    """What Python reads there, or what a later one would."""
+    try:
+        return ast.parse(text, own)
+    except SyntaxError:
+        later = newer.reworded(text)
+        if later is None:
+            raise
+        with contextlib.suppress(SyntaxError):
+            return ast.parse(later, own)
+        raise
 
 
 def _remember_lines(own: str, text: str) -> None:
