@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -15,7 +15,7 @@ from grader.course import cluster
 from grader.course.kept import pack
 from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
-from grader.course.publishing import publish, publish_all, publish_class
+from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
 from grader.course.remarks import forgotten, outdated, remarks
 from grader.engine.evidence import Evidence
@@ -38,6 +38,10 @@ from grader.platforms.classes import Entry, read_class
 _WALL_PER_CPU = 5
 """Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
 parts of a conversation have together."""
+
+
+_WRITERS = 4
+"""Processes that write pages: more have nothing to do, as one process reads all that they write."""
 
 
 @dataclass(frozen=True)
@@ -79,9 +83,6 @@ class Audience(Protocol):
     def begins(self, total: int) -> None: ...
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
-
-    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
-        """The same ones, told as they are taken."""
 
 
 @dataclass
@@ -172,13 +173,13 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
         told = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
         remarked = store.told().get("remark", [])
         store.keep_told({**told, "remark": remarked})
-        run = _Run(order, store, audience, outcome)
         audience.begins(len(found.entries))
-        try:
-            run.grade(found.entries)
-        finally:
-            standings = publish_class(order.out, store, order.rubric.lab)
-        run.publish_known()
+        with Publisher(order.out, store, order.rubric.lab, min(_WRITERS, _jobs(order))) as publisher:
+            run = _Run(order, store, audience, outcome, publisher)
+            try:
+                run.grade(found.entries)
+            finally:
+                standings = publish_class(order.out, store, order.rubric.lab)
         now = tuple(remarks(standings, found.absent, found.unknown))
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
@@ -191,14 +192,14 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
 class _Run:
     """One pass over the class."""
 
-    def __init__(self, order: Order, store: Store, audience: Audience, outcome: Outcome) -> None:
+    def __init__(self, order: Order, store: Store, audience: Audience, outcome: Outcome, publisher: Publisher) -> None:
         self._order = order
         self._store = store
         self._audience = audience
         self._outcome = outcome
+        self._publisher = publisher
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
-        self._known: list[Standing] = []
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -219,18 +220,14 @@ class _Run:
             key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
             self._count(standing)
-            self._known = [*(each for each in self._known if each.id != standing.id), standing]
-
-    def publish_known(self) -> None:
-        """The pages of those that were on record: most are current, and to write many takes longer than to mark them."""
-        publish_all(self._order.out, self._audience.pages(self._known), self._store, self._order.rubric.lab)
+            self._publisher.put(standing)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
         bounds = Bounds(wall_s=_WALL_PER_CPU * order.rubric.limits.submission_cpu_s)
         if order.cluster is not None:
             return cluster.mark_all(submissions, opener(order), order.cluster, bounds)
-        jobs = min(order.jobs or os.cpu_count() or 1, len(entries))
+        jobs = min(_jobs(order), len(entries))
         return mark_all(submissions, opener(order), jobs, bounds)
 
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
@@ -260,7 +257,7 @@ class _Run:
         standing = self._standing(key, attempt)
         self._count(standing)
         if resumed:
-            self._known.append(standing)
+            self._publisher.put(standing)
         else:
             publish(self._order.out, standing, self._store, self._order.rubric.lab)
         self._audience.done(key.id, result, resumed=resumed)
@@ -281,6 +278,10 @@ class _Attempt:
 
     hand_in: HandIn
     result: Result | None = None
+
+
+def _jobs(order: Order) -> int:
+    return order.jobs or os.cpu_count() or 1
 
 
 def opener(order: Order) -> OpenMarker:

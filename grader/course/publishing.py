@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import threading
 from collections import deque
-from collections.abc import Collection, Iterable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
+from types import TracebackType
 
 from grader import __version__
-from grader.course.record import Store
+from grader.course.record import FILE_NAME, Store, charts
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
+from grader.engine.processes import begin_process, context, starting_ours
 from grader.engine.results import to_json
 from grader.ground.files import write_whole
 from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
 
-_AHEAD = 32
-"""Submissions whose files wait for the disk: some four megabytes."""
+_ALONE = 48
+"""Submissions whose files are written in this process: to start others takes longer."""
+_BATCH = 8
+_AHEAD = 8
+"""Batches that each process is given before any comes back: some ten megabytes."""
 
 
 def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
@@ -43,58 +51,157 @@ def publish(out: Path, standing: Standing, store: Store, lab: Lab) -> None:
 
 
 def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab) -> None:
-    """Write the two files of each submission, unless they are current.
+    """Write the two files of each submission, unless they are current."""
+    with Publisher(out, store, lab) as publisher:
+        for standing in standings:
+            publisher.put(standing)
+
+
+class Publisher:
+    """Writes the two files of each submission that it is given, unless they are current; a context manager.
 
     `result.json` holds the automatic marks alone; the report is made from the whole standing. Digests of both are on record. Charts
     stay as they stand in the report that is there, as long as they are those of the record.
+
+    Parameters
+    ----------
+    processes
+        That write beside this one, where many files are not current: whoever gives them has something else to do meanwhile.
     """
-    with ThreadPoolExecutor(
-        1
-    ) as disk:  # to put one file in another's place waits for the disk: the next is made meanwhile
-        ahead: deque[tuple[str, str, Future[None]]] = deque()
-        for standing in standings:
-            files, digests = _due(out / "submissions" / standing.id, standing, store, lab)
-            if files:
-                ahead.append((standing.id, digests, disk.submit(_write, files)))
-            if len(ahead) == _AHEAD:
-                _keep(store, [ahead.popleft() for _ in range(_AHEAD // 2)])
-        _keep(store, ahead)
+
+    def __init__(self, out: Path, store: Store, lab: Lab, processes: int = 0) -> None:
+        self._out, self._store, self._lab, self._processes = out, store, lab, processes
+        self._ids: set[str] = set()
+        self._waiting: list[_Source] = []
+        self._given: deque[tuple[list[_Source], Future[Digests]]] = deque()
+        self._writers: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Publisher:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                self._finish()
+        finally:
+            if self._writers is not None:
+                self._writers.shutdown(cancel_futures=True)
+
+    def put(self, standing: Standing) -> None:
+        if standing.id in self._ids:  # its files are those of whoever comes last
+            self._finish()
+        source = _Source.of(standing, self._store)
+        if source.is_current(self._out):
+            return
+        self._ids.add(standing.id)
+        self._waiting.append(source)
+        if len(self._waiting) >= (_BATCH if self._writers else _ALONE):
+            self._write()
+
+    def _write(self) -> None:
+        if not self._processes:
+            self._write_here()
+            return
+        self._writers = self._writers or _writers(self._processes)
+        try:
+            while batch := self._waiting[:_BATCH]:
+                self._given.append((batch, self._writers.submit(_written, self._out, batch, self._lab)))
+                del self._waiting[:_BATCH]
+        except BrokenProcessPool:
+            self._processes = 0
+        while len(self._given) > _AHEAD * self._processes:
+            self._take()
+
+    def _finish(self) -> None:
+        while self._given:
+            self._take()
+        self._write_here()
+        self._ids.clear()
+
+    def _take(self) -> None:
+        batch, written = self._given.popleft()
+        try:
+            self._store.keep_page_digests(written.result())
+        except BrokenProcessPool:  # something killed one of them
+            self._waiting += batch
+            self._processes = 0
+
+    def _write_here(self) -> None:
+        self._store.keep_page_digests(_written(self._out, self._waiting, self._lab))
+        self._waiting = []
 
 
-def _write(files: Mapping[Path, bytes]) -> None:
-    for path, content in files.items():
-        write_whole(path, content)
+def _writers(processes: int) -> ProcessPoolExecutor:
+    in_main = threading.current_thread() is threading.main_thread()
+    with starting_ours():
+        executor = ProcessPoolExecutor(processes, context(), begin_process, (os.getcwd(), in_main))
+        for _ in range(processes):  # each starts with something to do
+            executor.submit(int)
+    return executor
 
 
-def _keep(store: Store, written: Collection[tuple[str, str, Future[None]]]) -> None:
-    for *_, done in written:
-        done.result()
-    if written:
-        store.keep_page_digests({id_: digests for id_, digests, _ in written})
+@dataclass(frozen=True)
+class _Source:
+    """What the files of a submission are made from; `known` are digests of what those that are there were made from."""
+
+    standing: Standing
+    known: _Known
+    result: str
+    charts: bytes
+
+    @classmethod
+    def of(cls, standing: Standing, store: Store) -> _Source:
+        """`result` is a digest of the result on record."""
+        id_ = standing.id
+        return cls(standing, _Known.of(store.page_digest(id_)), store.digest(id_), store.packed_charts(id_))
+
+    def paths(self, out: Path) -> tuple[Path, Path]:
+        folder = out / "submissions" / self.standing.id
+        return folder / "result.json", folder / "report.html"
+
+    def is_current(self, out: Path) -> bool:
+        record, report = self.paths(out)
+        made_from = _digest(self.result, _bytes(record))
+        return made_from == self.known.record and self.facts(made_from) == self.known.report and report.is_file()
+
+    def facts(self, made_from: str) -> str:
+        """A digest of all that the report says."""
+        standing = self.standing
+        return _digest(made_from, repr((standing.hand_in, standing.adjustments, standing.unseen)))
 
 
-def _due(folder: Path, standing: Standing, store: Store, lab: Lab) -> tuple[dict[Path, bytes], str]:
+Digests = dict[str, str]
+"""What to keep of the files of submissions, by id."""
+
+
+def _written(out: Path, sources: Sequence[_Source], lab: Lab) -> Digests:
+    """Write files, and return what they were made from."""
+    digests = {}
+    for source in sources:
+        files, digests[source.standing.id] = _made(out, source, lab)
+        for path, content in files.items():
+            write_whole(path, content)
+    return digests
+
+
+def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]:
     """The files of a submission that are not current, and the digests to keep once they are written."""
-    known = _Known.of(store.page_digest(standing.id))
-    record, report = folder / "result.json", folder / "report.html"
-    result, files = store.digest(standing.id), {}
-    made_from = _digest(result, _bytes(record))
+    (record, report), standing, known = source.paths(out), source.standing, source.known
+    files, made_from = {}, _digest(source.result, _bytes(record))
     if made_from != known.record:
         files[record] = to_json(standing.result).encode()
-        made_from = _digest(result, files[record])
-    facts = _digest(made_from, repr((standing.hand_in, standing.adjustments, standing.unseen)))
-    if report.is_file() and known.report == facts:
-        return files, f"{known.record} {known.report} {known.figures}"
-    packed = store.packed_charts(standing.id)
+        made_from = _digest(source.result, files[record])
     figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
-    drawn_anew = _of_figures(figures, standing, packed) != of_figures
+    drawn_anew = _of_figures(figures, source) != of_figures
     if drawn_anew:  # takes ten times as long as all the rest of a page
-        figures = drawn(store.charts(standing.id))
+        figures = drawn(charts(source.charts, out / FILE_NAME))
     page = report_around(figures, standing, catalogue(lab))
     if drawn_anew:
-        of_figures = _of_figures(drawn_in(page), standing, packed)
+        of_figures = _of_figures(drawn_in(page), source)
     files[report] = page.encode("utf-8", "replace")
-    return files, f"{made_from} {facts} {of_figures}"
+    return files, f"{made_from} {source.facts(made_from)} {of_figures}"
 
 
 @dataclass(frozen=True)
@@ -111,10 +218,10 @@ class _Known:
         return cls(*digests) if len(digests) == 3 else cls()
 
 
-def _of_figures(figures: Drawn, standing: Standing, packed: bytes) -> str:
+def _of_figures(figures: Drawn, source: _Source) -> str:
     """What they were drawn from, by which program, for which parts; and how they came out."""
-    parts = [part.id for part in standing.result.parts if part.checks]
-    return _digest(__version__, repr(parts), packed, *(figures[part] for part in parts if part in figures))
+    parts = [part.id for part in source.standing.result.parts if part.checks]
+    return _digest(__version__, repr(parts), source.charts, *(figures[part] for part in parts if part in figures))
 
 
 def _digest(*facts: str | bytes) -> str:

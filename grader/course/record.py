@@ -260,8 +260,7 @@ class Store:
 
     def charts(self, id_: str) -> tuple[Chart, ...]:
         """The charts of a submission's present result."""
-        with self._told():
-            return _read(unpacked, self.packed_charts(id_))
+        return charts(self.packed_charts(id_), self.path)
 
     def packed_charts(self, id_: str) -> bytes:
         """The same as they are recorded; empty where there are none."""
@@ -534,9 +533,15 @@ class Store:
                 "(what was recorded before is kept)"
             ) from problem
         except _ForeignError as problem:
-            raise RequestError(
-                f"{self.path}: holds what this imugrade does not write ({problem}); choose another folder with -o"
-            ) from problem
+            raise _foreign(self.path, problem) from problem
+
+
+def charts(packed: bytes, path: Path) -> tuple[Chart, ...]:
+    """Charts as they are recorded in the file `path`."""
+    try:
+        return _read(unpacked, packed)
+    except _ForeignError as problem:
+        raise _foreign(path, problem) from problem
 
 
 def _text(result: Result) -> str:
@@ -545,6 +550,10 @@ def _text(result: Result) -> str:
 
 class _ForeignError(Exception):
     """A row holds something else than we write; the message is what."""
+
+
+def _foreign(path: Path, problem: _ForeignError) -> RequestError:
+    return RequestError(f"{path}: holds what this imugrade does not write ({problem}); choose another folder with -o")
 
 
 def _read(parse: Callable[[Any], T], record: object) -> T:

@@ -6,16 +6,15 @@ import multiprocessing
 import os
 import sys
 import threading
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
-from grader.engine.processes import begin_process, starting_ours
+from grader.engine.processes import begin_process, context, starting_ours
 from grader.ground.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.intake.names import safe_id
@@ -148,17 +147,14 @@ class Reader:
         return None
 
     def _start(self) -> Connection:
-        context = _context()
-        self._line, theirs = context.Pipe()
-        copied = (self._line,) if context.get_start_method() == "fork" else ()
+        start = context()
+        self._line, theirs = start.Pipe()
+        copied = (self._line,) if start.get_start_method() == "fork" else ()
         in_main = threading.current_thread() is threading.main_thread()
-        process = context.Process(
+        process = start.Process(
             target=_serve, args=(theirs, copied, self._memory_bytes, os.getcwd(), in_main), daemon=True
         )
-        with starting_ours(), theirs, warnings.catch_warnings():
-            warnings.simplefilter(
-                "ignore", DeprecationWarning
-            )  # of idle threads of numpy's, which nothing here waits for
+        with starting_ours(), theirs:
             process.start()
         self._process = process
         return self._line
@@ -172,12 +168,6 @@ class Reader:
                 self._process.kill()
                 self._process.join(_ENDED_WITHIN_S)
         self._line = self._process = None
-
-
-def _context() -> Any:
-    """A copy of this process takes milliseconds; it is made where no other thread could be caught in the midst of its work."""
-    alone = sys.platform == "linux" and threading.active_count() == 1
-    return multiprocessing.get_context("fork" if alone else "spawn")
 
 
 def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, folder: str, in_main: bool) -> None:

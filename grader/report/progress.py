@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from grader.engine.results import Result
 from grader.ground.text import printable
-from grader.people.standing import Standing
 from grader.report import words
 
 
@@ -42,9 +39,6 @@ class Lines:
         if not resumed:
             print(f"{self._count}/{self._total} {told(id_, result)}", flush=True)
 
-    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
-        return standings
-
 
 class Bar:
     """A bar with count, rate and time left."""
@@ -74,9 +68,6 @@ class Bar:
     def done(self, id_: str, result: Result, *, resumed: bool) -> None:
         self._progress.update(self._task, description=told(id_, result)[:40])
         self._progress.advance(self._task)
-
-    def pages(self, standings: Sequence[Standing]) -> Iterable[Standing]:
-        return self._progress.track(standings, task_id=self._task, description="pages") if standings else ()
 
 
 class _Rate(ProgressColumn):

@@ -1,0 +1,112 @@
+"""The files of a class, written beside the process that keeps the record."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader import __version__
+from grader.course import publishing
+from grader.course.publishing import Publisher, publish_all
+from grader.course.record import Key, Store
+from grader.engine.evidence import Chart, Curve, Evidence, Panel, packed
+from grader.ground.errors import RequestError
+from grader.labs.imu.lab import LAB
+from grader.people.standing import Standing
+from tests.made_up import result
+
+MANY = 120
+LINE = Curve("x", "x", (0.0, 1.0, 2.0), (0.0, 1.0, 4.0))
+CHARTS = packed((Chart("sensor_access", "What it reads", "", (Panel("", "s", "m", (LINE,)),)),))
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "out") as opened:
+        for number in range(MANY):
+            id_ = f"s{number:03}"
+            keep(opened, Standing(id_, replace(result(), submission=id_)))
+        yield opened
+
+
+def keep(store: Store, standing: Standing, charts: bytes = CHARTS) -> None:
+    own = replace(standing.result, evidence=Evidence(charts))
+    store.keep(Key(standing.id, standing.id, "rubric", "traces", __version__), own)
+
+
+def write_beside(out: Path, store: Store) -> bool:
+    """Write all in processes of their own; whether there were any."""
+    with Publisher(out, store, LAB, processes=2) as publisher:
+        for standing in store.standings().values():
+            publisher.put(standing)
+    return publisher._writers is not None
+
+
+def files(out: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("submissions/*/*")}
+
+
+def test_many_files_are_the_same_whoever_writes_them(store: Store, tmp_path: Path) -> None:
+    standings, beside, here = store.standings().values(), tmp_path / "beside", tmp_path / "here"
+    assert write_beside(beside, store)
+    kept = {each.id: store.page_digest(each.id) for each in standings}
+    store.keep_page_digests(dict.fromkeys(kept, ""))
+    publish_all(here, standings, store, LAB)
+    assert len(files(here)) == 2 * MANY
+    assert files(beside) == files(here)
+    assert kept == {each.id: store.page_digest(each.id) for each in standings}
+
+
+def test_what_is_current_is_left_alone_and_no_process_starts(store: Store, tmp_path: Path) -> None:
+    publish_all(tmp_path, store.standings().values(), store, LAB)
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.glob("submissions/*/*")}
+    assert not write_beside(tmp_path, store)
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("submissions/*/*")} == before
+
+
+def test_of_several_standings_of_one_submission_the_last_one_counts(store: Store, tmp_path: Path) -> None:
+    standings = list(store.standings().values())
+    last = replace(standings[0], result=replace(standings[0].result, notes=("the last",)))
+    with Publisher(tmp_path, store, LAB, processes=2) as publisher:
+        for standing in standings:
+            publisher.put(standing)
+        keep(store, last)
+        publisher.put(last)
+    assert b"the last" in (tmp_path / "submissions" / last.id / "report.html").read_bytes()
+
+
+def test_where_a_writer_is_killed_its_files_are_written_all_the_same(
+    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = publishing._writers
+
+    def short_lived(processes: int) -> ProcessPoolExecutor:
+        executor = start(processes)
+        for pid in executor._processes:
+            os.kill(pid, signal.SIGKILL)
+        return executor
+
+    monkeypatch.setattr(publishing, "_writers", short_lived)
+    publish_all(tmp_path / "here", store.standings().values(), store, LAB)
+    store.keep_page_digests(dict.fromkeys(store.present(), ""))
+    assert write_beside(tmp_path / "beside", store)
+    assert files(tmp_path / "beside") == files(tmp_path / "here")
+
+
+def test_what_the_disk_refuses_a_writer_is_told_in_one_line(store: Store, tmp_path: Path) -> None:
+    (tmp_path / "submissions").write_text("a file where the folder is to be")
+    with pytest.raises(RequestError, match=r"submissions.*cannot write"):
+        write_beside(tmp_path, store)
+
+
+def test_charts_of_foreign_contents_are_refused_by_a_writer_as_well(store: Store, tmp_path: Path) -> None:
+    for standing in store.standings().values():
+        keep(store, standing, b"no charts")
+    with pytest.raises(RequestError, match="holds what this imugrade does not write"):
+        write_beside(tmp_path, store)
