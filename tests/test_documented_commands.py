@@ -145,20 +145,31 @@ def scene(ready: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sce
 # --- each command -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: f"{command.document}: {command}")
-def test_a_documented_command_does_what_it_is_documented_for(
-    command: Command, scene: Scene, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("document", dict.fromkeys(command.document for command in COMMANDS))
+def test_the_commands_of_a_document_do_what_they_are_documented_for(
+    document: str, scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """In one test, as one builds on the other: what an adjustment withdraws was adjusted above."""
+    for command in COMMANDS:
+        if command.document == document:
+            try:
+                _do(command, scene, monkeypatch)
+            except Exception as problem:
+                raise AssertionError(f"{document}: {command}") from problem
+
+
+def _do(command: Command, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     program = command.words[0].rpartition("/")[2]
     if program != "imugrade" or command.words[1] in LEAVE_NOTHING:
         if str(command) in scene.seen and command.place != "heading":
             return  # it ran for another document, and its folder says nothing to it
         scene.seen.add(str(command))
-    for name, value in command.environment:
-        monkeypatch.setenv(name, value)
     folder = scene.folder(command.document)
-    monkeypatch.chdir(folder)
-    PROGRAMS[program](command, folder, scene)
+    with monkeypatch.context() as here:
+        for name, value in command.environment:
+            here.setenv(name, value)
+        here.chdir(folder)
+        PROGRAMS[program](command, folder, scene)
 
 
 TEXT = """# `imugrade grade PATH`
