@@ -6,9 +6,10 @@ import itertools
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import PurePosixPath
 from threading import Timer
-from typing import Any, Protocol, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 import numpy as np
 
@@ -457,6 +458,21 @@ class Conversation:
         shown = printable(text, _LONGEST_NOTE)
         if shown not in self.notes:
             self.notes.append(shown)
+
+
+C = TypeVar("C", bound=Conversation)
+Truth = TypeVar("Truth")
+More = ParamSpec("More")
+
+
+def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Concatenate[C, Truth, More], T]:
+    """What a function finds out of a submission's answers and the truth; it is found out once, and again for other arguments."""
+
+    @wraps(find)
+    def known(student: C, truth: Truth, /, *more: More.args, **named: More.kwargs) -> T:
+        return student.once((find, more, tuple(named.items())), lambda: find(student, truth, *more, **named))
+
+    return known
 
 
 def _refused(name: str, fault: Fault, path: str) -> Missing:

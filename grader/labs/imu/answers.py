@@ -87,7 +87,7 @@ def as_reading(node: Node | None, arrays: Arrays) -> Reading:
     right_form = node is not None and (node["kind"] in ("tuple", "list") or "key" in node)
     six = numbers(node, arrays)
     right_form = right_form and not (six is not None and six.ndim == 1)
-    right_shape = all(part is not None and np.squeeze(part).shape == (3,) for part in parts)
+    right_shape = all(part is not None and part.size == 3 == part.shape[-1] for part in parts)  # a row can hold it
     right_count = node is not None and ("items" not in node or len(node["items"]) == 2)
     odd = None if right_form and right_shape and right_count else shape_in_words(node, arrays)
     return Reading(accel, gyro, odd)
@@ -169,6 +169,7 @@ class Collection:
     oddities : what was odd about names and shapes, as misconception ids with a sentence
     changed : names of model fields that differ afterwards
     first_step : what the box says of the state before the first step: a hint, to be run again before it is believed
+    absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
     """
 
     time: Array | None
@@ -180,15 +181,28 @@ class Collection:
     changed: tuple[str, ...] = ()
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
+    absent: str = ""
 
     @cached_property
     def filled_rows(self) -> int:
         """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
-        assert self.acceleration is not None
-        assert self.angular_velocity is not None
-        n = min(len(self.acceleration), len(self.angular_velocity))
-        some = np.any(self.acceleration[:n] != 0, axis=1) | np.any(self.angular_velocity[:n] != 0, axis=1)
+        sensors = [rows for key, rows in self.sensors.items() if rows is not None and key != self.absent]
+        n = min(map(len, sensors))
+        some = np.any([np.any(rows[:n] != 0, axis=1) for rows in sensors], axis=0)
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
+
+    @property
+    def sensors(self) -> dict[str, Array | None]:
+        return dict(zip(KEYS[1:], (self.acceleration, self.angular_velocity), strict=True))
+
+    def with_gap(self) -> Collection:
+        """The same with rows of NaN for a sensor whose rows are none, where the other's are there: those tell the run alone."""
+        accel, gyro = self.acceleration, self.angular_velocity
+        if accel is None and gyro is not None:
+            return replace(self, acceleration=np.full_like(gyro, np.nan), absent=KEYS[1])
+        if gyro is None and accel is not None:
+            return replace(self, angular_velocity=np.full_like(accel, np.nan), absent=KEYS[2])
+        return self
 
     def rows(self, first: int, end: int | None = None) -> Collection:
         """A part of the same run."""
@@ -299,6 +313,12 @@ def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[s
         elif value.ndim == 2 and value.shape[0] == 3:
             oddities.append(("arrays-transposed", f"'{key}' has shape {value.shape}"))
             out[key] = value.T
+        elif value.ndim == 2 and value.shape[1] == 6 and not found.keys() >= set(KEYS):
+            oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}: both sensors side by side"))
+            out |= {"acceleration": value[:, :3], "angular_velocity": value[:, 3:]}
+        elif value.ndim == 3 and value.shape[1:] in ((3, 1), (1, 3)):
+            oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}"))
+            out[key] = value.reshape(-1, 3)
         else:
             oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}"))
     return out

@@ -37,7 +37,7 @@ def after_push(student: Student, truth: Traces) -> Collection:
     scalars = truth["push"].scalars
     series = student.simulate(duration_s=float(scalars["duration_s"]), ids=torso_ids(truth), called="push")
     raised(series.fault, "collecting data")
-    return series
+    return series.with_gap()
 
 
 def after_dirt(student: Student, truth: Traces) -> Collection:
@@ -51,7 +51,7 @@ def after_dirt(student: Student, truth: Traces) -> Collection:
         dirty=dirty,
     )
     raised(series.fault, "collecting data with another time step, from a state that was left by an earlier run")
-    return series
+    return series.with_gap()
 
 
 def torso_ids(truth: Traces) -> tuple[int, int]:

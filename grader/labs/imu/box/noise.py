@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from grader.harness import loading, world
-from grader.harness.values import Packer
+from grader.harness.values import Packer, numbers
 
-from .questions import Reply, changes_of, examined, provide_ids, put_in_state, simulation_of, state_of
+from .questions import (
+    Reply,
+    changes_of,
+    examined,
+    parts_of,
+    provide_ids,
+    put_in_state,
+    simulation_of,
+    state_of,
+    vectors_in,
+)
+
+_RATE = re.compile(r"gyr|ang|omega|rate", re.IGNORECASE)
 
 
 def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
@@ -151,15 +164,27 @@ def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
-    named = isinstance(reading, dict)
+    as_asked = not isinstance(reading, dict)
     try:
-        accel, gyro = reading.values() if named else reading
+        try:
+            accel, gyro = reading if as_asked else reading.values()
+        except (TypeError, ValueError):
+            as_asked = False
+            accel, gyro = _two_within(reading)
         row[:3] = accel if _is_vector(accel) else np.reshape(accel, 3)
         row[3:] = gyro if _is_vector(gyro) else np.reshape(gyro, 3)
     except (TypeError, ValueError):
         row[:] = np.nan
-    if answer["odd"] is None and (named or not all(map(isfinite, row.tolist()))):
+    if answer["odd"] is None and not (as_asked and all(map(isfinite, row.tolist()))):
         answer["odd"] = packer.node(reading)
+
+
+def _two_within(reading: Any) -> Iterable[Any]:
+    """Both vectors out of another form: six numbers in a line, or two vectors among other things, the gyroscope's by its name."""
+    parts = parts_of(reading)
+    if len(parts) == 6:
+        return np.reshape(numbers([part for _, part in parts]), (2, 3))
+    return [vector for _, vector in sorted(vectors_in(parts)[:2], key=lambda named: bool(_RATE.search(named[0])))]
 
 
 def _is_vector(value: Any) -> bool:

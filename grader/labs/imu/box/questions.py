@@ -9,8 +9,8 @@ import dis
 import functools
 import inspect
 import re
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -35,6 +35,24 @@ def examined(answer: dict[str, Any]) -> Iterator[None]:
             yield
     except BaseException as raised:  # whatever student code raises, SystemExit included
         answer["error"] = faults.describe(raised)
+
+
+def parts_of(value: Any) -> list[tuple[str, Any]]:
+    """What a dictionary, a sequence or an object holds, by names where it has any; TypeError where it holds nothing."""
+    if isinstance(value, dict):
+        return [(str(name), part) for name, part in value.items()]
+    if isinstance(value, tuple | list | np.ndarray):
+        return [("", part) for part in value]
+    return list(vars(value).items())
+
+
+def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]:
+    """Those that are three numbers."""
+    found = []
+    for name, part in parts:
+        with suppress(TypeError, ValueError):
+            found += [(name, numbers(part).reshape(3))]
+    return found
 
 
 # --- the reader ----------------------------------------------------------------------------------------------------------
@@ -340,7 +358,7 @@ def _filtered(
     try:
         row = numbers(value).copy().reshape(measurement.shape)
     except (TypeError, ValueError):
-        row = np.full(measurement.shape, np.nan)
+        row = _vector_within(value)
         answer["odd"] = answer["odd"] or packer.node(value)
     answer["input_changed"] = answer["input_changed"] or given.tolist() != measurement.tolist()
     if handling == "spoil_input":
@@ -348,6 +366,13 @@ def _filtered(
     if handling == "spoil_output" and isinstance(value, np.ndarray) and value.flags.writeable:
         value[...] = 1e3
     return value, row
+
+
+def _vector_within(value: Any) -> np.ndarray:
+    """The first vector of what came in place of one, NaN where it holds none."""
+    with suppress(TypeError):
+        return next((vector.copy() for _, vector in vectors_in(parts_of(value))), np.full(3, np.nan))
+    return np.full(3, np.nan)
 
 
 # --- the plot ------------------------------------------------------------------------------------------------------------

@@ -49,7 +49,8 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in series.oddities))
         got = "; ".join(sentence.removeprefix("got ") for _, sentence in series.oddities[:3])
         raise Lost(_SHAPES, got, mistakes=mistakes)
-    sizes = {key: len(value) for key, value in zip(KEYS, arrays_of(series), strict=True) if value is not None}
+    present = [(key, value) for key, value in zip(KEYS, arrays_of(series), strict=True) if key != series.absent]
+    sizes = {key: len(value) for key, value in present if value is not None}
     if len(sizes) < len(KEYS):
         raise Lost(
             _SHAPES, f"no numbers under {', '.join(sorted(set(KEYS) - set(sizes)))}", mistakes=["wrong-return-type"]
@@ -86,7 +87,9 @@ def check_sample_count(student: Student, truth: Traces) -> None:
     if not off:
         return
     n, worlds = off[-1]
-    story, _ = story_of(student, truth, "push", pushed(student, truth))
+    story, pushed_worlds = story_of(student, truth, "push", pushed(student, truth))
+    at_once = story is not None and _ends_at_once(pushed(student, truth), pushed_worlds, story)
+    elsewhere = at_once or _are_too_many(student, truth)
     raise Lost(
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
@@ -95,8 +98,13 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         hint=""
         if mistakes
         else "Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).",
-        belongs_to=_ROWS if _are_too_many(student, truth) else "",
+        belongs_to=_ROWS if elsewhere else "",
     )
+
+
+def _ends_at_once(series: Collection, worlds: Worlds, story: Story) -> bool:
+    """Whether the first rows are all that there is, too few to tell how they go on: matches_truth charges that."""
+    return story.skip == 1 and length(series) < min(diagnosis.FEWEST_ROWS, worlds.steps // 2)
 
 
 def _are_too_many(student: Student, truth: Traces) -> bool:
@@ -184,20 +192,11 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     if story is None:
         _rows_differ(series, worlds)
     assert story is not None
+    if _ends_at_once(series, worlds, story):
+        _rows_end(n, worlds)
     if story.altered:
         _rows_altered(story, series, worlds)
-    if story.world.startswith(diagnosis.OTHER_IMU):
-        raise Lost("readings of the IMU whose ids are given", "those of another IMU of the model")
-    if story.world == diagnosis.LEARNT_IDS:
-        raise Lost(
-            "readings of the robot's IMU, its ids looked up by their names",
-            "those of the sensors that have their ids in your copy of the model",
-            mistakes=["hard-coded-address"],
-            hint="Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others.",
-        )
-    if story.world == diagnosis.LAST_SENSOR:
-        got = "those of the model's last sensor, which the id -1 of an unknown name reads"
-        raise Lost("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
+    _same_sensors(story)
     _same_physics(story, worlds, series, np.asarray(truth["reading_lab"].scalars["gravity"], float))
     if all_alike(series) and not one_row_follows(student, truth):
         raise Lost(
@@ -227,6 +226,21 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
         raise Lost(f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=0.5)
 
 
+def _same_sensors(story: Story) -> None:
+    if story.world.startswith(diagnosis.OTHER_IMU):
+        raise Lost("readings of the IMU whose ids are given", "those of another IMU of the model")
+    if story.world == diagnosis.LEARNT_IDS:
+        raise Lost(
+            "readings of the robot's IMU, its ids looked up by their names",
+            "those of the sensors that have their ids in your copy of the model",
+            mistakes=["hard-coded-address"],
+            hint="Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others.",
+        )
+    if story.world == diagnosis.LAST_SENSOR:
+        got = "those of the model's last sensor, which the id -1 of an unknown name reads"
+        raise Lost("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
+
+
 def _shifted(story: Story, series: Collection) -> None:
     """Rows that are late or early by one; a first row of zeros is one that was never filled if a step less was made."""
     assert series.acceleration is not None
@@ -251,6 +265,8 @@ def _rows_altered(story: Story, series: Collection, worlds: Worlds) -> None:
     key = story.altered[0]
     got = rows[key]
     assert got is not None
+    if key == series.absent:
+        raise Lost("rows of both sensors", f"none that can be made out under {key!r}", keeps=0.5, hint=_BOTH)
     keeps, others = (0.5, ", while the other sensor is right") if len(story.altered) == 1 else (0.0, "")
     if not np.isfinite(got).all():
         raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
@@ -267,6 +283,7 @@ def _rows_altered(story: Story, series: Collection, worlds: Worlds) -> None:
     )
 
 
+_BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."
 _KINDS = {
     "sign-flipped": ": the reading with other signs",
     "axes-permuted": ": the reading with its axes in another order",
@@ -306,7 +323,15 @@ def _same_physics(story: Story, worlds: Worlds, series: Collection, gravity: Arr
         )
 
 
+def _rows_end(n: int, worlds: Worlds) -> None:
+    rows = f"{n} row{'s' * (n != 1)}, then nothing"
+    raise Lost(f"{worlds.steps} rows", rows, hint="Return after the loop, when all rows are stored (Step 3).")
+
+
 def _rows_differ(series: Collection, worlds: Worlds) -> None:
+    if series.absent:
+        found = f"no rows that can be made out under {series.absent!r}, and others than the truth of the other sensor"
+        raise Lost("the readings of both sensors", found, hint=_BOTH)
     accel, gyro = worlds.series.get(diagnosis.CLAIMED_WORLD, worlds.series[TRUE_WORLD])
     assert series.acceleration is not None
     assert series.angular_velocity is not None
@@ -316,8 +341,7 @@ def _rows_differ(series: Collection, worlds: Worlds) -> None:
     in_accel, in_gyro = deviation(series.acceleration[:n], accel[:n]), deviation(series.angular_velocity[:n], gyro[:n])
     right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
     if all(right):
-        rows = f"{n} row{'s' * (n != 1)}, then nothing"
-        raise Lost(f"{worlds.steps} rows", rows, hint="Return after the loop, when all rows are stored (Step 3).")
+        _rows_end(n, worlds)
     got, true, at, unit = (
         (series.angular_velocity, gyro, in_gyro, "rad/s")
         if right[0]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from grader.engine.conversation import found_once
 from grader.engine.examination import check
 from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
@@ -57,6 +58,7 @@ _SUM = (
     "A constant has to come out as itself: look at the sum of the weights, alpha and 1 - alpha in the sheet, and at what is "
     "added or cut off on the way (Step 6)."
 )
+_FORM = "an array of three numbers from update()"
 _SMALL = (
     "Noise has to come out smaller: look at how much of the measurement goes straight into the output. In the sheet that is "
     "alpha, and the rest is the output before (Step 6)."
@@ -73,6 +75,7 @@ def check_follows_recursion(student: Student, truth: Traces) -> None:
     runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
     wrong = [run for run in runs if not diagnosis.obeys(run[1], run[2], run[0], 1 - run[0])]
     if not wrong:
+        _in_sound_form(student, truth)
         return
     alpha, x, y = wrong[0]
     wanted = alpha * x[1:] + (1 - alpha) * y[:-1]
@@ -88,6 +91,13 @@ def check_follows_recursion(student: Student, truth: Traces) -> None:
         keeps=0.5 if only_default else 0.0,
         hint=hint,
     )
+
+
+def _in_sound_form(student: Student, truth: Traces) -> None:
+    """Charge another form that a vector could be made out of; nothing at first alone is another check's."""
+    odd = next((run.odd for *_, run in _plain(student, truth) if run.odd), "")
+    if odd and not _cases(student, truth).nothing_at_first:
+        raise Lost(_FORM, odd, mistakes=["wrong-return-type"], keeps=0.5)
 
 
 def _why_not_the_recursion(
@@ -289,23 +299,17 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
         raise Lost("a state of the filter's own", got, keeps=0.5, mistakes=["aliased-input"])
 
 
+@found_once
 def _grain(student: Student, truth: Traces) -> float:
     """What all outputs are rounded to, which follows_recursion charges; 0 where they are not."""
-    return student.once("filter grain", lambda: _coarsest(_plain(student, truth)))
-
-
-def _coarsest(plain: list[tuple[float, Array, FilterRun]]) -> float:
-    sizes = [outputs.grain(alpha, signal, _output(run)) for alpha, signal, run in plain]
+    sizes = [outputs.grain(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
     return max(sizes) if all(sizes) else 0.0
 
 
+@found_once
 def _limits(student: Student, truth: Traces) -> tuple[float, float]:
     """Between what the outputs are cut off, which follows_recursion charges."""
-    return student.once("filter limits", lambda: _narrowest(_plain(student, truth)))
-
-
-def _narrowest(plain: list[tuple[float, Array, FilterRun]]) -> tuple[float, float]:
-    runs = [(alpha, x, _output(run)) for alpha, x, run in plain]
+    runs = [(alpha, x, _output(run)) for alpha, x, run in _plain(student, truth)]
     found = [(run, outputs.limits(*run)) for run in runs]
     known = [pair for _, pair in found if pair is not None]
     if not known or not all(pair or diagnosis.obeys(x, y, alpha, 1 - alpha) for (alpha, x, y), pair in found):
@@ -345,11 +349,8 @@ class _Cases:
         return [run for *_, run in self.plain] + [run for _, run in pairs] + [self.alone, self.beside]
 
 
+@found_once
 def _cases(student: Student, truth: Traces) -> _Cases:
-    return student.once("filter cases", lambda: _run(student, truth))
-
-
-def _run(student: Student, truth: Traces) -> _Cases:
     scenario = truth["filter"]
     signal, alphas, initial = scenario["input"], [float(a) for a in scenario["alpha"]], scenario["initial"]
     short = signal[:60]
@@ -415,5 +416,5 @@ def _output(run: FilterRun) -> Array:
         raise Skipped("an output")
     if not np.isfinite(run.output).all():
         mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Unusable("an array of three numbers from update()", run.odd or "NaN or infinity", mistakes=[mistake])
+        raise Unusable(_FORM, run.odd or "NaN or infinity", mistakes=[mistake])
     return run.output

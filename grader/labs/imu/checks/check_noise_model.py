@@ -61,6 +61,7 @@ def check_noise_size(student: Student, truth: Traces) -> None:
         for which, facts in enumerate(sensors)
     ]
     if all(right):
+        runs.in_sound_form(student, truth)
         return
     again, silent = runs.given_again(student, truth), runs.without_noise_or_drift(student, truth)
     if _redrawn_bias_explains(sensors, silent):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from grader.engine.conversation import Missing
+from grader.engine.conversation import Missing, found_once
 from grader.engine.figures import Figure, Picture
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Raised
 from grader.engine.traces import Traces
@@ -36,12 +36,9 @@ def shows_something(student: Student, name: str) -> bool:
     return picture is not None and _INK[0] < picture.ink < _INK[1] and min(picture.size_px) >= _SMALLEST_PX
 
 
+@found_once
 def counts(student: Student, truth: Traces) -> bool:
     """Whether the handed-in plot shows both sensors of the recording, and no code draws any plot."""
-    return student.once("handed in", lambda: _counts(student, truth))
-
-
-def _counts(student: Student, truth: Traces) -> bool:
     picture = _plot(student)
     if picture is None or _is_drawn(student, truth) or not _shows_both(picture, truth):
         return False

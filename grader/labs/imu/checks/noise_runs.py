@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from grader.engine.findings import Unusable, raised
+from grader.engine.conversation import found_once
+from grader.engine.findings import Lost, Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
@@ -18,6 +19,7 @@ from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.recordings import torso_ids
 from grader.labs.imu.student import Student
 
+_FORM = "a tuple of two arrays of shape (3,) from read()"
 _INSTANCES = 24
 MANY = 100
 """Reads of one instance in one state: their mean is off by a tenth of the noise."""
@@ -37,22 +39,24 @@ def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
     raised(run.fault, "reading the noisy IMU")
     if not _is_whole(run):
         mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Unusable(
-            "a tuple of two arrays of shape (3,) from read()", run.odd or "NaN or infinity", mistakes=[mistake]
-        )
+        raise Unusable(_FORM, run.odd or "NaN or infinity", mistakes=[mistake])
     return _exchanged(run) if returns_exchanged(student, truth) else run
+
+
+def in_sound_form(student: Student, truth: Traces) -> None:
+    """Charge another form that both vectors could be made out of: all else is judged as if they had come as they should."""
+    run = judged(student, truth, "given")
+    if run.odd:
+        raise Lost(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
 
 
 def _is_whole(run: NoiseRun) -> bool:
     return bool(np.isfinite(run.accel).all() and np.isfinite(run.gyro).all())
 
 
+@found_once
 def returns_exchanged(student: Student, truth: Traces) -> bool:
     """Whether each vector is the other sensor's, with that sensor's bias."""
-    return student.once("noise exchanged", lambda: _fits_exchanged(student, truth))
-
-
-def _fits_exchanged(student: Student, truth: Traces) -> bool:
     run = asked(student, truth, "given", given=True)
     if run.fault is not None or not _is_whole(run):
         return False
@@ -101,11 +105,8 @@ def asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun
     return asked(student, truth, "almost silent", given=given) if run.fault and key == "silent" else run
 
 
+@found_once
 def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
-    return student.once(("noise facts", key), lambda: _told_by(student, truth, key))
-
-
-def _told_by(student: Student, truth: Traces, key: str) -> list[Facts]:
     run = judged(student, truth, key)
     if key == "silent":
         return _facts_of(run, truth, (np.zeros(3), np.zeros(3)))
@@ -132,11 +133,8 @@ def steady(student: Student, truth: Traces) -> list[Facts]:
     return [laws.steadied(facts, silent) for facts, silent in zip(sensors, without_noise(student, truth), strict=True)]
 
 
+@found_once
 def which_drift(student: Student, truth: Traces) -> list[bool]:
-    return student.once("noise drifting", lambda: _found_drifting(student, truth))
-
-
-def _found_drifting(student: Student, truth: Traces) -> list[bool]:
     silent, biases = without_noise(student, truth), default_biases(student, truth)
     return [laws.drifts(f) or (f.still and laws.creeps(b)) for f, b in zip(silent, biases, strict=True)]
 
@@ -146,12 +144,9 @@ def without_noise_or_drift(student: Student, truth: Traces) -> list[Facts]:
     return [replace(f, residual=0 * f.residual) if drifts else f for f, drifts in pairs]
 
 
+@found_once
 def from_one_seed(student: Student, truth: Traces) -> list[Twins] | None:
     """What the submission makes of one seed; None where it did not answer with whole vectors."""
-    return student.once("noise twins", lambda: _asked_for_twins(student, truth))
-
-
-def _asked_for_twins(student: Student, truth: Traces) -> list[Twins] | None:
     scenario, stds, biases = truth["noise"], asked_stds(truth), np.array(_biases(truth))
     other = biases[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0])
     run = student.noise_twins(

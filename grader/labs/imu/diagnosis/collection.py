@@ -22,7 +22,7 @@ ATOL_ACCELERATION = 2e-3
 ATOL_RATE = 2e-4
 """m/s², rad/s. The same steps on the same machine repeat to 1e-9; an extra mj_forward before the first step or the use of
 mj_step1/mj_step2 stays below 1e-6. A lag of one sample after the push moves the series by more than 0.01 m/s²."""
-_FEWEST_ROWS = 20
+FEWEST_ROWS = 20
 SENSORS = KEYS[1:]
 TRUE_WORLD = "truth"
 
@@ -168,7 +168,8 @@ class Story:
         true_accel, true_gyro = worlds.series[self.world]
         there = min(len(accel), len(gyro))
         rows, wanted = _rows(self, there if self.altered else series.filled_rows, len(true_accel))
-        if len(rows) < min(_FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip))):
+        few = max(1, there if self.lag == 0 else FEWEST_ROWS)  # rows that came late or early are told by many
+        if len(rows) < min(FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip)), few):
             return False
         if self.altered == SENSORS:
             pairs = ((accel[rows], true_accel[wanted]), (gyro[rows], true_gyro[wanted]))
@@ -209,13 +210,15 @@ def rows_left(series: Collection, before: Collection | None = None) -> int:
     starts = np.flatnonzero(series.time[:n] == series.time[0])
     second, last = (int(starts[1]), int(starts[-1])) if len(starts) > 1 else (0, 0)
     shared = min(second, n - last)
-    return last if shared >= _FEWEST_ROWS and _alike(series, series, slice(shared), slice(last, last + shared)) else 0
+    return last if shared >= FEWEST_ROWS and _alike(series, series, slice(shared), slice(last, last + shared)) else 0
 
 
 def _alike(series: Collection, other: Collection, rows: slice, others: slice) -> bool:
     """Whether the same motion stands there; rows in which nothing moves are like any others, and tell nothing."""
     pairs = ((series.acceleration, other.acceleration), (series.angular_velocity, other.angular_velocity))
-    same_rows = all(a is not None and b is not None and np.array_equal(a[rows], b[others]) for a, b in pairs)
+    same_rows = all(
+        a is not None and b is not None and np.array_equal(a[rows], b[others], equal_nan=True) for a, b in pairs
+    )
     return same_rows and any(a is not None and bool(np.ptp(a[rows], axis=0).any()) for a, _ in pairs)
 
 
@@ -265,7 +268,7 @@ def _strides(series: Collection, worlds: Worlds) -> set[int]:
 
 def _steps_by_stamps(series: Collection, worlds: Worlds) -> tuple[int, ...]:
     """After which step each row was stored if its stamp is right; nothing where no step is left out."""
-    if series.time is None or len(series.time) < _FEWEST_ROWS or not np.isfinite(series.time).all():
+    if series.time is None or len(series.time) < FEWEST_ROWS or not np.isfinite(series.time).all():
         return ()
     steps = np.round(series.time / worlds.timestep) - 1
     thinned = steps[0] >= 0 and np.diff(steps).min() >= 1 and steps[-1] < 1e6 and np.diff(steps).mean() > _THINNED
@@ -300,7 +303,7 @@ def treatment(key: str, got: Array, true: Array) -> str | None:
 
 def affine(got: Array, true: Array) -> Array | None:
     """(4, 3) weights of the three axes and an offset that come nearest to the rows; None for rows that do not move with them."""
-    if len(got) < _FEWEST_ROWS or not np.isfinite(got).all() or not np.ptp(got, axis=0).any():
+    if len(got) < FEWEST_ROWS or not np.isfinite(got).all() or not np.ptp(got, axis=0).any():
         return None
     return np.asarray(np.linalg.lstsq(np.column_stack([true, np.ones(len(true))]), got, rcond=None)[0], np.float64)
 
@@ -324,7 +327,7 @@ def nearest(series: Collection, worlds: Worlds) -> str | None:
     if series.acceleration is None or series.angular_velocity is None or not len(series.acceleration):
         return None
     known = {name: rows for name, rows in worlds.series.items() if name not in worlds.claimed}
-    start = series.rows(0, _FEWEST_ROWS)
+    start = series.rows(0, FEWEST_ROWS)
     begun = [name for name in known if Story(name).fits((start, worlds))]
     if len(begun) == 1:
         return begun[0]
@@ -335,8 +338,9 @@ def nearest(series: Collection, worlds: Worlds) -> str | None:
 
 
 def _distance(acceleration: Array, angular_velocity: Array, accel: Array, gyro: Array) -> float:
-    """Root mean square over both sensors, each in units of its tolerance."""
-    pairs = ((acceleration, accel, ATOL_ACCELERATION), (angular_velocity, gyro, ATOL_RATE))
+    """Root mean square over the sensors that have rows, each in units of its tolerance."""
+    both = ((acceleration, accel, ATOL_ACCELERATION), (angular_velocity, gyro, ATOL_RATE))
+    pairs = [pair for pair in both if not np.isnan(pair[0]).all()] or both
     n = min(len(rows) for pair in pairs for rows in pair[:2])
     return float(np.sqrt(sum(np.mean(((rows[:n] - true[:n]) / atol) ** 2) for rows, true, atol in pairs)))
 
@@ -348,7 +352,7 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
     the change between the two. A recording does not change, and has nothing in common with the change.
     """
     n, m = min(len(rows), len(true)), min(len(other_rows), len(other_true), len(rows), len(true))
-    if m < _FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
+    if m < FEWEST_ROWS or not (np.isfinite(rows[:n]).all() and np.isfinite(other_rows[:m]).all()):
         return False
     first, second = (np.column_stack([one, np.ones(len(one))]) for one in (true[:n], other_true[:m]))
     treatment = np.linalg.lstsq(first, rows[:n], rcond=None)[0]
