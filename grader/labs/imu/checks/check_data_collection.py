@@ -104,7 +104,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
 
 def _ends_at_once(series: Collection, worlds: Worlds, story: Story) -> bool:
     """Whether the first rows are all that there is, too few to tell how they go on: matches_truth charges that."""
-    return story.skip == 1 and length(series) < min(diagnosis.FEWEST_ROWS, worlds.steps // 2)
+    return story.skip == 1 and series.filled_rows < min(diagnosis.FEWEST_ROWS, worlds.steps // 2)
 
 
 def _are_too_many(student: Student, truth: Traces) -> bool:
@@ -193,7 +193,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
         _rows_differ(series, worlds)
     assert story is not None
     if _ends_at_once(series, worlds, story):
-        _rows_end(n, worlds)
+        _rows_end(filled, worlds)
     if story.altered:
         _rows_altered(story, series, worlds)
     _same_sensors(story)

@@ -8,8 +8,9 @@ import numpy as np
 
 from grader.engine.conversation import found_once
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
+from grader.engine.findings import Fault, Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
+from grader.ground.text import printable
 from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array, same, vector
 from grader.labs.imu.diagnosis import filter_outputs as outputs
@@ -76,12 +77,14 @@ def check_follows_recursion(student: Student, truth: Traces) -> None:
     wrong = [run for run in runs if not diagnosis.obeys(run[1], run[2], run[0], 1 - run[0])]
     if not wrong:
         _in_sound_form(student, truth)
+        _needs_no_alpha(student, truth)
         return
     alpha, x, y = wrong[0]
     wanted = alpha * x[1:] + (1 - alpha) * y[:-1]
     row = int(np.argmax(np.abs(y[1:] - wanted).max(axis=1)))
     expected, got = told_apart(wanted[row], y[row + 1])
-    only_default = len(wrong) == 1 and wrong[0] is runs[-1] and not _grain(student, truth)
+    has_default = _cases(student, truth).needs_alpha is None
+    only_default = has_default and len(wrong) == 1 and wrong[0] is runs[-1] and not _grain(student, truth)
     mistakes, hint = ([], _DEFAULT) if only_default else _why_not_the_recursion(student, truth, runs)
     raise Lost(
         f"{expected} from the measurement {vector(x[row + 1])} after {vector(y[row])}, alpha {alpha:g}",
@@ -98,6 +101,13 @@ def _in_sound_form(student: Student, truth: Traces) -> None:
     odd = next((run.odd for *_, run in _plain(student, truth) if run.odd), "")
     if odd and not _cases(student, truth).nothing_at_first:
         raise Lost(_FORM, odd, mistakes=["wrong-return-type"], keeps=0.5)
+
+
+def _needs_no_alpha(student: Student, truth: Traces) -> None:
+    fault = _cases(student, truth).needs_alpha
+    if fault is not None:
+        got = f"{fault.type}{f' at {fault.where}' if fault.where else ''}: {printable(fault.message, 200)}"
+        raise Lost("a filter with alpha 0.1 where none is given", got, keeps=0.5, hint=_DEFAULT, fault=fault)
 
 
 def _why_not_the_recursion(
@@ -327,7 +337,7 @@ def _shares_state(student: Student, truth: Traces) -> bool:
 
 @dataclass(frozen=True)
 class _Cases:
-    """Each case as its signal and the run, or the run alone."""
+    """Each case as its signal and the run, or the run alone; `needs_alpha` is what it raises where alpha alone is not given."""
 
     plain: list[tuple[float, Array, FilterRun]]
     noise: tuple[Array, FilterRun]
@@ -342,6 +352,7 @@ class _Cases:
     spoilt_output: FilterRun
     again: FilterRun
     nothing_at_first: bool
+    needs_alpha: Fault | None
 
     @property
     def every(self) -> list[FilterRun]:
@@ -376,8 +387,9 @@ def _cases(student: Student, truth: Traces) -> _Cases:
     of_noise, of_slow, of_constant, from_initial, alone, beside, spoilt_input, spoilt_output, again = series[
         len(plain) :
     ]
+    needs_alpha = None if any(run.fault for *_, run in plain[:-1]) else plain[-1][2].fault
     return _Cases(
-        plain,
+        plain[:-1] if needs_alpha else plain,
         of_noise,
         of_slow,
         of_constant,
@@ -390,6 +402,7 @@ def _cases(student: Student, truth: Traces) -> _Cases:
         spoilt_output=spoilt_output[1],
         again=again[1],
         nothing_at_first=len(series[0][0]) < len(signal),
+        needs_alpha=needs_alpha,
     )
 
 

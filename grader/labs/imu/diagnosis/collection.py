@@ -168,7 +168,9 @@ class Story:
         true_accel, true_gyro = worlds.series[self.world]
         there = min(len(accel), len(gyro))
         rows, wanted = _rows(self, there if self.altered else series.filled_rows, len(true_accel))
-        few = max(1, there if self.lag == 0 else FEWEST_ROWS)  # rows that came late or early are told by many
+        few = max(
+            1, series.filled_rows if self.lag == 0 else FEWEST_ROWS
+        )  # rows that came late or early are told by many
         if len(rows) < min(FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip)), few):
             return False
         if self.altered == SENSORS:
