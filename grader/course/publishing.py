@@ -129,8 +129,9 @@ class Publisher:
             self._processes = 0
 
     def _write_here(self) -> None:
-        self._store.keep_page_digests(_written(self._out, self._waiting, self._lab))
-        self._waiting = []
+        if self._waiting:
+            self._store.keep_page_digests(_written(self._out, self._waiting, self._lab))
+            self._waiting = []
 
 
 def _writers(processes: int) -> ProcessPoolExecutor:
