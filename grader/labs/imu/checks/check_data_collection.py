@@ -266,7 +266,9 @@ def _rows_altered(story: Story, series: Collection, worlds: Worlds) -> None:
     got = rows[key]
     assert got is not None
     if key == series.absent:
-        raise Lost("rows of both sensors", f"none that can be made out under {key!r}", keeps=0.5, hint=_BOTH)
+        gone = f"none that can be made out under {key!r}"
+        off = Size(f"no rows that can be made out under {key!r}")
+        raise Lost("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
     keeps, others = (0.5, ", while the other sensor is right") if len(story.altered) == 1 else (0.0, "")
     if not np.isfinite(got).all():
         raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
@@ -325,7 +327,8 @@ def _same_physics(story: Story, worlds: Worlds, series: Collection, gravity: Arr
 
 def _rows_end(n: int, worlds: Worlds) -> None:
     rows = f"{n} row{'s' * (n != 1)}, then nothing"
-    raise Lost(f"{worlds.steps} rows", rows, hint="Return after the loop, when all rows are stored (Step 3).")
+    hint = "Return after the loop, when all rows are stored (Step 3)."
+    raise Lost(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
 
 
 def _rows_differ(series: Collection, worlds: Worlds) -> None:

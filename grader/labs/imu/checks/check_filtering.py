@@ -107,7 +107,8 @@ def _needs_no_alpha(student: Student, truth: Traces) -> None:
     fault = _cases(student, truth).needs_alpha
     if fault is not None:
         got = f"{fault.type}{f' at {fault.where}' if fault.where else ''}: {printable(fault.message, 200)}"
-        raise Lost("a filter with alpha 0.1 where none is given", got, keeps=0.5, hint=_DEFAULT, fault=fault)
+        off = Size("no filter where no alpha is given")
+        raise Lost("a filter with alpha 0.1 where none is given", got, keeps=0.5, hint=_DEFAULT, fault=fault, off=off)
 
 
 def _why_not_the_recursion(
