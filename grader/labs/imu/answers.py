@@ -186,14 +186,11 @@ class Collection:
     @cached_property
     def filled_rows(self) -> int:
         """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
-        sensors = [rows for key, rows in self.sensors.items() if rows is not None and key != self.absent]
+        both = zip(KEYS[1:], (self.acceleration, self.angular_velocity), strict=True)
+        sensors = [rows for key, rows in both if rows is not None and key != self.absent]
         n = min(map(len, sensors))
         some = np.any([np.any(rows[:n] != 0, axis=1) for rows in sensors], axis=0)
         return int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
-
-    @property
-    def sensors(self) -> dict[str, Array | None]:
-        return dict(zip(KEYS[1:], (self.acceleration, self.angular_velocity), strict=True))
 
     def with_gap(self) -> Collection:
         """The same with rows of NaN for a sensor whose rows are none, where the other's are there: those tell the run alone."""

@@ -23,6 +23,7 @@ ATOL_RATE = 2e-4
 """m/s², rad/s. The same steps on the same machine repeat to 1e-9; an extra mj_forward before the first step or the use of
 mj_step1/mj_step2 stays below 1e-6. A lag of one sample after the push moves the series by more than 0.01 m/s²."""
 FEWEST_ROWS = 20
+"""That a story has to predict, unless fewer are all that there is."""
 SENSORS = KEYS[1:]
 TRUE_WORLD = "truth"
 
@@ -168,10 +169,8 @@ class Story:
         true_accel, true_gyro = worlds.series[self.world]
         there = min(len(accel), len(gyro))
         rows, wanted = _rows(self, there if self.altered else series.filled_rows, len(true_accel))
-        few = max(
-            1, series.filled_rows if self.lag == 0 else FEWEST_ROWS
-        )  # rows that came late or early are told by many
-        if len(rows) < min(FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip)), few):
+        every = series.filled_rows if self.lag == 0 else FEWEST_ROWS  # a few rows do not tell late from early
+        if len(rows) < min(FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip)), max(1, every)):
             return False
         if self.altered == SENSORS:
             pairs = ((accel[rows], true_accel[wanted]), (gyro[rows], true_gyro[wanted]))
