@@ -201,7 +201,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
     shared = axes.get_shared_x_axes()
     return {
         "visible": bool(axes.get_visible()),
-        "position": [round(float(v), 4) for v in (box.x0, box.y0, box.x1, box.y1)],
+        "position": [round(_bounded(v), 4) for v in (box.x0, box.y0, box.x1, box.y1)],
         "xlabel": xlabel or part["xlabel"],
         "ylabel": ylabel or part["ylabel"],
         "title": next((words for title in titles if (words := seeing.words(title, behind)).strip()), part["title"]),
@@ -211,8 +211,8 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "images": len(axes.images),
         "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
         "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
-        "x_limits": [float(v) for v in axes.get_xlim()],
-        "y_limits": [float(v) for v in axes.get_ylim()],
+        "x_limits": [_bounded(v) for v in axes.get_xlim()],
+        "y_limits": [_bounded(v) for v in axes.get_ylim()],
         "scales": [axes.get_xscale(), axes.get_yscale()] if axes.name == "rectilinear" else ["", ""],
     }
 
@@ -262,6 +262,7 @@ def _plain_floats(values: Any) -> np.ndarray:
     return filled
 
 
+_FARTHEST = 1e12
 _NOTHING = ("None", "none", "", " ", None)
 
 
@@ -281,7 +282,7 @@ def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
         "marker": str(line.get_marker())[:8],
         "stroke": _stroke(line),
         "inks": _inks(inks),
-        "width": float(min(widths, default=0.0)),
+        "width": _bounded(min(widths, default=0.0)),
     }
 
 
@@ -308,6 +309,11 @@ def _curve(artist: Any, x: Any, y: Any, colour: Any, packer: Packer) -> dict[str
     }
 
 
+def _bounded(value: Any) -> float:
+    """A coordinate as it can be told: what a filter that runs away makes of an axis has no end."""
+    return float(np.clip(np.nan_to_num(float(value)), -_FARTHEST, _FARTHEST))
+
+
 def _opacity(artist: Any) -> float:
     alpha = artist.get_alpha() if artist.get_visible() else 0.0
     return 1.0 if alpha is None or np.ndim(alpha) else float(alpha)
@@ -321,7 +327,7 @@ def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
         sizes = artist.get_sizes() if hasattr(artist, "get_sizes") else ()
         inks = [*artist.get_facecolor()[:_MAX_POINTS], *artist.get_edgecolor()[:1]]
         return {"inks": _inks(inks), "width": float(np.sqrt(np.median(sizes))) if len(sizes) else 6.0}
-    return {"inks": _inks([colour]), "width": float(np.max(artist.get_linewidth(), initial=0.0))}
+    return {"inks": _inks([colour]), "width": _bounded(np.max(artist.get_linewidth(), initial=0.0))}
 
 
 def _inks(colours: Iterable[Any]) -> list[str]:
@@ -378,8 +384,7 @@ def _placed(text: Any) -> dict[str, Any]:
 
     where = text.xy if isinstance(text, Annotation) else text.get_position()  # an annotation may stand beside its point
     x, y = (float(v) if isinstance(v, int | float | np.number) else float("nan") for v in where)
-    place = [v if np.isfinite(v) else 0.0 for v in (x, y)]
-    return {"text": _short(text.get_text()), "place": place, "colour": _colour(text.get_color())}
+    return {"text": _short(text.get_text()), "place": [_bounded(x), _bounded(y)], "colour": _colour(text.get_color())}
 
 
 def _short(text: object) -> str:

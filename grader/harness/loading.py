@@ -147,12 +147,10 @@ class _Loader(importlib.machinery.SourceFileLoader):
     def exec_module(self, module: types.ModuleType) -> None:
         path = Path(self.path).relative_to(STATE.folder).as_posix()
         STATE.modules[path] = module
+        if any(STATE.homes.get(name) == module.__name__ for name in STATE.standins):
+            vars(module).update(STATE.sheet_names(STATE.furniture))  # what a broken file lacks, others have from it
         if not _run_file(path, vars(module)):
             vars(module).setdefault("__getattr__", _absent_names(path))
-            if any(STATE.homes.get(name) == module.__name__ for name in STATE.standins):
-                vars(module).update(
-                    {n: v for n, v in STATE.sheet_names(STATE.furniture).items() if n not in vars(module)}
-                )
         _stand_in(path, vars(module))
 
 

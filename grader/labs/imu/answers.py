@@ -132,6 +132,7 @@ class Readings:
     oddities : what was odd about the form, in words, each once
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     fault : what the reader raised, if it did
+    departs : the sheet's names of the parameters by which it could not be called as the sheet does
     """
 
     accel: Array
@@ -141,6 +142,7 @@ class Readings:
     oddities: tuple[str, ...]
     disturbance: Array
     fault: Fault | None
+    departs: tuple[str, ...] = ()
 
     def between(self, start: int, end: int) -> Readings:
         """The calls in some of the states."""
@@ -170,6 +172,7 @@ class Collection:
     changed : names of model fields that differ afterwards
     first_step : what the box says of the state before the first step: a hint, to be run again before it is believed
     absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
+    departs : as of `Readings`
     """
 
     time: Array | None
@@ -182,6 +185,7 @@ class Collection:
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
     absent: str = ""
+    departs: tuple[str, ...] = ()
 
     @cached_property
     def filled_rows(self) -> int:
@@ -328,7 +332,7 @@ def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[s
 class NoiseRun:
     """Many reads of one `NoisyIMU`: ``accel``, ``gyro`` (states, reads, 3), NaN where a read was not two vectors of three.
 
-    ``odd`` says in words what came in place of two such vectors, if anything did.
+    ``odd`` says in words what came in place of two such vectors, if anything did; ``departs`` as of `Readings`.
     """
 
     accel: Array
@@ -336,6 +340,7 @@ class NoiseRun:
     disturbance: Array
     odd: str | None
     fault: Fault | None
+    departs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -348,6 +353,7 @@ class FilterRun:
     odd : what came in place of the first missing vector
     input_changed : whether a measurement or the initial value was written into
     output_changed : whether the first output is another one after the last update
+    departs : as of `Readings`
     """
 
     output: Array | None
@@ -355,6 +361,7 @@ class FilterRun:
     fault: Fault | None
     input_changed: bool = False
     output_changed: bool = False
+    departs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -365,15 +372,19 @@ class Drawing:
     ----------
     figures : each with what is seen of its curves
     strange : the picture files that show none of them
+    departs : as of `Readings`
     """
 
     figures: tuple[Figure, ...]
     fault: Fault | None = None
     strange: tuple[Stray, ...] = ()
+    departs: tuple[str, ...] = ()
 
 
 def drawing_of(frame: Frame) -> Drawing:
     """What an answer tells of figures and pictures."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
-    return Drawing(figures, Fault.of(frame.fields.get("error")), strays_of(frame))
+    return Drawing(
+        figures, Fault.of(frame.fields.get("error")), strays_of(frame), tuple(frame.fields.get("departs", ()))
+    )

@@ -22,6 +22,21 @@ from grader.engine.replies import (
     short,
 )
 
+_PARAMETERS = frozenset({
+    "model", "data", "accel_sensor_id", "gyro_sensor_id", "accel_id", "gyro_id", "duration_seconds", "accel_noise_std",
+    "gyro_noise_std", "accel_bias", "gyro_bias", "alpha", "initial_value", "measurement", "dt", "imu_data", "time",
+    "acceleration", "angular_velocity", "file_name", "title",
+})  # fmt: skip
+
+
+def _parameter(value: Any) -> None:
+    """A name that a function may depart in: nothing that a student's process could have made up."""
+    if value not in _PARAMETERS:
+        raise Wrong("no parameter's name")
+
+
+_departures = listed(_parameter, len(_PARAMETERS))
+
 
 def _changes(answer: Answer, most: int) -> None:
     if len(answer.array("disturbance", None, 4)) > most:
@@ -34,6 +49,7 @@ def _changes(answer: Answer, most: int) -> None:
 def _read(answer: Answer) -> None:
     pairs, states = len(answer.asked["pairs"]), len(answer.asked["qpos"])
     whole = not answer.faulty
+    answer.part("departs", _departures)
     answer.part("calls", listed(node(answer), pairs * states, pairs * states if whole else None))
     answer.part("later", listed(node(answer), pairs, pairs if whole else None))
     _changes(answer, pairs * (states + 1))
@@ -42,6 +58,7 @@ def _read(answer: Answer) -> None:
 def _simulate(answer: Answer) -> None:
     answer.part("value", maybe(node(answer)))
     answer.part("changed", listed(short, 20))
+    answer.part("departs", _departures)
     for name in answer.frame.arrays:
         if name.startswith("first_set_q") or name == "first_set_force":
             answer.array(name, None, None)
@@ -70,6 +87,7 @@ def _noise_twins(answer: Answer) -> None:
 
 def _draws(answer: Answer, rows: int) -> None:
     answer.part("odd", maybe(node(answer)))
+    answer.part("departs", _departures)
     for name in ("accel", "gyro"):
         answer.array(name, rows, answer.fields["reads"], 3)
 
@@ -77,8 +95,9 @@ def _draws(answer: Answer, rows: int) -> None:
 def _filter(answer: Answer) -> None:
     cases = answer.fields["cases"]
     kinds = record(
-        output=maybe(short), odd=maybe(node(answer)), error=maybe(fault), input_changed=flag, output_changed=flag
-    )
+        output=maybe(short), odd=maybe(node(answer)), error=maybe(fault), departs=_departures,
+        input_changed=flag, output_changed=flag,
+    )  # fmt: skip
     answer.part("cases", listed(kinds, len(cases), len(cases)))
     for case, asked in zip(answer.frame.fields["cases"], cases, strict=True):
         signal = answer.asked[asked["input"]]
@@ -97,6 +116,7 @@ def _series(answer: Answer, case: Mapping[str, Any], rows: int, row: tuple[int, 
 
 def _plot(answer: Answer) -> None:
     drawings(answer)
+    answer.part("departs", _departures)
 
 
 # --- questions about the extensions --------------------------------------------------------------------------------------

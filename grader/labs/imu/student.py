@@ -147,6 +147,7 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
         oddities=oddities,
         disturbance=frame.arrays["disturbance"],
         fault=Fault.of(frame.fields.get("error")),
+        departs=tuple(frame.fields["departs"]),
     )
 
 
@@ -156,7 +157,9 @@ def _collected(frame: Frame) -> Collection:
     if fault is not None:
         return Collection(None, None, None, changed=changed, fault=fault)
     collected = as_collection(frame.fields["value"], frame.arrays)
-    return replace(collected, changed=changed, first_step=_believable(frame.arrays))
+    return replace(
+        collected, changed=changed, first_step=_believable(frame.arrays), departs=tuple(frame.fields["departs"])
+    )
 
 
 def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
@@ -183,6 +186,7 @@ def _noise_run(frame: Frame) -> NoiseRun:
         disturbance=frame.arrays.get("disturbance", np.zeros((0, 4))),
         odd=as_reading(odd, frame.arrays).oddity if odd else None,
         fault=Fault.of(frame.fields.get("error")),
+        departs=tuple(frame.fields["departs"]),
     )
 
 
@@ -198,4 +202,5 @@ def _filter_run(answer: Mapping[str, Any], frame: Frame) -> FilterRun:
         fault=Fault.of(answer["error"]),
         input_changed=bool(answer["input_changed"]),
         output_changed=bool(answer["output_changed"]),
+        departs=tuple(answer["departs"]),
     )

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from grader.harness import loading, world
+from grader.harness.calling import way_of
 from grader.harness.values import Packer, numbers
 
+from . import calls
 from .questions import (
     Reply,
     changes_of,
@@ -42,13 +44,13 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     such value); ``disturbance`` (s, 4), as for `read`.
     """
     packer = Packer()
-    answer: dict[str, Any] = {"odd": None, "done": 0}
+    answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
     readings = np.full((len(arrays["qpos"]), fields["reads"], 6), np.nan)
     disturbance: list[list[float]] = []
     with examined(answer):
         model, data = simulation_of(fields["model"])
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
-        sensor = _noisy(fields, arrays, model, data)
+        sensor = _noisy(fields, arrays, model, data, answer)
         for state in range(len(readings)):
             still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             for index, row in enumerate(readings[state]):
@@ -79,7 +81,7 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     arrays ``accel``, ``gyro`` (twins, reads, 3).
     """
     packer = Packer()
-    answer: dict[str, Any] = {"odd": None}
+    answer: dict[str, Any] = {"odd": None, "departs": []}
     readings = np.full((len(fields["twins"]), fields["reads"], 6), np.nan)
     with examined(answer):
         model, data = simulation_of(fields["model"])
@@ -89,7 +91,7 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
             world.seed(_SEED)
             for generator, state in generators:
                 _rewind(generator, state)
-            sensor = _noisy(fields | stds, {"accel_bias": accel, "gyro_bias": gyro}, model, data)
+            sensor = _noisy(fields | stds, {"accel_bias": accel, "gyro_bias": gyro}, model, data, answer)
             for row in rows:
                 _store(sensor.read(), row, answer, packer)
                 still.changes()
@@ -155,12 +157,14 @@ class _Still:
         self._sensordata[:] = self._clean
 
 
-def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any) -> Any:
+def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Any:
     kind = loading.find("NoisyIMU", fields["path"])
+    way = way_of(kind, calls.NOISY)
+    answer["departs"] = list(way.departs)
     provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
-    given = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
-    stds = {name: fields[name] for name in ("accel_noise_std", "gyro_noise_std")}
-    return kind(model, data, fields["accel_id"], fields["gyro_id"], **stds, **given)
+    biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
+    settings = {name: fields[name] for name in ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")}
+    return way(kind, {"model": model, "data": data} | settings | biases)
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
@@ -202,14 +206,14 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     arrays ``accel``, ``gyro`` (instances, reads, 3).
     """
     packer = Packer()
-    answer: dict[str, Any] = {"odd": None, "done": 0}
+    answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
     readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
     with examined(answer):
         model, data = simulation_of(fields["model"])
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
         sensors = []
         for rows in readings:
-            sensors.append(_noisy(fields, {}, model, data))
+            sensors.append(_noisy(fields, {}, model, data, answer))
             _store(sensors[-1].read(), rows[0], answer, packer)
             still.changes()
             still.again(rows[0])

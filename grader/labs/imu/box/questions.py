@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dis
 import functools
-import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -18,10 +17,15 @@ from typing import Any
 import numpy as np
 
 from grader.harness import faults, figures, loading, saved, world
+from grader.harness.calling import way_of
 from grader.harness.values import Packer, numbers
+
+from . import calls
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 _SHORT_RUN_S = 0.1
+_BETWEEN_S = 0.002
+"""The time step of the sheet's model, for a filter that asks how far its measurements are apart."""
 _ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
 _GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
 _AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
@@ -74,24 +78,35 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """
     reader = loading.find("get_imu_readings", fields["path"])
     packer = Packer()
-    answer: dict[str, Any] = {"calls": [], "later": []}
+    answer: dict[str, Any] = {"calls": [], "later": [], "departs": []}
     disturbance = []
     with examined(answer):
         model, data = simulation_of(fields["model"])
+        reading_of, answer["departs"] = _reading_by(reader)
         for accel_id, gyro_id in arrays["pairs"]:
             for index in range(len(arrays["qpos"])):
                 put_in_state(model, data, arrays["qpos"][index], arrays["qvel"][index])
                 before = state_of(data)
-                reading = reader(model, data, int(accel_id), int(gyro_id))
+                reading = reading_of(model, data, int(accel_id), int(gyro_id))
                 answer["calls"].append(packer.node(reading))
                 disturbance.append(changes_of(before, state_of(data)))
                 if index == 0:
                     move_on(model, data)
                     before = state_of(data)
-                    reader(model, data, int(accel_id), int(gyro_id))  # into arrays of its own, or the same ones again
+                    reading_of(
+                        model, data, int(accel_id), int(gyro_id)
+                    )  # into arrays of its own, or the same ones again
                     disturbance.append(changes_of(before, state_of(data)))
                     answer["later"].append(packer.node(reading))
     return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
+
+
+def _reading_by(reader: Callable[..., Any]) -> tuple[Callable[..., Any], list[str]]:
+    """The reader, to be called as the sheet does whatever its own parameters are, and what it departs in."""
+    way = way_of(reader, calls.READER)
+    if way.as_promised:
+        return reader, []
+    return lambda *given: way(reader, dict(zip(calls.NAMES_OF_READER, given, strict=True))), list(way.departs)
 
 
 _MODELS: dict[str, Any] = {}
@@ -155,11 +170,13 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     ids = {"accel": fields["accel_id"], "gyro": fields["gyro_id"]}
     provide_ids(ids)
     packer = Packer()
-    answer: dict[str, Any] = {"value": None}
+    answer: dict[str, Any] = {"value": None, "departs": []}
     before = _options(model)
     world.watch_next_run()
     with examined(answer):
-        answer["value"] = packer.node(call_collector(function, model, data, fields["duration_s"], ids))
+        way = way_of(function, calls.COLLECTOR)
+        answer["departs"] = list(way.departs)
+        answer["value"] = packer.node(way(function, calls.for_collector(model, data, fields["duration_s"], ids)))
     answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
     return answer, packer.arrays | {f"first_{name}": value for name, value in world.watched_run().items()}
 
@@ -195,8 +212,9 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {}
     rows: list[np.ndarray] = []
     with examined(answer):
+        reading_of, _ = _reading_by(reader)
         for model, data in _run_again(fields, arrays):
-            rows.append(_six(reader(model, data, fields["accel_id"], fields["gyro_id"])))
+            rows.append(_six(reading_of(model, data, fields["accel_id"], fields["gyro_id"])))
     return answer, {"rows": np.array(rows).reshape(-1, 6)}
 
 
@@ -239,28 +257,8 @@ def _options(model: Any) -> dict[str, np.ndarray]:
 
 
 def call_collector(function: Callable[..., Any], model: Any, data: Any, duration_s: float, ids: dict[str, int]) -> Any:
-    """Bind ids by their names, the rest by position; the duration by its own name where it has one."""
-    parameters = inspect.signature(function).parameters
-    by_name: dict[str, Any] = {}
-    plain = []
-    for name, parameter in parameters.items():
-        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
-            continue
-        sensor = "accel" if _ACCELEROMETER.match(name) else "gyro" if _GYROSCOPE.match(name) else None
-        if sensor is None:
-            plain.append(name)
-        elif parameter.default is parameter.empty or isinstance(parameter.default, int | np.integer | None):
-            by_name[name] = ids[sensor]  # anything else that it stands for by default is no id: a sensor's name, a list
-    if not by_name:
-        duration = parameters.get("duration_seconds")
-        by_position = duration is None or duration.kind is duration.POSITIONAL_ONLY
-        return function(model, data, duration_s) if by_position else function(model, data, duration_seconds=duration_s)
-    values = dict(zip(plain, (model, data, duration_s), strict=False))
-    if "duration_seconds" in plain:
-        values["duration_seconds"] = duration_s
-    positional = [p for p in parameters.values() if p.kind is p.POSITIONAL_ONLY]
-    every = by_name | values
-    return function(*(every.pop(p.name) for p in positional if p.name in every), **every)
+    """Run a function that simulates, with the sensors' ids where it asks for them."""
+    return way_of(function, calls.COLLECTOR)(function, calls.for_collector(model, data, duration_s, ids))
 
 
 def provide_ids(ids: dict[str, int]) -> None:
@@ -325,7 +323,7 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: Packer) -> dict[str, Any]:
     signal = np.array(arrays[case["input"]])
     answer: dict[str, Any] = {
-        "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False
+        "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False, "departs": [],
     }  # fmt: skip
     rows: list[np.ndarray] = []
     initial = None if case["initial"] is None else np.array(arrays[case["initial"]])
@@ -333,15 +331,18 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
         options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
         if initial is not None:
             options["initial_value"] = initial
-        instance = kind(**options)
-        other = kind(**options | {"alpha": 1 - case["alpha"]}) if case["handling"] == "beside" else None
+        way = way_of(kind, calls.FILTER)
+        instance = way(kind, options)
+        other = way(kind, options | {"alpha": 1 - case["alpha"]}) if case["handling"] == "beside" else None
+        update, departs = _updating_by(instance)
+        answer["departs"] = [*way.departs, *departs]
         first: Any = None
         for measurement in signal:
-            value, row = _filtered(instance, measurement, case["handling"], answer, packer)
+            value, row = _filtered(update, measurement, case["handling"], answer, packer)
             first = first if rows else value
             rows.append(row)
             if other is not None:
-                other.update(100.0 - 3.0 * measurement)
+                _updating_by(other)[0](100.0 - 3.0 * measurement)
         if isinstance(first, np.ndarray) and first.size == rows[0].size:
             answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
         answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
@@ -350,11 +351,20 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
     return answer
 
 
+def _updating_by(instance: Any) -> tuple[Callable[[np.ndarray], Any], list[str]]:
+    """A filter's `update`, to be called with a measurement alone, and what it departs in."""
+    update = instance.update
+    way = way_of(update, calls.UPDATE)
+    if way.as_promised:
+        return update, []
+    return lambda measurement: way(update, {"measurement": measurement, "dt": _BETWEEN_S}), list(way.departs)
+
+
 def _filtered(
-    instance: Any, measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
+    update: Callable[[np.ndarray], Any], measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
 ) -> tuple[Any, np.ndarray]:
     given = measurement.copy()
-    value = instance.update(given)
+    value = update(given)
     try:
         row = numbers(value).copy().reshape(measurement.shape)
     except (TypeError, ValueError):
@@ -391,12 +401,15 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     figures.RECORDER.take(loading.STATE.folder)
     for name in saved.written_pictures(loading.STATE.folder):
         Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
-    answer: dict[str, Any] = {}
+    answer: dict[str, Any] = {"departs": []}
     given: Any = {
         name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
     }
     with examined(answer):
-        function(_recorded(fields["recorder"], given) if fields["recorder"] else given)
+        way = way_of(function, calls.PLOTTER)
+        answer["departs"] = list(way.departs)
+        recorded = _recorded(fields["recorder"], given) if fields["recorder"] else given
+        way(function, calls.WRITTEN | given | {"imu_data": recorded})
     seen, facts = figures.RECORDER.take(loading.STATE.folder)
     return answer | seen, facts
 

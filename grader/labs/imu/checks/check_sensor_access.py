@@ -11,14 +11,15 @@ from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
+from grader.labs.imu.checks.parameters import as_on_the_sheet
 from grader.labs.imu.compare import Array, Deviation, deviation, told, vector
 from grader.labs.imu.diagnosis import handling
 from grader.labs.imu.diagnosis import reading as diagnosis
 from grader.labs.imu.diagnosis.reading import Explanation, Scene
 from grader.labs.imu.student import Student
 
-_VALUES = "sensor_access.matches_truth"
-"""This charges what other checks see as well."""
+_VALUES, _PLACE = "sensor_access.matches_truth", "sensor_access.follows_address"
+"""These charge what other checks see as well."""
 DISTURBED = 1e-12
 """Reading takes numbers out and puts none in: any change is a change. The margin is for a harmless mj_forward."""
 
@@ -33,6 +34,7 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
         raise Lost(_FORM, got, mistakes=["wrong-return-type"])
     if got:
         raise Lost(_FORM, got, mistakes=["wrong-length"], belongs_to=_VALUES)
+    as_on_the_sheet(readings.departs, keeps=0.0, belongs_to=_PLACE)
 
 
 _FORM = "a tuple of two arrays of shape (3,)"

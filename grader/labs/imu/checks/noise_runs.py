@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from grader.engine.conversation import found_once
-from grader.engine.findings import Lost, Unusable, raised
+from grader.engine.findings import Lost, Raised, Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
+from grader.labs.imu.checks.parameters import as_on_the_sheet
 from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
@@ -44,10 +45,11 @@ def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
 
 
 def in_sound_form(student: Student, truth: Traces) -> None:
-    """Charge another form that both vectors could be made out of: all else is judged as if they had come as they should."""
+    """Charge other parameters, or another form that both vectors could be made out of; all else is judged as it should be."""
     run = judged(student, truth, "given")
     if run.odd:
         raise Lost(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
+    as_on_the_sheet(run.departs)
 
 
 def _is_whole(run: NoiseRun) -> bool:
@@ -135,7 +137,11 @@ def steady(student: Student, truth: Traces) -> list[Facts]:
 
 @found_once
 def which_drift(student: Student, truth: Traces) -> list[bool]:
-    silent, biases = without_noise(student, truth), default_biases(student, truth)
+    silent = without_noise(student, truth)
+    try:
+        biases = default_biases(student, truth)
+    except (Raised, Unusable):  # default_bias charges it
+        return [laws.drifts(facts) for facts in silent]
     return [laws.drifts(f) or (f.still and laws.creeps(b)) for f, b in zip(silent, biases, strict=True)]
 
 

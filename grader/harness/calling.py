@@ -1,0 +1,124 @@
+"""How a student's function is called: as it was promised, or else by what the names of its parameters mean.
+
+A function whose parameters have other names, another order or a companion more than promised does the same job. So it is called
+in the way that it asks for, and what it departs in is told beside what it answers: one fault, and not as many as there are calls.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+_VARIADIC = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+_POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Something that a function is given.
+
+    Attributes
+    ----------
+    name : its promised name
+    meaning : what a parameter that stands for it may be called in other words
+    passed : as it was promised, by ``position`` or by ``name``; an ``option`` is left out where no parameter takes it, and a
+        ``spare``, which is none of the promise, given where one asks for it
+    replaces : types of a parameter's default in whose place a spare is given as well
+    free : whether a function may depart in it
+    """
+
+    name: str
+    meaning: re.Pattern[str]
+    passed: Literal["position", "name", "option", "spare"] = "position"
+    replaces: tuple[type, ...] = ()
+    free: bool = False
+
+    def suits(self, parameter: inspect.Parameter) -> bool:
+        if parameter.name != self.name and not self.meaning.search(parameter.name):
+            return False
+        needed = parameter.default is parameter.empty
+        return self.passed != "spare" or needed or isinstance(parameter.default, self.replaces)
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way to call one function: slots by position, slots by the function's own names for them, and what it departs in."""
+
+    positions: tuple[str, ...]
+    names: Mapping[str, str] = field(default_factory=dict)
+    departs: tuple[str, ...] = ()
+    as_promised: bool = False
+
+    def __call__(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
+        """Call it with these values, by the names of the slots; what has no value is left to its default."""
+        named = {own: values[slot] for own, slot in self.names.items() if slot in values}
+        return function(*(values[slot] for slot in self.positions if slot in values), **named)
+
+
+def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
+    """How a function takes these slots; as promised where it does, and where nothing else can be made out."""
+    promised = Way(
+        tuple(slot.name for slot in slots if slot.passed == "position"),
+        {slot.name: slot.name for slot in slots if slot.passed in ("name", "option")},
+        as_promised=True,
+    )
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return promised
+    parameters = [p for p in signature.parameters.values() if p.kind not in _VARIADIC]
+    if _takes(signature, promised) and not any(s.passed == "spare" and s.suits(p) for s in slots for p in parameters):
+        return promised
+    claims = _claimed(parameters, slots)
+    if any(p.default is p.empty and p.name not in claims for p in parameters):
+        return promised
+    leading = [p.name for p in parameters if p.kind is p.POSITIONAL_ONLY]
+    unknown = {slot.name: slot.name for slot in slots if slot.passed == "name" and slot not in claims.values()}
+    return Way(
+        tuple(claims[name].name for name in leading if name in claims),
+        unknown | {own: slot.name for own, slot in claims.items() if own not in leading},
+        _departures(claims, slots),
+    )
+
+
+def _takes(signature: inspect.Signature, promised: Way) -> bool:
+    """Whether Python lets it be called as promised, each slot where the function has no other place for it."""
+    try:
+        bound = signature.bind(*promised.positions, **promised.names).arguments
+    except TypeError:
+        return False
+    return all(bound.get(name) == name for name in promised.positions if name in signature.parameters)
+
+
+def _claimed(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> dict[str, Slot]:
+    """Which parameter takes which slot: by its name, by its meaning, and what is still needed by position."""
+    claims: dict[str, Slot] = {}
+    for suits in (_by_name, Slot.suits, _by_position):
+        for parameter in parameters:
+            free = (slot for slot in slots if slot not in claims.values() and suits(slot, parameter))
+            if parameter.name not in claims and (slot := next(free, None)):
+                claims[parameter.name] = slot
+    return claims
+
+
+def _by_name(slot: Slot, parameter: inspect.Parameter) -> bool:
+    return slot.name == parameter.name
+
+
+def _by_position(slot: Slot, parameter: inspect.Parameter) -> bool:
+    return slot.passed == "position" and parameter.default is parameter.empty and parameter.kind in _POSITIONAL
+
+
+def _departures(claims: Mapping[str, Slot], slots: Sequence[Slot]) -> tuple[str, ...]:
+    """The slots that a call as promised would not fill; one that no parameter takes by name is told by what comes of it."""
+    promised = [slot for slot in slots if slot.passed == "position"]
+    taken = [slot for slot in claims.values() if slot.passed == "position"]
+    in_order = [slot for slot in promised if slot in taken]
+    odd = [slot for slot in promised if slot not in taken]
+    odd += [slot for slot, other in zip(in_order, taken, strict=True) if slot is not other]
+    odd += [slot for own, slot in claims.items() if slot.passed in ("name", "option") and own != slot.name]
+    odd += [slot for slot in claims.values() if slot.passed == "spare"]
+    return tuple(slot.name for slot in odd if not slot.free)
