@@ -357,7 +357,7 @@ class Conversation:
                 self.deadly[path] = nothing
                 raise
             loaded = loaded_from(frame, path)
-            if (loaded.unreadable or loaded.stepped_over) and session.has_seen_data:
+            if loaded.was_mended and session.has_seen_data:
                 return self._load_alone(path)  # or it might tell data of an earlier question, which may be hidden
             session.loaded[path] = loaded
             self._answers.setdefault(("load", path), loaded)
@@ -397,6 +397,14 @@ class Conversation:
                 return path
         raise self._missing(name, home)
 
+    def misspelt(self, name: str) -> str:
+        """The name, a slip away, under which it is defined; empty where it has its own."""
+        return next((own for wanted, own in self.load(self.place_of(name)).misspelt if wanted == name), "")
+
+    def lent_to(self, name: str) -> tuple[str, ...]:
+        """What the definition of `name` uses and its file does not import."""
+        return tuple(lent for user, lent in self.load(self.place_of(name)).lent if user == name)
+
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
         """One line a file, which grows by each name that is found there: a notebook holds them all."""
         strays = self._strays.setdefault(path, {})
@@ -412,6 +420,12 @@ class Conversation:
         if path in self._noted:
             return
         self._noted.add(path)
+        for name, own in loaded.misspelt:
+            self.note(f"{printable(path, 120)} defines {printable(own, 60)}, which was taken for {name}")
+        if names := ", ".join(dict.fromkeys(name for _, name in loaded.lent)):
+            self.note(
+                f"{printable(path, 120)} uses {names}, which it does not import: lent to it, so that the rest counts"
+            )
         for first in loaded.stepped_over[:1]:
             did = _DID.get(first.how, "was stepped over")
             more = len(loaded.stepped_over) - 1

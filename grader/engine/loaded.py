@@ -69,19 +69,36 @@ class SteppedOver:
 
 @dataclass(frozen=True)
 class Loaded:
-    """One file: the required names that it defines, why it is no Python, if it is not, what of it was stepped over, and the whole
-    answer for what else a lab reads in it."""
+    """What one file told.
+
+    Attributes
+    ----------
+    names : the required names that it defines
+    unreadable : why it is no Python, if it is not
+    stepped_over : its statements that did not end well
+    lent : which of these names uses something that the file does not import, and what
+    misspelt : which of these names another one was taken for, and that name
+    frame : the whole answer, for what else a lab reads in it
+    """
 
     names: frozenset[str]
     unreadable: Fault | None
     stepped_over: tuple[SteppedOver, ...]
+    lent: tuple[tuple[str, str], ...]
+    misspelt: tuple[tuple[str, str], ...]
     frame: Frame
+
+    @property
+    def was_mended(self) -> bool:
+        """Whether anything in it had to be stepped over, or mended, before its definitions were there."""
+        return bool(self.unreadable or self.stepped_over or self.lent or self.misspelt)
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
     """The answer to `load`, of which other files' statements are left out."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
-    return Loaded(frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"]), own, frame)
+    lent, misspelt = (tuple((name, other) for name, other in frame.fields[key]) for key in ("lent", "misspelt"))
+    return Loaded(frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"]), own, lent, misspelt, frame)
 
 
 def overran(frame: Frame) -> list[SteppedOver]:

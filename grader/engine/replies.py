@@ -257,6 +257,8 @@ def _outline(answer: Answer) -> None:
 def _load(answer: Answer) -> None:
     answer.part("names", listed(short, _NAMES))
     answer.part("unreadable", maybe(fault))
+    answer.part("lent", listed(listed(short, 2, 2), _NAMES))
+    answer.part("misspelt", listed(listed(short, 2, 2), _NAMES))
     _run_script(answer)
 
 

@@ -16,11 +16,12 @@ import re
 import shlex
 import sys
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from . import drawing, faults, figures, gaps, newer, notebooks, packages, stepping, world
+from . import drawing, faults, figures, gaps, newer, notebooks, packages, spelling, stepping, world
+from .lending import Lending
 
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -39,6 +40,10 @@ class _State:
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
+        self.misspelt: dict[
+            str, list[tuple[str, str]]
+        ] = {}  # by file: what is asked for, and the name that it has there
+        self.lent: dict[str, list[tuple[str, str]]] = {}  # by file: who uses it, and what the file does not import
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
 
 
@@ -81,7 +86,8 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
     seen, arrays = figures.RECORDER.take(STATE.folder)
-    answer = {"names": STATE.stepper.defined(vars(module)) if module else []}
+    answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
+    answer |= {"lent": STATE.lent.get(path, []), "misspelt": STATE.misspelt.get(path, [])}
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 
 
@@ -256,7 +262,29 @@ def _import_file(path: str) -> types.ModuleType | None:
 def _run_file(path: str, names: dict[str, Any]) -> bool:
     """Run a file's statements among these names; whether it could be read, and each of them ended well."""
     _stand_in(path, names)  # what a file misspells, its own lines may call by the right name
-    return _run_text(Path(STATE.folder, path).read_bytes(), path, names)
+    return _run_text(Path(STATE.folder, path).read_bytes(), path, names, may_borrow=True)
+
+
+def _put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Give a file's definitions that are misspelt their right names; where these have stand-ins, the slips stand for them too."""
+    at_home = [name for name, home in STATE.homes.items() if f"{home}.py" == path]
+    for name, own in spelling.slips([unit.node for unit in units], at_home):
+        if name in STATE.standins:
+            names[own] = STATE.standins[name]
+        elif own in names:
+            names[name] = names[own]
+            yield name, own
+
+
+def _of_the_sheet(name: str) -> Any:
+    return STATE.sheet_names(STATE.furniture).get(name)
+
+
+def _of_a_partner(name: str) -> Any:
+    try:
+        return vars(importlib.import_module(STATE.homes[name])).get(name)
+    except Exception:  # a partner that was not handed in, or cannot be found under its name
+        return None
 
 
 def _unreadable(path: str) -> dict[str, Any] | None:
@@ -264,7 +292,7 @@ def _unreadable(path: str) -> dict[str, Any] | None:
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
-def _run_text(source: bytes, path: str, names: dict[str, Any], *, flags: int = 0) -> bool:
+def _run_text(source: bytes, path: str, names: dict[str, Any], *, flags: int = 0, may_borrow: bool = False) -> bool:
     known = len(STATE.stepper.noted)
     try:
         units = _compile(source, path, flags)
@@ -272,10 +300,17 @@ def _run_text(source: bytes, path: str, names: dict[str, Any], *, flags: int = 0
         STATE.unreadable[path] = faults.describe(refused)
         return False
 
+    lending = Lending(units if may_borrow else [], STATE.furniture.get("libraries", ()), STATE.stepper.wanted)
+
     def replace(node: ast.stmt) -> None:
         names.update({name: STATE.standins[name] for name in stepping.bound(node) if name in STATE.standins})
+        lending.after(node, names, _of_the_sheet)
 
+    lending.before(names, _of_the_sheet)
     STATE.stepper.run(units, path, names, replace)
+    lending.at_the_end(names, _of_a_partner)
+    STATE.lent.setdefault(path, lending.lent)
+    STATE.misspelt.setdefault(path, [*_put_right(path, units, names)] if may_borrow else [])
     return len(STATE.stepper.noted) == known
 
 

@@ -37,6 +37,7 @@ class Plotting(Conversation):
     def __init__(self, box: Box, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
         robot = self.robot = robot_of(truth)
         furniture = {"model": robot.xml, "model_file": robot.file, "imu": robot.imu, "sheet_model": lab.model}
+        furniture["libraries"] = ("mujoco", "np", "numpy", "plt")
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures
         super().__init__(box, lab, own, furniture=furniture, **limits)

@@ -11,7 +11,7 @@ from grader.engine.findings import Lost, Size, Skipped
 from grader.engine.traces import Traces
 
 from ..answers import KEYS, Collection
-from ..checks.parameters import as_on_the_sheet
+from ..checks.fitting import fits_in
 from ..compare import Array, deviation, told, vector
 from ..diagnosis import collection as diagnosis
 from ..diagnosis.collection import TRUE_WORLD, Story, Worlds
@@ -59,7 +59,7 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
     if len(set(sizes.values())) > 1:
         got = ", ".join(f"{key} has {n} rows" for key, n in sizes.items())
         raise Lost("arrays of the same length", got, mistakes=["wrong-return-type"])
-    as_on_the_sheet(series.departs, keeps=0.0)
+    fits_in(student, "simulate_and_collect", series.departs, keeps=0.0)
 
 
 _SHAPES = "a dictionary with 'time' (n,), 'acceleration' (n, 3), 'angular_velocity' (n, 3)"

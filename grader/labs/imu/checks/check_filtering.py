@@ -12,7 +12,7 @@ from grader.engine.findings import Fault, Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import FilterRun
-from grader.labs.imu.checks.parameters import as_on_the_sheet
+from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import Array, same, vector
 from grader.labs.imu.diagnosis import filter_outputs as outputs
 from grader.labs.imu.diagnosis import filtering as diagnosis
@@ -79,7 +79,8 @@ def check_follows_recursion(student: Student, truth: Traces) -> None:
     if not wrong:
         _in_sound_form(student, truth)
         _needs_no_alpha(student, truth)
-        as_on_the_sheet(next((run.departs for *_, run in _plain(student, truth) if run.departs), ()))
+        departs = next((run.departs for *_, run in _plain(student, truth) if run.departs), ())
+        fits_in(student, "LowPassFilter", departs)
         return
     alpha, x, y = wrong[0]
     wanted = alpha * x[1:] + (1 - alpha) * y[:-1]

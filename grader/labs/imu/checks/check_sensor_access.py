@@ -11,7 +11,7 @@ from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
-from grader.labs.imu.checks.parameters import as_on_the_sheet
+from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import Array, Deviation, deviation, told, vector
 from grader.labs.imu.diagnosis import handling
 from grader.labs.imu.diagnosis import reading as diagnosis
@@ -34,7 +34,7 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
         raise Lost(_FORM, got, mistakes=["wrong-return-type"])
     if got:
         raise Lost(_FORM, got, mistakes=["wrong-length"], belongs_to=_VALUES)
-    as_on_the_sheet(readings.departs, keeps=0.0, belongs_to=_PLACE)
+    fits_in(student, "get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
 
 
 _FORM = "a tuple of two arrays of shape (3,)"

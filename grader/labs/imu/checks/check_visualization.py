@@ -17,7 +17,7 @@ from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import handed_in
-from grader.labs.imu.checks.parameters import as_on_the_sheet
+from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.checks.plot_runs import (
     CHANNELS,
     Plot,
@@ -77,7 +77,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
     if not full:
         return _not_saved(student, truth, drawing)
     _nothing_is_overwritten(candidates(student, truth, drawing))
-    as_on_the_sheet(drawing.departs, keeps=0.0)
+    fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0)
     width, height = max((figure.size_px for figure in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"

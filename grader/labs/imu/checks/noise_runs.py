@@ -11,7 +11,7 @@ from grader.engine.findings import Lost, Raised, Unusable, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
-from grader.labs.imu.checks.parameters import as_on_the_sheet
+from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
@@ -49,7 +49,7 @@ def in_sound_form(student: Student, truth: Traces) -> None:
     run = judged(student, truth, "given")
     if run.odd:
         raise Lost(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
-    as_on_the_sheet(run.departs)
+    fits_in(student, "NoisyIMU", run.departs)
 
 
 def _is_whole(run: NoiseRun) -> bool:

@@ -1,0 +1,36 @@
+"""One charge for a definition that does not fit in as the sheet's does, and that all else is judged of as if it did."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from grader.engine.findings import Lost, Size
+from grader.ground.text import printable
+from grader.labs.imu.student import Student
+
+_PARAMETERS = (
+    "Give the function the parameters that it has on the sheet, by the same names and in the same order: whoever calls it "
+    "goes by these."
+)
+_IMPORTS = "Import at the top of each file what the file uses: by itself it stops with a NameError at the first use."
+
+
+def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_to: str = "") -> None:
+    """Charge what a definition needed in order to be called at all: its name, an import, or parameters that are the sheet's.
+
+    Parameters
+    ----------
+    departs : the sheet's names for the parameters by which it could not be called as the sheet does; nothing of the student's
+    """
+    if own := student.misspelt(name):
+        off = Size(f"a name that is not spelled as {name}")
+        raise Lost(
+            name, f"{printable(own, 60)}, which was taken for it", off=off, mistakes=["name-missing"], keeps=keeps
+        )
+    if lent := ", ".join(student.lent_to(name)):
+        off = Size(f"a file that uses {lent} without importing it")
+        raise Lost("a file that imports what it uses", f"{lent} without an import", off=off, keeps=keeps, hint=_IMPORTS)
+    if odd := ", ".join(departs):
+        got, off = f"others in place of, or beside, these: {odd}", Size(f"parameters that are not the sheet's: {odd}")
+        expected = "the sheet's parameters, under its names and in its order"
+        raise Lost(expected, got, off=off, keeps=keeps, hint=_PARAMETERS, belongs_to=belongs_to)
