@@ -12,8 +12,6 @@ from typing import Any
 
 from . import stepping
 
-Lender = Callable[[str], Any]
-"""Gives what a name stands for; None where nothing does."""
 _SETS_NAMES_BY_TEXT = ("exec", "globals", "vars", "locals", "setattr")
 
 
@@ -21,37 +19,45 @@ class Lending:
     """What one file may be lent, and when.
 
     A library is there from the beginning, or once the last star import is over, which may bring it along. What a partner defines
-    is there at the end alone: the partner may import this file.
+    is there once the last definition is, as the partner may import this file.
 
     Parameters
     ----------
     units : the file's statements
+    libraries : those of the sheet, by the names that it imports them under
     wanted : the names that are asked for, of which the partners define some, and one of which each loan is told of
+    lend : gives what a name stands for; None where nothing does
     """
 
-    def __init__(self, units: Sequence[stepping.Unit], libraries: Collection[str], wanted: Collection[str]) -> None:
-        self._nodes, self._wanted = [unit.node for unit in units], wanted
+    def __init__(
+        self,
+        units: Sequence[stepping.Unit],
+        libraries: Collection[str],
+        wanted: Collection[str],
+        lend: Callable[[str], Any],
+    ) -> None:
+        self._nodes, self._wanted, self._lend = [unit.node for unit in units], wanted, lend
         spoken_of = {name for unit in units for name in _names(unit.code)}
         at_top = {name for node in self._nodes for name in (*stepping.bound(node), *_imported(node))}
         missed = set() if spoken_of.intersection(_SETS_NAMES_BY_TEXT) else spoken_of - at_top
         self._libraries, self._partners = sorted(missed & set(libraries)), sorted(missed & set(wanted))
+        self._definitions = [node for node in self._nodes if isinstance(node, stepping.DEFINITIONS)]
         self._stars = [node for node in self._nodes if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]
         self.lent: list[tuple[str, str]] = []
 
-    def before(self, names: dict[str, Any], lend: Lender) -> None:
+    def before(self, names: dict[str, Any]) -> None:
         if not self._stars:
-            self._fill(self._libraries, names, lend)
+            self._fill(self._libraries, names)
 
-    def after(self, node: ast.stmt, names: dict[str, Any], lend: Lender) -> None:
+    def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
         if self._stars and node is self._stars[-1]:
-            self._fill(self._libraries, names, lend)
+            self._fill(self._libraries, names)
+        if self._definitions and node is self._definitions[-1]:
+            self._fill(self._partners, names)
 
-    def at_the_end(self, names: dict[str, Any], lend: Lender) -> None:
-        self._fill(self._partners, names, lend)
-
-    def _fill(self, missed: Sequence[str], names: dict[str, Any], lend: Lender) -> None:
+    def _fill(self, missed: Sequence[str], names: dict[str, Any]) -> None:
         for name in missed:
-            if name not in names and self._is_lacking(name) and (found := lend(name)) is not None:
+            if name not in names and self._is_lacking(name) and (found := self._lend(name)) is not None:
                 names[name] = found
                 self.lent.append((self._user_of(name), name))
 
@@ -61,9 +67,8 @@ class Lending:
 
     def _user_of(self, name: str) -> str:
         """The definition that it is told of: the first wanted one that uses it, or that may use another that does; else none."""
-        definitions = [node for node in self._nodes if isinstance(node, stepping.DEFINITIONS)]
-        using = [node.name for node in definitions if name in _used([node])]
-        wanted = [node.name for node in definitions if node.name in self._wanted]
+        using = [node.name for node in self._definitions if name in _used([node])]
+        wanted = [node.name for node in self._definitions if node.name in self._wanted]
         return next((user for user in wanted if user in using), wanted[0] if using and wanted else "")
 
 

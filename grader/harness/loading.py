@@ -276,11 +276,10 @@ def _put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> 
             yield name, own
 
 
-def _of_the_sheet(name: str) -> Any:
-    return STATE.sheet_names(STATE.furniture).get(name)
-
-
-def _of_a_partner(name: str) -> Any:
+def _lend(name: str) -> Any:
+    """A library of the sheet, or what a partner defines."""
+    if name not in STATE.homes:
+        return STATE.sheet_names(STATE.furniture).get(name)
     try:
         return vars(importlib.import_module(STATE.homes[name])).get(name)
     except Exception:  # a partner that was not handed in, or cannot be found under its name
@@ -300,15 +299,14 @@ def _run_text(source: bytes, path: str, names: dict[str, Any], *, flags: int = 0
         STATE.unreadable[path] = faults.describe(refused)
         return False
 
-    lending = Lending(units if may_borrow else [], STATE.furniture.get("libraries", ()), STATE.stepper.wanted)
+    lending = Lending(units if may_borrow else [], STATE.furniture.get("libraries", ()), STATE.stepper.wanted, _lend)
 
     def replace(node: ast.stmt) -> None:
         names.update({name: STATE.standins[name] for name in stepping.bound(node) if name in STATE.standins})
-        lending.after(node, names, _of_the_sheet)
+        lending.after(node, names)
 
-    lending.before(names, _of_the_sheet)
+    lending.before(names)
     STATE.stepper.run(units, path, names, replace)
-    lending.at_the_end(names, _of_a_partner)
     STATE.lent.setdefault(path, lending.lent)
     STATE.misspelt.setdefault(path, [*_put_right(path, units, names)] if may_borrow else [])
     return len(STATE.stepper.noted) == known

@@ -153,7 +153,7 @@ def filters(student: Student, truth: Traces) -> None:
     if all(diagnosis.runs_away(x, y) for x, y in runs):
         return
     _, run = _cases(student, truth).slow
-    if diagnosis.share_of_signal(_output(run), _SLOW_PERIOD) < _LEAST_SHARE and not _grain(student, truth):
+    if diagnosis.share_of_signal(_of_signal(run), _SLOW_PERIOD) < _LEAST_SHARE and not _grain(student, truth):
         raise Skipped("a filter whose output follows the measurements: a slow motion is not seen in what comes out")
 
 
@@ -166,7 +166,7 @@ def lets_constants_through(student: Student, truth: Traces) -> None:
     if all(diagnosis.obeys(x, _output(run), alpha, 1 - alpha) for alpha, x, run in _plain(student, truth)):
         return
     signal, run = _cases(student, truth).constant
-    if np.abs(_output(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[-1]).max():
+    if np.abs(_of_signal(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[-1]).max():
         raise Skipped("a filter that lets the signal through: of a constant nothing comes out")
 
 
@@ -425,6 +425,13 @@ def _plain(student: Student, truth: Traces) -> list[tuple[float, Array, FilterRu
 
 def _off(got: Array, wanted: Array) -> Size:
     return Size("the output is off", float(np.max(np.abs(got - wanted))))
+
+
+def _of_signal(run: FilterRun) -> Array:
+    """An output that may stop being finite for this signal alone: follows_recursion charges what does not obey it."""
+    if run.fault is None and run.output is not None and not run.odd and not np.isfinite(run.output).all():
+        raise Lost(_FORM, "NaN or infinity", mistakes=["not-finite"], belongs_to=_RECURSION)
+    return _output(run)
 
 
 def _output(run: FilterRun) -> Array:

@@ -34,6 +34,8 @@ from grader.labs.imu.diagnosis.plots import Channel, Panel
 from grader.labs.imu.student import Student
 
 _COMPARISON = "filtered_imu.png"
+_CURVES = "visualization.curves_match_data"
+"""This charges what another check sees as well."""
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
 _NONE_AS_GIVEN = (
@@ -152,10 +154,25 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
             unlabelled.append(_SENSOR_WORDS[sensor])
     missing = [_SENSOR_WORDS[s] for s in (0, 1) if not plot.of_sensor(s)]
     if missing and len(plot.panels) < 2:
-        raise Lost("a panel for each sensor", f"no panel with the {missing[0]}", mistakes=["curves-missing"], keeps=0.0)
+        raise Lost(
+            "a panel for each sensor",
+            f"no panel with the {missing[0]}",
+            mistakes=["curves-missing"],
+            belongs_to=_CURVES if _has_empty_panel(plot, _SENSOR_WORDS.index(missing[0])) else "",
+        )
     if unlabelled:
         got = f"nothing on the panel that says {' or '.join(unlabelled)}"
         raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
+
+
+def _has_empty_panel(plot: Plot, sensor: int) -> bool:
+    """Whether axes without a curve say that they are this sensor's."""
+    drawn = [panel.axes for panel in plot.panels]
+    return any(
+        sensor in labels.claims(axes.title) | labels.claims(axes.ylabel)
+        for axes in plot.figure.visible_axes
+        if axes not in drawn
+    )
 
 
 def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
