@@ -30,6 +30,7 @@ TESTS = (
     "tests/test_once.py",
     "tests/test_gaps.py",
     "tests/test_castings.py",
+    "tests/test_own_habits.py",
     "tests/test_returned_forms.py",
     "tests/test_unforeseen_habits.py",
     "tests/test_unforeseen_noise_filter.py",

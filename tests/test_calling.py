@@ -1,0 +1,169 @@
+"""How a function is called whose parameters are not the promised ones, and which slips of a file are mended."""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import Any
+
+import pytest
+
+from grader.harness import spelling, stepping
+from grader.harness.calling import Slot, way_of
+from grader.harness.lending import Lending
+
+SLOTS = (
+    Slot("model", re.compile("^m$")),
+    Slot("data", re.compile("^d$")),
+    Slot("size", re.compile("std|size"), "option"),
+    Slot("offset", re.compile("bias"), "name"),
+    Slot("place", re.compile("^id"), "spare", (int, type(None))),
+)
+VALUES = {"model": "M", "data": "D", "size": "S", "offset": "O", "place": "P"}
+
+
+def _as_promised(model, data, size=1, offset=0):
+    return model, data, size, offset  # type: ignore[no-untyped-def]
+
+
+def _any_words(first, second, *, size=1, offset=0):
+    return first, second, size, offset  # type: ignore[no-untyped-def]
+
+
+def _other_words(m, d, std=1, bias=0):
+    return m, d, std, bias  # type: ignore[no-untyped-def]
+
+
+def _other_order(data, model, size=1, offset=0):
+    return model, data, size, offset  # type: ignore[no-untyped-def]
+
+
+def _without_size(model, data, offset=0):
+    return model, data, "S", offset  # type: ignore[no-untyped-def]
+
+
+def _without_data(model, size=1, offset=0):
+    return model, "D", size, offset  # type: ignore[no-untyped-def]
+
+
+def _asks_for_more(model, data, idx, size=1, offset=0):
+    return model, data, size, offset, idx  # type: ignore[no-untyped-def]
+
+
+def _may_take_more(model, data, size=1, offset=0, idx=None):
+    return model, data, size, offset, idx  # type: ignore[no-untyped-def]
+
+
+def _means_another(model, data, size=1, offset=0, idx="x"):
+    return model, data, size, offset, idx  # type: ignore[no-untyped-def]
+
+
+def _by_position_alone(d, m, /, size=1, offset=0):
+    return m, d, size, offset  # type: ignore[no-untyped-def]
+
+
+def _whatever(*given, **named):
+    return *given, *named.values()  # type: ignore[no-untyped-def]
+
+
+CALLS: dict[Any, tuple[str, tuple[str, ...]]] = {
+    _as_promised: ("MDSO", ()),
+    _any_words: ("MDSO", ()),
+    _other_words: ("MDSO", ("size", "offset")),
+    _other_order: ("MDSO", ("model", "data")),
+    _without_size: ("MDSO", ()),  # what it makes of another size tells it
+    _without_data: ("MDSO", ("data",)),
+    _asks_for_more: ("MDSOP", ("place",)),
+    _may_take_more: ("MDSOP", ("place",)),
+    _means_another: ("MDSOx", ()),
+    _whatever: ("MDSO", ()),
+}
+
+
+@pytest.mark.parametrize("function", CALLS, ids=lambda function: function.__name__)
+def test_a_function_is_called_by_its_own_parameters(function: Any) -> None:
+    way = way_of(function, SLOTS)
+    came, departs = CALLS[function]
+    assert way(function, VALUES) == tuple(came)
+    assert way.departs == departs
+
+
+def test_what_only_position_tells_is_given_as_promised() -> None:
+    assert way_of(_by_position_alone, SLOTS)(_by_position_alone, VALUES) == ("D", "M", "S", "O")
+
+
+def test_what_nobody_can_give_raises_as_the_promised_call_does() -> None:
+    def function(model, data, secret):
+        return secret  # type: ignore[no-untyped-def]
+
+    way = way_of(function, SLOTS)
+    assert way.as_promised
+    with pytest.raises(TypeError):
+        way(function, VALUES)
+
+
+def test_a_name_that_no_parameter_has_raises_where_it_is_given() -> None:
+    way = way_of(_without_size, (*SLOTS, Slot("start", re.compile("init"), "name")))
+    assert way(_without_size, VALUES) == ("M", "D", "S", "O")
+    with pytest.raises(TypeError, match="start"):
+        way(_without_size, VALUES | {"start": 1})
+
+
+# --- what a file forgot --------------------------------------------------------------------------------------------------
+
+LIBRARIES = {"np": "numpy"}
+
+
+def _run(text: str, partner: str = "") -> Lending:
+    names: dict[str, Any] = {}
+    known = LIBRARIES | ({partner: "the partner's"} if partner else {})
+    units = stepping.units_of(ast.parse(text), "file.py")
+    lending = Lending(units, ["np"], ["Filter", "reader"], known.get)
+    lending.before(names)
+    for unit in units:
+        if not isinstance(unit.node, ast.ImportFrom):
+            exec(unit.code, names)
+        elif unit.node.module == "brings_it":
+            names["np"] = "brought along"
+        lending.after(unit.node, names)
+    return lending
+
+
+@pytest.mark.parametrize(
+    ("text", "lent"),
+    [
+        ("def reader(): return np", [("reader", "np")]),
+        ("def helper(): return np\ndef reader(): return helper()", [("reader", "np")]),
+        ("def helper(): return np", [("", "np")]),
+        ("x = np\ndef reader(): pass", [("", "np")]),
+        ("from a import *\ndef reader(): return np", [("reader", "np")]),
+        ("from brings_it import *\ndef reader(): return np", []),
+        ("np = 1\ndef reader(): return np", []),
+        ("def reader(np): return np", []),
+        ("def reader():\n    global np\n    np = 1", []),
+        ("def reader():\n    import numpy as np\n    return np", []),
+        ("def reader(x): return x.np", []),
+        ("exec('np = 1')\ndef reader(): return np", []),
+        ("class Filter:\n    def update(self): return reader()", [("Filter", "reader")]),
+        ("class Filter:\n    def update(self): return nobody()", []),
+    ],
+)
+def test_what_a_file_uses_and_binds_nowhere_is_lent(text: str, lent: list[tuple[str, str]]) -> None:
+    assert _run(text, partner="reader").lent == lent
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("class LowpassFilter: pass", [("LowPassFilter", "LowpassFilter")]),
+        ("class low_pass_filter: pass", [("LowPassFilter", "low_pass_filter")]),
+        ("class LowPassFiltr: pass", [("LowPassFilter", "LowPassFiltr")]),
+        ("class LowPass: pass", []),
+        ("class EMAFilter: pass", []),
+        ("def low_pass_filter(x): pass", []),
+        ("class LowpassFilter: pass\nclass LowPassFilter: pass", []),
+        ("class LowpassFilter: pass\nclass LowPassFilters: pass", []),
+    ],
+)
+def test_one_definition_a_slip_away_is_what_is_meant(text: str, found: list[tuple[str, str]]) -> None:
+    assert list(spelling.slips(ast.parse(text).body, ["LowPassFilter"])) == found

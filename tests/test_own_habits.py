@@ -1,0 +1,219 @@
+"""A forgotten import, a misspelt name, other parameters: each is one fault, whatever would fail for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+from grader.engine.results import Result
+from grader.intake import Submission
+from tests.corpus.pieces import tidy, verbatim
+from tests.corpus.writing import Files
+from tests.tapes import Marking
+
+READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
+Changes = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Slip:
+    """A submission with one fault: which checks lose how many points by it, by which names."""
+
+    name: str
+    files: Files
+    lost: dict[str, float]
+    named: tuple[str, ...] = ()
+
+
+def _changed(files: Files, path: str, changes: Changes) -> Files:
+    text = files[path]
+    for old, new in changes.items():
+        assert old in text, f"{path} holds no {old!r}"
+        text = text.replace(old, new)
+    return files | {path: text}
+
+
+def _renamed(files: Files, old: str, new: str) -> Files:
+    return {path: text.replace(old, new) if path.endswith(".py") else text for path, text in files.items()}
+
+
+NOISE, READ, RECURSION = "noise_model.noise_size", "sensor_access.returns_two_vectors", "filtering.follows_recursion"
+RECORD, PLOT = "data_collection.returns_named_arrays", "visualization.saves_image"
+
+PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
+    "standard deviations": (NOISY, {"accel_noise_std": "acc_std", "gyro_noise_std": "gyr_std"}, {NOISE: 3.0}, ()),
+    "sigma for each": (NOISY, {"accel_noise_std": "sigma_a", "gyro_noise_std": "sigma_g"}, {NOISE: 3.0}, ()),
+    "standard deviations in the code": (
+        NOISY,
+        {
+            "accel_noise_std=0.05, gyro_noise_std=0.005,": "",
+            "= accel_noise_std": "= 0.05",
+            "= gyro_noise_std": "= 0.005",
+        },
+        {NOISE: 6.0},
+        ("std-ignored",),
+    ),
+    "biases": (NOISY, {"accel_bias": "b_acc", "gyro_bias": "b_gyro"}, {NOISE: 3.0}, ()),
+    "no ids": (
+        NOISY,
+        {
+            "model, data, accel_id, gyro_id,": "model, data,",
+            "NoisyIMU(model, data, accel_id, gyro_id)": "NoisyIMU(model, data)",
+            "= accel_id": "= model.sensor('torso_accelerometer').id",
+            "= gyro_id": "= model.sensor('torso_gyroscope').id",
+        },
+        {NOISE: 3.0},
+        (),
+    ),
+    "smoothing": (
+        FILTER,
+        {
+            "alpha=0.1, initial_value=None": "smoothing=0.1, start=None",
+            "self.alpha = alpha": "self.alpha = smoothing",
+            "= initial_value": "= start",
+            "LowPassFilter(alpha=0.1)": "LowPassFilter(smoothing=0.1)",
+        },
+        {RECURSION: 3.0},
+        (),
+    ),
+    "the time between measurements": (
+        FILTER,
+        {"(self, measurement)": "(self, measurement, dt)", "update(noisy_accel)": "update(noisy_accel, 0.002)"},
+        {RECURSION: 3.0},
+        (),
+    ),
+    "the time between measurements, by default": (
+        FILTER, {"(self, measurement)": "(self, measurement, dt=0.002)"}, {}, (),
+    ),
+    "data first": (
+        READER,
+        {
+            "(model, data, accel_sensor_id, gyro_sensor_id)": "(data, model, accel_sensor_id, gyro_sensor_id)",
+            "get_imu_readings(model, data, accel_id": "get_imu_readings(data, model, accel_id",
+        },
+        {READ: 3.0},
+        (),
+    ),
+    "data alone": (
+        READER,
+        {
+            "(model, data, accel_sensor_id, gyro_sensor_id)": "(data, accel_sensor_id, gyro_sensor_id)",
+            "get_imu_readings(model, data, accel_id": "get_imu_readings(data, accel_id",
+        },
+        {"sensor_access.follows_address": 6.0},  # the model of another robot is not looked into
+        ("hard-coded-address",),
+    ),
+    "the duration first": (
+        READER,
+        {
+            "(model, data, duration_seconds=5.0)": "(duration_seconds, model, data)",
+            "(model, data, duration_seconds=3.0)": "(3.0, model, data)",
+        },
+        {RECORD: 3.0},
+        (),
+    ),
+    "a file name": (
+        READER,
+        {
+            "plot_imu_data(imu_data):": "plot_imu_data(imu_data, filename):",
+            "\nplot_imu_data(imu_data)": "\nplot_imu_data(imu_data, 'imu_data.png')",
+            "savefig('imu_data.png'": "savefig(filename",
+        },
+        {PLOT: 2.0},
+        (),
+    ),
+    "the series one by one": (
+        READER,
+        {
+            "plot_imu_data(imu_data):": "plot_imu_data(t, accel, gyro):\n"
+            "    imu_data = {'time': t, 'acceleration': accel, 'angular_velocity': gyro}",
+            "\nplot_imu_data(imu_data)": "\nplot_imu_data(*imu_data.values())",
+        },
+        {PLOT: 2.0},
+        (),
+    ),
+}  # fmt: skip
+FORGOTTEN: dict[str, tuple[str, str, dict[str, float]]] = {
+    "numpy": (READER, "import numpy as np\n", {RECORD: 3.0}),
+    "mujoco": (READER, "import mujoco\n", {RECORD: 3.0}),
+    "pyplot": (READER, "import matplotlib.pyplot as plt\n", {PLOT: 2.0}),
+    "the reader and all that comes with it": (NOISY, "from imu_reader import *\n", {NOISE: 3.0}),
+    "the noise model and all that comes with it": (FILTER, "from noisy_imu import *\n", {"visualization.comparison_plot": 4.0}),
+}  # fmt: skip
+MISSPELT = {
+    ("LowPassFilter", "LowpassFilter"): RECURSION,
+    ("NoisyIMU", "NoisyImu"): NOISE,
+    ("get_imu_readings", "get_imu_reading"): READ,
+    ("simulate_and_collect", "simulateAndCollect"): RECORD,
+}
+EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
+    "a filter that runs away": (FILTER, {"(1 - self.alpha) *": "(1 + self.alpha) *"}, {RECURSION: 6.0}, ("gain-not-one",)),
+    "a bias of four numbers where none is given": (
+        NOISY, {"normal(0, 0.1, 3)": "normal(0, 0.1, 4)"}, {"noise_model.default_bias": 3.0}, ("raises",),
+    ),
+}  # fmt: skip
+
+
+def _slips() -> Iterator[Slip]:
+    for name, (path, changes, lost, named) in (PARAMETERS | EDITED).items():
+        yield Slip(name, _changed(verbatim(), path, changes), lost, named)
+    for name, (path, line, lost) in FORGOTTEN.items():
+        named = ("comparison-missing",) if "comparison" in str(lost) else ()
+        yield Slip(f"forgotten: {name}", _changed(verbatim(), path, {line: ""}), lost, named)
+    yield Slip(
+        "forgotten: a partner", _changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}), {RECURSION: 3.0}
+    )
+    for (name, own), check in MISSPELT.items():
+        yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
+    yield Slip(
+        "curves of one sensor in no panel",
+        _changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),
+        {"visualization.curves_match_data": 2.5},
+        ("curves-missing",),
+    )
+    yield Slip(
+        "a division by the difference",
+        _changed(tidy(), FILTER, {"self.alpha * (x - self.state)": "self.alpha / (x - self.state)"}),
+        {RECURSION: 6.0},
+    )
+
+
+def _marked(player: Marking, files: Files) -> Result:
+    return player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+
+
+@pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)
+def test_it_costs_what_it_is_and_nothing_else(slip: Slip, player: Marking) -> None:
+    result = _marked(player, slip.files)
+    checks = [check for part in result.criteria for check in part.checks]
+    lost = {check.id: check.max_points - (check.points or 0.0) for check in checks if check.points != check.max_points}
+    assert lost == slip.lost
+    assert set(result.misconceptions) == set(slip.named)
+    assert [check.id for check in checks if check.id in lost and not check.hint and check.outcome != "skipped"] == []
+
+
+def test_another_word_for_a_function_is_not_its_name(player: Marking) -> None:
+    result = _marked(player, _renamed(verbatim(), "get_imu_readings", "read_imu"))
+    assert result.misconceptions == ("name-missing",)
+    assert [part.points for part in result.criteria] == [0.0, 20.0, 20.0, 20.0, 20.0]
+
+
+def test_what_was_lent_is_noted(player: Marking) -> None:
+    notes = _marked(player, _changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
+    assert "imu_reader.py uses np, which it does not import: lent to it, so that the rest counts" in notes
+
+
+BORROWED_ON_PURPOSE = {
+    "by text": 'exec("import numpy as np")\n',
+    "another way": "import numpy\nnp = numpy\n",
+    "from pylab": "from pylab import *\n",
+    "or nothing": "try:\n    import numpy as np\nexcept ImportError:\n    np = None\n",
+}
+
+
+@pytest.mark.parametrize("line", BORROWED_ON_PURPOSE.values(), ids=BORROWED_ON_PURPOSE)
+def test_a_name_that_comes_by_another_way_is_not_forgotten(line: str, player: Marking) -> None:
+    result = _marked(player, _changed(verbatim(), READER, {"import numpy as np\n": line}))
+    assert (result.score, result.notes) == (100.0, ())
