@@ -158,7 +158,11 @@ def _settled(*judged: tuple[str, float, str]) -> dict[str, float]:
     examination = Examination.__new__(Examination)
     examination.judgements = {
         id_: Judgement(
-            Check(id_, id_, None), Told("passed" if keeps == 1 else "failed", keeps, ""), "", 0.0, belongs_to=other
+            Check(id_, id_, None),
+            Told("passed" if keeps == 1 else "failed", keeps, ""),
+            "",
+            0.0,
+            belongs_to=tuple(other.split()),
         )
         for id_, keeps, other in judged
     }
@@ -170,5 +174,6 @@ def _settled(*judged: tuple[str, float, str]) -> dict[str, float]:
 def test_a_check_keeps_its_points_only_where_the_one_that_it_belongs_to_is_lost() -> None:
     assert _settled(("a", 0.0, ""), ("b", 0.5, "a")) == {"a": 0.0, "b": 1.0}
     assert _settled(("a", 1.0, ""), ("b", 0.5, "a")) == {"a": 1.0, "b": 0.5}
-    assert _settled(("b", 0.5, "never asked")) == {"b": 0.5}
+    assert _settled(("b", 0.5, "never-asked")) == {"b": 0.5}
+    assert _settled(("a", 1.0, ""), ("c", 0.0, ""), ("b", 0.5, "a c")) == {"a": 1.0, "c": 0.0, "b": 1.0}
     assert _settled(("a", 0.0, "b"), ("b", 0.5, "")) == {"a": 1.0, "b": 0.5}

@@ -42,9 +42,11 @@ def _renamed(files: Files, old: str, new: str) -> Files:
 NOISE, READ, RECURSION = "noise_model.noise_size", "sensor_access.returns_two_vectors", "filtering.follows_recursion"
 RECORD, PLOT = "data_collection.returns_named_arrays", "visualization.saves_image"
 
+OTHER, FORGOT = ("other-parameters",), ("import-missing",)
+
 PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
-    "standard deviations": (NOISY, {"accel_noise_std": "acc_std", "gyro_noise_std": "gyr_std"}, {NOISE: 3.0}, ()),
-    "sigma for each": (NOISY, {"accel_noise_std": "sigma_a", "gyro_noise_std": "sigma_g"}, {NOISE: 3.0}, ()),
+    "standard deviations": (NOISY, {"accel_noise_std": "acc_std", "gyro_noise_std": "gyr_std"}, {NOISE: 3.0}, OTHER),
+    "sigma for each": (NOISY, {"accel_noise_std": "sigma_a", "gyro_noise_std": "sigma_g"}, {NOISE: 3.0}, OTHER),
     "standard deviations in the code": (
         NOISY,
         {
@@ -55,7 +57,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {NOISE: 6.0},
         ("std-ignored",),
     ),
-    "biases": (NOISY, {"accel_bias": "b_acc", "gyro_bias": "b_gyro"}, {NOISE: 3.0}, ()),
+    "biases": (NOISY, {"accel_bias": "b_acc", "gyro_bias": "b_gyro"}, {NOISE: 3.0}, OTHER),
     "no ids": (
         NOISY,
         {
@@ -65,7 +67,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "= gyro_id": "= model.sensor('torso_gyroscope').id",
         },
         {NOISE: 3.0},
-        (),
+        OTHER,
     ),
     "smoothing": (
         FILTER,
@@ -76,13 +78,13 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "LowPassFilter(alpha=0.1)": "LowPassFilter(smoothing=0.1)",
         },
         {RECURSION: 3.0},
-        (),
+        OTHER,
     ),
     "the time between measurements": (
         FILTER,
         {"(self, measurement)": "(self, measurement, dt)", "update(noisy_accel)": "update(noisy_accel, 0.002)"},
         {RECURSION: 3.0},
-        (),
+        OTHER,
     ),
     "the time between measurements, by default": (
         FILTER, {"(self, measurement)": "(self, measurement, dt=0.002)"}, {}, (),
@@ -94,7 +96,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "get_imu_readings(model, data, accel_id": "get_imu_readings(data, model, accel_id",
         },
         {READ: 3.0},
-        (),
+        OTHER,
     ),
     "data alone": (
         READER,
@@ -112,7 +114,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "(model, data, duration_seconds=3.0)": "(3.0, model, data)",
         },
         {RECORD: 3.0},
-        (),
+        OTHER,
     ),
     "a file name": (
         READER,
@@ -122,7 +124,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "savefig('imu_data.png'": "savefig(filename",
         },
         {PLOT: 2.0},
-        (),
+        OTHER,
     ),
     "the series one by one": (
         READER,
@@ -132,7 +134,7 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "\nplot_imu_data(imu_data)": "\nplot_imu_data(*imu_data.values())",
         },
         {PLOT: 2.0},
-        (),
+        OTHER,
     ),
 }  # fmt: skip
 FORGOTTEN: dict[str, tuple[str, str, dict[str, float]]] = {
@@ -160,10 +162,13 @@ def _slips() -> Iterator[Slip]:
     for name, (path, changes, lost, named) in (PARAMETERS | EDITED).items():
         yield Slip(name, _changed(verbatim(), path, changes), lost, named)
     for name, (path, line, lost) in FORGOTTEN.items():
-        named = ("comparison-missing",) if "comparison" in str(lost) else ()
+        named = ("comparison-missing",) if "comparison" in str(lost) else FORGOT
         yield Slip(f"forgotten: {name}", _changed(verbatim(), path, {line: ""}), lost, named)
     yield Slip(
-        "forgotten: a partner", _changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}), {RECURSION: 3.0}
+        "forgotten: a partner",
+        _changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}),
+        {RECURSION: 3.0},
+        FORGOT,
     )
     for (name, own), check in MISSPELT.items():
         yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))

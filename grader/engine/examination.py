@@ -41,8 +41,8 @@ from grader.ground.text import printable
 class Judgement:
     """How one check ended; `told` is None where the grader failed to judge.
 
-    `ours` tells whether it failed for a reason that no answer can have: the box or the request; `belongs_to` is the check that
-    charges the same fault, if there is one.
+    `ours` tells whether it failed for a reason that no answer can have: the box or the request; `belongs_to` are the checks
+    of which one may charge the same fault.
     """
 
     check: Check
@@ -50,7 +50,7 @@ class Judgement:
     trouble: str
     duration_s: float
     ours: bool = False
-    belongs_to: str = ""
+    belongs_to: tuple[str, ...] = ()
 
     @property
     def lost(self) -> bool:
@@ -129,7 +129,7 @@ class Examination:
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
-        belongs_to = ended.belongs_to if isinstance(ended, Lost) else ""
+        belongs_to = ended.belongs_to if isinstance(ended, Lost) else ()
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
 
     def _told(self, finding: BaseException, earlier: str | None) -> Told:
@@ -143,9 +143,9 @@ class Examination:
         """Charge each fault once: a check that is lost by the fault of another lost one keeps its points, and says so."""
         judged = dict(self.judgements)
         for id_, each in judged.items():
-            other = judged.get(each.belongs_to)
-            if each.lost and other is not None and other.lost:
-                self.judgements[id_] = replace(each, told=charged_with(other.check.title))
+            charging = [judged[other] for other in each.belongs_to if other in judged and judged[other].lost]
+            if each.lost and charging:
+                self.judgements[id_] = replace(each, told=charged_with(charging[0].check.title))
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""

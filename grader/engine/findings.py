@@ -98,7 +98,7 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
     keeps : share of the points that is earned all the same, 0 to 1
     hint : words for `Try` where the measurement says more than the names of the mistakes, or names none
     off : the size of the error, which is said in place of the data where the scenario is hidden
-    belongs_to : id of the check that charges the same fault: where that one is lost, this one keeps its points
+    belongs_to : id of the check that charges the same fault, or of several: where one is lost, this one keeps its points
     fault : the exception that it came of, which says where
     """
 
@@ -111,11 +111,12 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
         keeps: float = 0.0,
         hint: str = "",
         off: Size | None = None,
-        belongs_to: str = "",
+        belongs_to: str | tuple[str, ...] = "",
         fault: Fault | None = None,
     ) -> None:
         super().__init__(f"expected {expected}; got {got}")
-        self.expected, self.got, self.off, self.belongs_to = expected, got, off, belongs_to
+        self.expected, self.got, self.off = expected, got, off
+        self.belongs_to = (belongs_to,) if isinstance(belongs_to, str) else belongs_to
         self.mistakes, self.keeps, self.hint = tuple(mistakes), keeps, hint
         self.where = fault.at if fault else None
 

@@ -48,6 +48,8 @@ FILE_FAULTS = [
     Faulty("noise-with-python-2-print", "does-not-import", "noise_model", edit(looping(), "noisy_imu.py", ('    print("noisy reading:", *imu.read())', '    print "noisy reading:", imu.read()'))),
     Faulty("filter-with-mixed-indentation", "does-not-import", "filtering", edit(listy(), "filters.py", ("        self.alpha = alpha\n", "\tself.alpha = alpha\n"))),
     Faulty("noise-imports-what-is-not-there", "missing-package", "noise_model", edit(tidy(), "noisy_imu.py", ("import mujoco\n", "import mujoco\nimport pymavlink\n"), ("    def read(self):\n", "    def read(self):\n        pymavlink.wait()\n"))),
+    Faulty("noise-forgets-numpy", "import-missing", "noise_model", edit(tidy(), "noisy_imu.py", ("import numpy as np\n", ""))),
+    Faulty("filter-asks-for-the-time-step", "other-parameters", "filtering", edit(tidy(), "filters.py", ("def update(self, measurement):", "def update(self, measurement, dt):"), ("low_pass.update(", "low_pass.update(dt=0.002, measurement="))),
     Faulty("filter-raises-at-import", "does-not-import", "filtering", edit(tidy(), "filters.py", ("class LowPassFilter:\n", "class LowPassFilter:\n    SETTINGS = open('settings.json').read()\n"))),
     Faulty("noise-loops-at-import", "never-returns", "noise_model", edit(tidy(), "noisy_imu.py", ("class NoisyIMU:\n", "class NoisyIMU:\n    while True:\n        pass\n"))),
     Faulty("noise-exits-at-import", "kills-its-process", "noise_model", edit(listy(), "noisy_imu.py", ("class NoisyIMU:\n", "class NoisyIMU:\n    import os\n\n    os._exit(0)\n"))),

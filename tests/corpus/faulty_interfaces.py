@@ -30,7 +30,7 @@ INTERFACE_FAULTS = [
             f"(lambda reading: (reading['a'], reading['g']))({_CALL})"),
     _reader("everyone-expects-six-numbers", "wrong-length", _IDS, f"{_ADDRESSES}return np.concatenate([{_SLICES}])",
             f"np.split({_CALL}, 2)", also=("wrong-return-type",)),
-    _reader("everyone-gives-the-data-first", "raises", "data, model, accel_sensor_id, gyro_sensor_id", f"{_ADDRESSES}return {_SLICES}",
+    _reader("everyone-gives-the-data-first", "other-parameters", "data, model, accel_sensor_id, gyro_sensor_id", f"{_ADDRESSES}return {_SLICES}",
             "get_imu_readings(data, model, accel_id, gyro_id)"),
     _reader("everyone-gives-addresses", "sensor-id-as-address", "model, data, a, g", f"return {_SLICES}",
             "get_imu_readings(model, data, model.sensor_adr[accel_id], model.sensor_adr[gyro_id])"),
@@ -38,9 +38,9 @@ INTERFACE_FAULTS = [
             "a, g = (mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in (accel_name, gyro_name))\n"
             "a, g = model.sensor_adr[a], model.sensor_adr[g]\n" f"return {_SLICES}",
             "get_imu_readings(model, data, model.sensor(accel_id).name, model.sensor(gyro_id).name)"),
-    _reader("everyone-gives-no-ids", "raises", "model, data",
+    _reader("everyone-gives-no-ids", "hard-coded-address", "model, data",
             "return data.sensor('torso_accelerometer').data.copy(), data.sensor('torso_gyroscope').data.copy()",
             "get_imu_readings(model, data)"),
-    _reader("everyone-gives-no-ids-and-the-first-sensors-are-read", "raises", "model, data",
+    _reader("everyone-gives-no-ids-and-the-first-sensors-are-read", "hard-coded-address", "model, data",
             "return data.sensordata[0:3].copy(), data.sensordata[3:6].copy()", "get_imu_readings(model, data)"),
 ]  # fmt: skip

@@ -21,6 +21,7 @@ import yaml
 
 from grader.engine.conversation import Missing
 from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.loaded import Loaded
 from grader.engine.traces import Traces
 from grader.harness import loading, world
 from grader.labs.imu import bundles
@@ -43,7 +44,10 @@ def truth() -> Traces:
 
 
 class Made(Student):
-    """A student made of functions and classes, by the names that the lab asks for."""
+    """A student made of functions and classes, by the names that the lab asks for; `lent` and `misspelt_as` as of `Loaded`."""
+
+    lent: tuple[tuple[str, str], ...] = ()
+    misspelt_as: tuple[tuple[str, str], ...] = ()
 
     def __init__(self, **parts: Any) -> None:
         self.parts, self.robot = parts, robot_of(truth())
@@ -55,6 +59,9 @@ class Made(Student):
         if name not in self.parts:
             raise Missing(name, "name-missing", f"nobody made {name}")
         return name
+
+    def load(self, path: str) -> Loaded:
+        return Loaded(frozenset([path]), None, (), self.lent, self.misspelt_as, Frame({}))
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
         if key not in self._answers:
@@ -131,7 +138,7 @@ def words(found: BaseException | None) -> dict[str, str]:
     if isinstance(found, Lost):
         told = {
             "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint,
-            "belongs to": found.belongs_to,
+            "belongs to": " or ".join(found.belongs_to),
         }  # fmt: skip
         return {key: text for key, text in told.items() if text}
     return {} if found is None else {type(found).__name__.lower(): str(found)}

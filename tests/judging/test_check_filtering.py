@@ -213,8 +213,32 @@ HALF = of(next=lambda s, x, y: 0.5 * (s.alpha * x + (1 - s.alpha) * y), first=la
 ALPHA_SWAPPED = of(next=lambda s, x, y: (1 - s.alpha) * x + s.alpha * y)
 FASTER = of(next=lambda s, x, y: s.alpha**0.5 * x + (1 - s.alpha**0.5) * y)
 
-CASES = [
-    Case(name, check, lambda kind=kind: Made(LowPassFilter=kind), marked)  # type: ignore[misc]
+
+class Forgetful(Made):
+    lent = (("LowPassFilter", "np"),)
+
+
+class Misspelt(Made):
+    misspelt_as = (("LowPassFilter", "LowpassFilter"),)
+
+
+class AsksForTime(Sound):
+    def update(self, measurement: np.ndarray, dt: float) -> Any:  # type: ignore[override]
+        return super().update(measurement)
+
+
+def _other_names(self: Any, smoothing: float = 0.1, start: Any = None) -> None:
+    Sound.__init__(self, smoothing, start)
+
+
+FITTING = [
+    Case("an import is missing", RECURSION, lambda: Forgetful(LowPassFilter=Sound), (0.5, ["import-missing"])),
+    Case("a slip in the name", RECURSION, lambda: Misspelt(LowPassFilter=Sound), (0.5, ["name-missing"])),
+    Case("asks for the time", RECURSION, lambda: Made(LowPassFilter=AsksForTime), (0.5, ["other-parameters"])),
+    Case("other names", RECURSION, lambda: Made(LowPassFilter=of(__init__=_other_names)), (0.5, ["other-parameters"])),
+]
+CASES = FITTING + [
+    Case(name, check, lambda kind=kind: Made(LowPassFilter=type("Fresh", (kind,), {})), marked)  # type: ignore[misc]
     for check, rows in {
         RECURSION: [
             ("sound", Sound, None),

@@ -36,7 +36,7 @@ class Plotted(Made):
         self, drawing: Drawing, scripts: tuple[Drawing, ...] = (), pictures: Mapping[str, Picture | None] | None = None,
         broken: tuple[str, ...] = (),
     ) -> None:  # fmt: skip
-        super().__init__()
+        super().__init__(plot_imu_data=None)
         self._drawing, self._scripts, self._pictures, self.broken = drawing, scripts, pictures or {}, set(broken)  # type: ignore[assignment, misc]
 
     def plot(self, *_: Any, **__: Any) -> Drawing:

@@ -33,7 +33,7 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
     if "dictionary" in got or "object" in got:
         raise Lost(_FORM, got, mistakes=["wrong-return-type"])
     if got:
-        raise Lost(_FORM, got, mistakes=["wrong-length"], belongs_to=_VALUES)
+        raise Lost(_FORM, got, mistakes=["wrong-length"], belongs_to=(_VALUES, _PLACE))
     fits_in(student, "get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
 
 

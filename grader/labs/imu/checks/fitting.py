@@ -8,12 +8,6 @@ from grader.engine.findings import Lost, Size
 from grader.ground.text import printable
 from grader.labs.imu.student import Student
 
-_PARAMETERS = (
-    "Give the function the parameters that it has on the sheet, by the same names and in the same order: whoever calls it "
-    "goes by these."
-)
-_IMPORTS = "Import at the top of each file what the file uses: by itself it stops with a NameError at the first use."
-
 
 def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_to: str = "") -> None:
     """Charge what a definition needed in order to be called at all: its name, an import, or parameters that are the sheet's.
@@ -29,8 +23,14 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
         )
     if lent := ", ".join(student.lent_to(name)):
         off = Size(f"a file that uses {lent} without importing it")
-        raise Lost("a file that imports what it uses", f"{lent} without an import", off=off, keeps=keeps, hint=_IMPORTS)
+        raise Lost(
+            "a file that imports what it uses",
+            f"{lent} without an import",
+            off=off,
+            mistakes=["import-missing"],
+            keeps=keeps,
+        )
     if odd := ", ".join(departs):
         got, off = f"others in place of, or beside, these: {odd}", Size(f"parameters that are not the sheet's: {odd}")
         expected = "the sheet's parameters, under its names and in its order"
-        raise Lost(expected, got, off=off, keeps=keeps, hint=_PARAMETERS, belongs_to=belongs_to)
+        raise Lost(expected, got, off=off, mistakes=["other-parameters"], keeps=keeps, belongs_to=belongs_to)
