@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -183,6 +184,36 @@ def _slips() -> Iterator[Slip]:
         _changed(tidy(), FILTER, {"self.alpha * (x - self.state)": "self.alpha / (x - self.state)"}),
         {RECURSION: 6.0},
     )
+
+
+def _notebook(*cells: str) -> Files:
+    told = [
+        {"cell_type": "code", "source": cell, "metadata": {}, "outputs": [], "execution_count": None} for cell in cells
+    ]
+    return {"lab.ipynb": json.dumps({"cells": told, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})}
+
+
+SHEET = "\n\n".join(
+    "\n".join(line for line in str(verbatim()[name]).splitlines() if not line.startswith("from "))
+    for name in (READER, NOISY, FILTER)
+)
+IMPORTS = "import numpy as np\n", "import matplotlib.pyplot as plt\n"
+BARE = SHEET.replace(IMPORTS[0], "").replace(IMPORTS[1], "")
+
+
+@pytest.mark.parametrize(
+    ("cells", "lost"),
+    [
+        ((*IMPORTS, BARE), {}),
+        (("%pylab inline", BARE), {}),
+        ((IMPORTS[1], BARE), {RECORD: 3.0}),
+        ((IMPORTS[0], BARE), {PLOT: 2.0}),
+    ],
+    ids=["imports in cells of their own", "pylab", "no numpy", "no pyplot"],
+)
+def test_the_cells_of_a_notebook_are_one_file(cells: tuple[str, ...], lost: dict[str, float], player: Marking) -> None:
+    checks = [check for part in _marked(player, _notebook(*cells)).criteria for check in part.checks]
+    assert {c.id: c.max_points - (c.points or 0.0) for c in checks if c.points != c.max_points} == lost
 
 
 def _marked(player: Marking, files: Files) -> Result:

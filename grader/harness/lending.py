@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Collection, Iterator, Sequence
+from inspect import CO_COROUTINE
 from types import CodeType
 from typing import Any
 
 from . import stepping
 
-_SETS_NAMES_BY_TEXT = ("exec", "globals", "vars", "locals", "setattr")
+_BRING_NAMES = ("exec", "globals", "vars", "locals", "setattr", "get_ipython")  # unseen; so may a cell that waits
 
 
 class Lending:
-    """What one file may be lent, and when.
+    """What one file or notebook may be lent, and when.
 
     A library is there from the beginning, or once the last star import is over, which may bring it along. What a partner defines
     is there once the last definition is, as the partner may import this file.
@@ -39,7 +40,8 @@ class Lending:
         self._nodes, self._wanted, self._lend = [unit.node for unit in units], wanted, lend
         spoken_of = {name for unit in units for name in _names(unit.code)}
         at_top = {name for node in self._nodes for name in (*stepping.bound(node), *_imported(node))}
-        missed = set() if spoken_of.intersection(_SETS_NAMES_BY_TEXT) else spoken_of - at_top
+        unsure = spoken_of.intersection(_BRING_NAMES) or any(unit.code.co_flags & CO_COROUTINE for unit in units)
+        missed = set() if unsure else spoken_of - at_top
         self._libraries, self._partners = sorted(missed & set(libraries)), sorted(missed & set(wanted))
         self._definitions = [node for node in self._nodes if isinstance(node, stepping.DEFINITIONS)]
         self._stars = [node for node in self._nodes if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]

@@ -262,7 +262,13 @@ def _import_file(path: str) -> types.ModuleType | None:
 def _run_file(path: str, names: dict[str, Any]) -> bool:
     """Run a file's statements among these names; whether it could be read, and each of them ended well."""
     _stand_in(path, names)  # what a file misspells, its own lines may call by the right name
-    return _run_text(Path(STATE.folder, path).read_bytes(), path, names, may_borrow=True)
+    units = _units_in(Path(STATE.folder, path).read_bytes(), path)
+    if units is None:
+        return False
+    known = len(STATE.stepper.noted)
+    _run_units(units, path, names, _lending_to(path, units, names))
+    STATE.misspelt.setdefault(path, [*_put_right(path, units, names)])
+    return len(STATE.stepper.noted) == known
 
 
 def _put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -291,25 +297,28 @@ def _unreadable(path: str) -> dict[str, Any] | None:
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
-def _run_text(source: bytes, path: str, names: dict[str, Any], *, flags: int = 0, may_borrow: bool = False) -> bool:
-    known = len(STATE.stepper.noted)
+def _units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit] | None:
+    """The statements of a file or a cell; None where it is no Python, which is kept in mind."""
     try:
-        units = _compile(source, path, flags)
+        return _compile(source, path, flags)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
         STATE.unreadable[path] = faults.describe(refused)
-        return False
+        return None
 
-    lending = Lending(units if may_borrow else [], STATE.furniture.get("libraries", ()), STATE.stepper.wanted, _lend)
 
-    def replace(node: ast.stmt) -> None:
+def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], lending: Lending) -> None:
+    def after(node: ast.stmt) -> None:
         names.update({name: STATE.standins[name] for name in stepping.bound(node) if name in STATE.standins})
         lending.after(node, names)
 
+    STATE.stepper.run(units, path, names, after)
+
+
+def _lending_to(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Lending:
+    lending = Lending(units, STATE.furniture.get("libraries", ()), STATE.stepper.wanted, _lend)
     lending.before(names)
-    STATE.stepper.run(units, path, names, replace)
     STATE.lent.setdefault(path, lending.lent)
-    STATE.misspelt.setdefault(path, [*_put_right(path, units, names)] if may_borrow else [])
-    return len(STATE.stepper.noted) == known
+    return lending
 
 
 # --- compiling -----------------------------------------------------------------------------------------------------------
@@ -380,9 +389,13 @@ def _run_notebook(path: str) -> types.ModuleType:
 
 
 def _run_cells(path: str, names: dict[str, Any]) -> None:
+    cells: dict[str, list[stepping.Unit]] = {}
     for number, source in enumerate(_cells(path), start=1):
-        text = source.encode("utf-8", "replace")
-        _run_text(text, f"{path}:cell {number}", names, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
+        text, name = source.encode("utf-8", "replace"), f"{path}:cell {number}"
+        cells[name] = _units_in(text, name, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT) or []
+    lending = _lending_to(path, [unit for units in cells.values() for unit in units], names)
+    for name, units in cells.items():
+        _run_units(units, name, names, lending)
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:

@@ -102,6 +102,8 @@ def _plain_line(line: str) -> str:
         return indent + (start[timed.end() :] or "pass")
     if start.startswith("%run "):
         return f"{indent}get_ipython().run_line_magic('run', {start.removeprefix('%run ')!r})"
+    if start.startswith("%pylab"):
+        return f"{indent}from pylab import *"
     if start.startswith(("%", "!")) or start.rstrip().endswith("?") or start.startswith("?"):
         return f"{indent}pass"
     assigned = _SHELL_ASSIGNMENT.match(line)
