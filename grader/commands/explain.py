@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
@@ -39,10 +40,10 @@ def explain(
 
 def _show_markdown(text: str) -> None:
     """Set on a terminal, as it is in a pipe."""
-    screen = console()
-    if screen.is_terminal:
+    if sys.stdout.isatty():  # rich itself takes longer to import than all else that is done here
         from rich.markdown import Markdown  # noqa: PLC0415
 
+        screen = console()
         screen.print(Markdown(text), width=min(screen.width, 100))
     else:
         print(text, end="")

@@ -8,10 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
+from typing import TYPE_CHECKING
 
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
 from grader.ground.text import printable
-from grader.people.standing import Standing
+
+if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
+    from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
+    from grader.people.standing import Standing
 
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120
