@@ -12,8 +12,9 @@ import pytest
 
 from grader import cli
 from grader.course import classroom
+from grader.course.database import FILE_NAME
 from grader.course.pool import Bounds, OpenMarker
-from grader.course.record import FILE_NAME, Store
+from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
 from grader.sandbox.rungs import RUNGS

@@ -14,9 +14,10 @@ from pathlib import Path
 import pytest
 
 from grader import cli
+from grader.course.database import FILE_NAME
 from grader.course.groups import groups
 from grader.course.kept import LARGEST, pack, unpack
-from grader.course.record import FILE_NAME, Store
+from grader.course.record import Store
 from grader.desk.cliques import Clique, cliques
 from grader.desk.looks import looks
 from grader.engine import rubric

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from grader import cli
-from grader.course.record import FILE_NAME, Key, Store
+from grader.course.database import FILE_NAME
+from grader.course.record import Key, Store
 from grader.ground.errors import RequestError
 from tests.made_up import check, lost, result
 

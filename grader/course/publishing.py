@@ -14,7 +14,8 @@ from pathlib import Path
 from types import TracebackType
 
 from grader import __version__
-from grader.course.record import FILE_NAME, Store, charts
+from grader.course.database import FILE_NAME
+from grader.course.record import Store, charts
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue

@@ -1,0 +1,208 @@
+"""The SQLite file of a class: its layout and what older ones had, how it is opened, and one line for whatever refuses."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Any, TypeVar
+
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+
+T = TypeVar("T")
+D = TypeVar("D", bound="Database")
+
+FILE_NAME = "results.sqlite"
+SCHEMA_VERSION = 3
+_APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
+_TABLES = """
+CREATE TABLE IF NOT EXISTS results (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    submission_sha256 TEXT NOT NULL,
+    rubric_sha256 TEXT NOT NULL,
+    traces_sha256 TEXT NOT NULL,
+    grader TEXT NOT NULL,
+    status TEXT NOT NULL,
+    record TEXT NOT NULL,
+    charts BLOB NOT NULL,
+    fingerprint BLOB NOT NULL,
+    UNIQUE (id, submission_sha256, rubric_sha256, traces_sha256, grader)
+);
+CREATE TABLE IF NOT EXISTS class (id TEXT PRIMARY KEY, seq INTEGER NOT NULL REFERENCES results (seq));
+CREATE TABLE IF NOT EXISTS hand_ins (id TEXT PRIMARY KEY, record TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS adjustments (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    criterion TEXT NOT NULL,
+    points REAL,
+    comment TEXT NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL,
+    beneath TEXT NOT NULL
+);
+CREATE TABLE IF NOT EXISTS pages (id TEXT PRIMARY KEY, digest TEXT NOT NULL);
+"""
+_SINCE_3 = """
+CREATE {temp} TABLE files (submission_sha256 TEXT PRIMARY KEY, packed BLOB NOT NULL);
+CREATE {temp} TABLE told (kind TEXT NOT NULL, line TEXT NOT NULL);
+CREATE {temp} TABLE decisions (number INTEGER PRIMARY KEY, what TEXT NOT NULL, author TEXT NOT NULL, at TEXT NOT NULL);
+CREATE {temp} TABLE ticks (
+    seq INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    reason TEXT NOT NULL,
+    about TEXT NOT NULL,
+    done INTEGER NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL
+);
+CREATE {temp} TABLE appeals (
+    number INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    about TEXT NOT NULL,
+    text TEXT NOT NULL,
+    at TEXT NOT NULL,
+    answer TEXT NOT NULL DEFAULT '',
+    author TEXT NOT NULL DEFAULT '',
+    answered TEXT NOT NULL DEFAULT '',
+    UNIQUE (id, about, text)
+);
+"""
+_WIDER = """
+ALTER TABLE adjustments ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE adjustments ADD COLUMN decision INTEGER NOT NULL DEFAULT 0;
+"""
+_SEEN_AS_3 = "CREATE TEMP VIEW adjustments AS SELECT *, 0 AS alone, 0 AS decision FROM main.adjustments;"
+"""A record of layout 2 that cannot be written is read as one of layout 3 that holds nothing new."""
+
+
+class Database:
+    """The file in a class's folder; a context manager, used from one thread."""
+
+    def __init__(self, out: Path) -> None:
+        self.path = out / FILE_NAME
+        with self._told():
+            out.mkdir(parents=True, exist_ok=True)
+            self._writable = not self.path.exists() or all(os.access(each, os.W_OK) for each in (out, self.path))
+            self._db = sqlite3.connect(self._address(), uri=True, timeout=30, isolation_level=None)
+            try:
+                self._prepare()
+            except BaseException:
+                self._db.close()
+                raise
+
+    def __enter__(self: D) -> D:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
+        self.close()
+
+    @classmethod
+    def existing(cls: type[D], out: Path) -> D:
+        """The record of a class that has been graded; RequestError if there is none."""
+        if not (out / FILE_NAME).is_file():
+            raise RequestError(
+                f"{printable(str(out), 500)}: no class was graded there; give the OUT of `imugrade grade`"
+            )
+        return cls(out)
+
+    def close(self) -> None:
+        self._db.close()
+
+    def changes(self) -> int:
+        """A number that is another one once somebody else has written to the record."""
+        with self._told():
+            return int(self._db.execute("PRAGMA data_version").fetchone()[0])
+
+    def _address(self) -> str:
+        """The file as a URI; one that cannot be written, say in an archive, is read as it lies there if nothing is pending."""
+        pending = Path(f"{self.path}-wal")
+        settled = not pending.exists() or pending.stat().st_size == 0
+        mode = "mode=rwc" if self._writable else "immutable=1" if settled else "mode=ro"
+        return f"{self.path.absolute().as_uri()}?{mode}"
+
+    def _prepare(self) -> None:
+        """Open or lay out the file.
+
+        WAL keeps a reader from blocking the writer; with it, NORMAL is still safe when the process is killed.
+        """
+        application, version, tables = self._identity()
+        if (application, version, tables) == (0, 0, 0):
+            self._lay_out(_TABLES + _WIDER)
+        elif application != _APPLICATION_ID:
+            raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")
+        elif version == 2 and self._writable:
+            self._lay_out(_WIDER)
+        elif version == 2:
+            self._db.executescript(_SINCE_3.format(temp="TEMP") + _SEEN_AS_3)
+        elif version != SCHEMA_VERSION:
+            raise RequestError(
+                f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
+                f"{SCHEMA_VERSION}); use that version, or another folder with -o"
+            )
+        if self._writable:
+            self._db.execute("PRAGMA journal_mode = WAL")
+        self._db.execute("PRAGMA synchronous = NORMAL")
+        self._db.execute("PRAGMA foreign_keys = ON")
+
+    def _lay_out(self, script: str) -> None:
+        """Make the tables, unless another process was faster."""
+        mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
+        with self._transaction():
+            if self._identity()[1] != SCHEMA_VERSION:
+                for statement in (script + _SINCE_3.format(temp="") + mark).split(";"):
+                    self._db.execute(statement)
+
+    def _identity(self) -> tuple[int, int, int]:
+        ask = ("PRAGMA application_id", "PRAGMA user_version", "SELECT count(*) FROM sqlite_master")
+        application, version, tables = (int(self._db.execute(query).fetchone()[0]) for query in ask)
+        return application, version, tables
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._db.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            if self._db.in_transaction:  # SQLite has already rolled back when the disk is full
+                self._db.execute("ROLLBACK")
+            raise
+        self._db.execute("COMMIT")
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Turn what the disk refuses into one line for the person who chose OUT."""
+        try:
+            yield
+        except OSError as problem:
+            raise RequestError(
+                f"{self.path.parent}: cannot write there: {problem.strerror or problem}; choose another folder with -o"
+            ) from problem
+        except sqlite3.DatabaseError as problem:
+            raise RequestError(
+                f"{self.path}: {problem}; free or repair it, or choose another folder with -o "
+                "(what was recorded before is kept)"
+            ) from problem
+        except ForeignError as problem:
+            raise foreign(self.path, problem) from problem
+
+
+class ForeignError(Exception):
+    """A row holds something else than we write; the message is what."""
+
+
+def foreign(path: Path, problem: ForeignError) -> RequestError:
+    return RequestError(f"{path}: holds what this imugrade does not write ({problem}); choose another folder with -o")
+
+
+def read(parse: Callable[[Any], T], record: object) -> T:
+    """A row of ours, whatever it holds: anyone can write into a file of this kind."""
+    try:
+        return parse(record)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, zlib.error) as problem:
+        raise ForeignError(printable(f"{type(problem).__name__}: {problem}", 100)) from problem
