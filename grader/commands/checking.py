@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 
-from grader.engine.conversation import Listener
+from grader.engine.asking import Listener
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
 from grader.engine.reading import Alone, Reader

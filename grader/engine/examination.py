@@ -25,9 +25,9 @@ import numpy as np
 import pytest
 
 from grader.engine import withheld
-from grader.engine.conversation import Conversation, Missing
+from grader.engine.conversation import Conversation
 from grader.engine.feedback import Told, charged_with, story, told
-from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.findings import Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
 from grader.engine.rubric import OwnChecks

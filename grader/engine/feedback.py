@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from grader.engine.conversation import THERE, Missing
-from grader.engine.findings import Fault, Lost, Raised, Skipped, Unusable, Where
+from grader.engine.conversation import THERE
+from grader.engine.findings import Fault, Lost, Missing, Raised, Skipped, Unusable, Where
 from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome, message_of
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut

@@ -141,3 +141,11 @@ def raised(fault: Fault | None, doing: str) -> None:
     """Stop the check if the student's code raised while `doing` (``reading the sensors``)."""
     if fault is not None:
         raise Raised(fault, doing)
+
+
+class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not an error of ours
+    """A required name is not there: the file is missing, does not import, or does not define it."""
+
+    def __init__(self, name: str, mistake: str, message: str, where: Where | None = None) -> None:
+        super().__init__(message)
+        self.name, self.mistake, self.where = name, mistake, where

@@ -12,7 +12,8 @@ from types import TracebackType
 from typing import Any
 
 from grader import __version__
-from grader.engine.conversation import SEED, Conversation, Listener
+from grader.engine.asking import SEED, Listener
+from grader.engine.conversation import Conversation
 from grader.engine.evidence import Evidence, packed
 from grader.engine.examination import Examination, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD

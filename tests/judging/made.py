@@ -19,8 +19,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.conversation import Missing
-from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.findings import Lost, Missing, Raised, Skipped
 from grader.engine.loaded import Loaded
 from grader.engine.traces import Traces
 from grader.harness import loading, world

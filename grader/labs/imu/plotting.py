@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.conversation import Conversation, Missing, is_run
+from grader.engine.conversation import Conversation, is_run
 from grader.engine.figures import Picture, picture_of
+from grader.engine.findings import Missing
 from grader.engine.lab import Lab
 from grader.engine.loaded import Loaded
 from grader.engine.question import key_of

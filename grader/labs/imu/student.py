@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.conversation import Missing
-from grader.engine.findings import Fault
+from grader.engine.findings import Fault, Missing
 from grader.engine.question import Question, key_of
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import (

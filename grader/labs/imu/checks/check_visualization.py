@@ -9,10 +9,9 @@ from pathlib import PurePath
 
 import numpy as np
 
-from grader.engine.conversation import Missing
 from grader.engine.examination import check
 from grader.engine.figures import Figure, Sight
-from grader.engine.findings import A_PERSON_MAY, Fault, Lost, Skipped, raised
+from grader.engine.findings import A_PERSON_MAY, Fault, Lost, Missing, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
-from grader.engine.conversation import Missing, found_once
+from grader.engine.conversation import found_once
 from grader.engine.figures import Figure, Picture
-from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Raised
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Missing, Raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu import bundles

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.engine.conversation import Missing
 from grader.engine.figures import Figure, Sight
-from grader.engine.findings import Raised, Skipped, raised
+from grader.engine.findings import Missing, Raised, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import KEYS, Array, Drawing
