@@ -153,6 +153,15 @@ MISSPELT = {
 }
 EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
     "a filter that runs away": (FILTER, {"(1 - self.alpha) *": "(1 + self.alpha) *"}, {RECURSION: 6.0}, ("gain-not-one",)),
+    "one sensor in both places": (
+        NOISY, {"return accel_noisy, gyro_noisy": "return gyro_noisy, gyro_noisy"}, {"noise_model.given_bias": 4.0}, (),
+    ),
+    "a slice from the id on": (
+        READER,
+        {"data.sensordata[accel_adr:accel_adr+3]": "data.sensordata[accel_sensor_id:accel_adr+3]"},
+        {"sensor_access.follows_address": 6.0},
+        ("sensor-id-as-address",),
+    ),
     "a bias of four numbers where none is given": (
         NOISY, {"normal(0, 0.1, 3)": "normal(0, 0.1, 4)"}, {"noise_model.default_bias": 3.0}, ("raises",),
     ),

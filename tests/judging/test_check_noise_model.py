@@ -269,6 +269,7 @@ CASES = [
             ("on other axes", of(bias=_rolled), (0.0, ["bias-axes-exchanged"])),
             ("crossed", of(one=_crossed), (0.0, ["biases-exchanged"])),
             ("the other sensor first", of(read=_swapped), (0.0, ["swapped-sensors"])),
+            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, [])),
             ("stale", Stale, None),
             ("tested for truth", of(bias=_truth_of_array), (0.0, ["bias-argument-ignored"])),
             ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),

@@ -76,7 +76,10 @@ def check_noise_size(student: Student, truth: Traces) -> None:
         mistakes=mistakes,
         keeps=0.5 if any(right) else 0.0,
         hint="" if mistakes else _SIZE,
-        belongs_to=_LAW_CHECK if _law_explains(student, truth, [i for i, is_ in enumerate(right) if not is_]) else "",
+        belongs_to=(
+            *((_LAW_CHECK,) if _law_explains(student, truth, [i for i, is_ in enumerate(right) if not is_]) else ()),
+            *_with_one_twice(student, truth),
+        ),
     )
 
 
@@ -144,6 +147,9 @@ def check_given_bias(student: Student, truth: Traces) -> None:
             mistakes=["swapped-sensors"],
             hint=_ORDER,
         )
+    if runs.is_one_twice(student, truth):
+        got = "the same three numbers twice"
+        raise Lost("both sensors from read(), the accelerometer first", got, off=Size(got), hint=_ORDER)
     off = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
     twins = runs.from_one_seed(student, truth) if off else None
     drifting = runs.which_drift(student, truth)
@@ -390,7 +396,13 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
             f"a correlation of {worst:.2f} over {len(columns)} reads",
             mistakes=["same-noise-on-axes"] if worst > 0.99 else [],
             hint="" if worst > 0.99 else _OF_ITS_OWN,
+            belongs_to=_with_one_twice(student, truth),
         )
+
+
+def _with_one_twice(student: Student, truth: Traces) -> tuple[str, ...]:
+    """What charges the same sensor in both places, of which the size and the noise are then those of one."""
+    return (_GIVEN_CHECK,) if runs.is_one_twice(student, truth) else ()
 
 
 def _innovations(facts: Facts) -> Array:

@@ -66,6 +66,12 @@ def returns_exchanged(student: Student, truth: Traces) -> bool:
     return all(map(diagnosis.bias_is_right, exchanged)) and not any(map(diagnosis.bias_is_right, straight))
 
 
+def is_one_twice(student: Student, truth: Traces) -> bool:
+    """Whether one sensor comes in both places."""
+    run = asked(student, truth, "given", given=True)
+    return run.fault is None and _is_whole(run) and np.array_equal(run.accel, run.gyro)
+
+
 def _exchanged(run: NoiseRun) -> NoiseRun:
     return replace(run, accel=run.gyro, gyro=run.accel)
 
