@@ -58,6 +58,10 @@ def _means_another(model, data, size=1, offset=0, idx="x"):
     return model, data, size, offset, idx  # type: ignore[no-untyped-def]
 
 
+def _has_its_own(m, d, std=1, bias=0, place="x"):
+    return m, d, std, bias, place  # type: ignore[no-untyped-def]
+
+
 def _by_position_alone(d, m, /, size=1, offset=0):
     return m, d, size, offset  # type: ignore[no-untyped-def]
 
@@ -76,6 +80,7 @@ CALLS: dict[Any, tuple[str, tuple[str, ...]]] = {
     _asks_for_more: ("MDSOP", ("place",)),
     _may_take_more: ("MDSOP", ("place",)),
     _means_another: ("MDSOx", ()),
+    _has_its_own: ("MDSOx", ("size", "offset")),
     _whatever: ("MDSO", ()),
 }
 

@@ -105,7 +105,7 @@ def _claimed(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> 
 
 
 def _by_name(slot: Slot, parameter: inspect.Parameter) -> bool:
-    return slot.name == parameter.name
+    return slot.name == parameter.name and slot.suits(parameter)
 
 
 def _by_position(slot: Slot, parameter: inspect.Parameter) -> bool:
