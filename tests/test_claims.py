@@ -10,7 +10,7 @@ import pytest
 
 import grader
 from grader.sandbox.wire import Frame
-from tests.corpus.pieces import lab, tidy
+from tests.corpus.pieces import edit, lab, tidy
 from tests.fuzz.answers import Bench
 from tests.fuzz.claims import points
 from tests.hostile.forging import STANDS
@@ -20,13 +20,14 @@ RAISES = lab(
 )
 
 
+DEPARTS = edit(tidy(), "filters.py", ("def update(self, measurement):", "def update(self, measurement, dt):"))
 NAMELESS = {**tidy(), "filters.py": "x = 1\n"}
 
 
 @pytest.fixture(scope="module")
 def benches() -> dict[str, Bench]:
-    """What the box answers of each: the sound one, rows that no simulation made, a filter that raises, one that is not there."""
-    files = {"sound": tidy(), "stands": STANDS, "raises": RAISES, "nameless": NAMELESS}
+    """What the box answers of each: the sound one, rows that no simulation made, a filter that raises, is not there, asks for more."""
+    files = {"sound": tidy(), "stands": STANDS, "raises": RAISES, "nameless": NAMELESS, "departs": DEPARTS}
     return {name: Bench(each) for name, each in files.items()}
 
 
@@ -76,6 +77,15 @@ def test_an_error_that_is_kept_silent_leaves_an_answer_that_is_none(benches: dic
         )
 
     assert gained(benches["raises"], lie) == {}
+
+
+def test_a_departure_that_is_not_told_hides_itself_alone(benches: dict[str, Bench]) -> None:
+    def lie(op: str, frame: Frame) -> Frame:
+        if op != "filter":
+            return frame
+        return replace(frame, fields={**frame.fields, "cases": [{**c, "departs": []} for c in frame.fields["cases"]]})
+
+    assert gained(benches["departs"], lie) == {"filtering.follows_recursion": 3.0}
 
 
 def test_every_field_of_an_answer_that_speaks_of_the_process_is_in_the_table() -> None:

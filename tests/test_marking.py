@@ -106,7 +106,7 @@ def test_checks_and_rubric_hold_the_same_ids() -> None:
 
 
 def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces, tmp_path: Path) -> None:
-    reader = "\ndef get_imu_readings(model, data):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
+    reader = "\ndef get_imu_readings(model, data, a, g, frame):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
     with Marker(rubric.load(LAB), hidden) as marker:
         result = _mark(marker, tmp_path / "own", imu_reader__py=_source("imu_reader.py") + reader)
     told = result.criteria[0].checks[0].message

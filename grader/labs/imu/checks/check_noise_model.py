@@ -148,8 +148,8 @@ def check_given_bias(student: Student, truth: Traces) -> None:
             hint=_ORDER,
         )
     if runs.is_one_twice(student, truth):
-        got = "the same three numbers twice"
-        raise Lost("both sensors from read(), the accelerometer first", got, off=Size(got), hint=_ORDER)
+        twice = "the same three numbers twice"
+        raise Lost("both sensors from read(), the accelerometer first", twice, off=Size(twice), hint=_ORDER)
     off = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
     twins = runs.from_one_seed(student, truth) if off else None
     drifting = runs.which_drift(student, truth)
