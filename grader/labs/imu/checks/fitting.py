@@ -22,7 +22,7 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             name, f"{printable(own, 60)}, which was taken for it", off=off, mistakes=["name-missing"], keeps=keeps
         )
     if lent := ", ".join(student.lent_to(name)):
-        off = Size(f"a file that uses {lent} without importing it")
+        off = Size(f"no import of {lent}")
         raise Lost(
             "a file that imports what it uses",
             f"{lent} without an import",
@@ -31,6 +31,6 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             keeps=keeps,
         )
     if odd := ", ".join(departs):
-        got, off = f"others in place of, or beside, these: {odd}", Size(f"parameters that are not the sheet's: {odd}")
+        got, off = f"others in place of, or beside, these: {odd}", Size(f"those that differ: {odd}")
         expected = "the sheet's parameters, under its names and in its order"
         raise Lost(expected, got, off=off, mistakes=["other-parameters"], keeps=keeps, belongs_to=belongs_to)
