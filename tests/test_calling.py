@@ -97,6 +97,14 @@ def test_what_only_position_tells_is_given_as_promised() -> None:
     assert way_of(_by_position_alone, SLOTS)(_by_position_alone, VALUES) == ("D", "M", "S", "O")
 
 
+def test_what_may_go_anywhere_goes_to_a_parameter_of_any_name() -> None:
+    def function(env, sim, idx=None, length=5.0):
+        return env, sim, idx, length  # type: ignore[no-untyped-def]
+
+    slots = (*SLOTS[:2], Slot("seconds", re.compile("sec"), free=True, anywhere=True), SLOTS[-1])
+    assert way_of(function, slots)(function, VALUES | {"seconds": 3.0}) == ("M", "D", "P", 3.0)
+
+
 def test_what_nobody_can_give_raises_as_the_promised_call_does() -> None:
     def function(model, data, secret):
         return secret  # type: ignore[no-untyped-def]

@@ -117,6 +117,15 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECORD: 3.0},
         OTHER,
     ),
+    "ids, and a duration of another name": (
+        READER,
+        {
+            "(model, data, duration_seconds=5.0):": "(model, data, accel_id, gyro_id, length=5.0):\n    duration_seconds = length",
+            "(model, data, duration_seconds=3.0)": "(model, data, accel_id, gyro_id, 3.0)",
+        },
+        {},
+        (),
+    ),
     "a file name": (
         READER,
         {

@@ -28,6 +28,7 @@ class Slot:
         ``spare``, which is none of the promise, given where one asks for it
     replaces : types of a parameter's default in whose place a spare is given as well
     free : whether a function may depart in it
+    anywhere : whether it goes to whichever parameter is left, needed or not
     """
 
     name: str
@@ -35,6 +36,7 @@ class Slot:
     passed: Literal["position", "name", "option", "spare"] = "position"
     replaces: tuple[type, ...] = ()
     free: bool = False
+    anywhere: bool = False
 
     def suits(self, parameter: inspect.Parameter) -> bool:
         if parameter.name != self.name and not self.meaning.search(parameter.name):
@@ -94,9 +96,9 @@ def _takes(signature: inspect.Signature, promised: Way) -> bool:
 
 
 def _claimed(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> dict[str, Slot]:
-    """Which parameter takes which slot: by its name, by its meaning, and what is still needed by position."""
+    """Which parameter takes which slot: by its name, by its meaning, what is still needed by position, and what is left."""
     claims: dict[str, Slot] = {}
-    for suits in (_by_name, Slot.suits, _by_position):
+    for suits in (_by_name, Slot.suits, _by_position, _at_last):
         for parameter in parameters:
             free = (slot for slot in slots if slot not in claims.values() and suits(slot, parameter))
             if parameter.name not in claims and (slot := next(free, None)):
@@ -110,6 +112,10 @@ def _by_name(slot: Slot, parameter: inspect.Parameter) -> bool:
 
 def _by_position(slot: Slot, parameter: inspect.Parameter) -> bool:
     return slot.passed == "position" and parameter.default is parameter.empty and parameter.kind in _POSITIONAL
+
+
+def _at_last(slot: Slot, parameter: inspect.Parameter) -> bool:
+    return slot.anywhere and parameter.kind in _POSITIONAL
 
 
 def _departures(claims: Mapping[str, Slot], slots: Sequence[Slot]) -> tuple[str, ...]:

@@ -40,10 +40,9 @@ class _State:
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
-        self.misspelt: dict[
-            str, list[tuple[str, str]]
-        ] = {}  # by file: what is asked for, and the name that it has there
-        self.lent: dict[str, list[tuple[str, str]]] = {}  # by file: who uses it, and what the file does not import
+        # by file: what is asked for with the name that it has there; who uses what the file does not import
+        self.misspelt: dict[str, list[tuple[str, str]]] = {}
+        self.lent: dict[str, list[tuple[str, str]]] = {}
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
 
 

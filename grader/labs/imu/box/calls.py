@@ -54,7 +54,7 @@ UPDATE = (
 COLLECTOR = (
     _MODEL,
     _DATA,
-    Slot("duration_seconds", _meaning(r"dur|sec|time|^t$"), free=True),
+    Slot("duration_seconds", _meaning(r"dur|sec|time|^t$"), free=True, anywhere=True),
     Slot("accel_id", _meaning("^acc"), "spare", _ID_TYPES, free=True),
     Slot("gyro_id", _meaning("^gyr"), "spare", _ID_TYPES, free=True),
 )

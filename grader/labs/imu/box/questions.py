@@ -93,9 +93,7 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
                 if index == 0:
                     move_on(model, data)
                     before = state_of(data)
-                    reading_of(
-                        model, data, int(accel_id), int(gyro_id)
-                    )  # into arrays of its own, or the same ones again
+                    reading_of(model, data, int(accel_id), int(gyro_id))  # into arrays of its own, or the same again
                     disturbance.append(changes_of(before, state_of(data)))
                     answer["later"].append(packer.node(reading))
     return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
