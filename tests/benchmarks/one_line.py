@@ -8,9 +8,9 @@ last: there one fault may have been charged twice.
 
 from __future__ import annotations
 
+import argparse
 import ast
 import random
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
@@ -152,11 +152,17 @@ def costs_twice(lost: Sequence[CheckResult]) -> bool:
     return len({check.id.split(".")[0] for check in lost}) > 1
 
 
-def main(layout: str = "verbatim", every: int = 1) -> None:
-    sources: dict[str, Callable[[], Files]] = {"verbatim": verbatim, "tidy": tidy}
+_SOURCES: dict[str, Callable[[], Files]] = {"verbatim": verbatim, "tidy": tidy}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.one_line", description=__doc__)
+    parser.add_argument("layout", nargs="?", choices=_SOURCES, default="verbatim")
+    parser.add_argument("every", nargs="?", type=int, default=1, help="mark every so manyth edit")
+    options = parser.parse_args()
     counted, twice, several = 0, [], []
     with Marker(rubric.load(LAB), bundles.shipped()) as marker:
-        for name, files in islice(edited(sources[layout]()), 0, None, every):
+        for name, files in islice(edited(_SOURCES[options.layout]()), 0, None, options.every):
             content = {path: text if isinstance(text, bytes) else text.encode() for path, text in files.items()}
             result = marker.mark(Submission("s", "s", content, (), "ready", ""))
             counted, lost = counted + 1, charged(result)
@@ -174,4 +180,4 @@ def main(layout: str = "verbatim", every: int = 1) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2], *map(int, sys.argv[2:3]))
+    main()
