@@ -4,28 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import pytest
 
-from grader.engine.results import Result
-from grader.intake import Submission
 from tests.corpus.pieces import tidy, verbatim
 from tests.corpus.writing import Files
+from tests.slips import Slip, costs_what_it_is, lost_by, marked
 from tests.tapes import Marking
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 Changes = dict[str, str]
-
-
-@dataclass(frozen=True)
-class Slip:
-    """A submission with one fault: which checks lose how many points by it, by which names."""
-
-    name: str
-    files: Files
-    lost: dict[str, float]
-    named: tuple[str, ...] = ()
 
 
 def _changed(files: Files, path: str, changes: Changes) -> Files:
@@ -230,32 +218,22 @@ BARE = SHEET.replace(IMPORTS[0], "").replace(IMPORTS[1], "")
     ids=["imports in cells of their own", "pylab", "no numpy", "no pyplot"],
 )
 def test_the_cells_of_a_notebook_are_one_file(cells: tuple[str, ...], lost: dict[str, float], player: Marking) -> None:
-    checks = [check for part in _marked(player, _notebook(*cells)).criteria for check in part.checks]
-    assert {c.id: c.max_points - (c.points or 0.0) for c in checks if c.points != c.max_points} == lost
-
-
-def _marked(player: Marking, files: Files) -> Result:
-    return player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+    assert lost_by(marked(player, _notebook(*cells))) == lost
 
 
 @pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)
 def test_it_costs_what_it_is_and_nothing_else(slip: Slip, player: Marking) -> None:
-    result = _marked(player, slip.files)
-    checks = [check for part in result.criteria for check in part.checks]
-    lost = {check.id: check.max_points - (check.points or 0.0) for check in checks if check.points != check.max_points}
-    assert lost == slip.lost
-    assert set(result.misconceptions) == set(slip.named)
-    assert [check.id for check in checks if check.id in lost and not check.hint and check.outcome != "skipped"] == []
+    costs_what_it_is(slip, player)
 
 
 def test_another_word_for_a_function_is_not_its_name(player: Marking) -> None:
-    result = _marked(player, _renamed(verbatim(), "get_imu_readings", "read_imu"))
+    result = marked(player, _renamed(verbatim(), "get_imu_readings", "read_imu"))
     assert result.misconceptions == ("name-missing",)
     assert [part.points for part in result.criteria] == [0.0, 20.0, 20.0, 20.0, 20.0]
 
 
 def test_what_was_lent_is_noted(player: Marking) -> None:
-    notes = _marked(player, _changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
+    notes = marked(player, _changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
     assert "imu_reader.py uses np, which it does not import: lent to it, so that the rest counts" in notes
 
 
@@ -269,5 +247,5 @@ BORROWED_ON_PURPOSE = {
 
 @pytest.mark.parametrize("line", BORROWED_ON_PURPOSE.values(), ids=BORROWED_ON_PURPOSE)
 def test_a_name_that_comes_by_another_way_is_not_forgotten(line: str, player: Marking) -> None:
-    result = _marked(player, _changed(verbatim(), READER, {"import numpy as np\n": line}))
+    result = marked(player, _changed(verbatim(), READER, {"import numpy as np\n": line}))
     assert (result.score, result.notes) == (100.0, ())

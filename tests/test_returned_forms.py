@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import pytest
 
-from grader.engine.results import Result
-from grader.intake import Submission
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.writing import Files
+from tests.slips import Slip, costs_what_it_is
 from tests.tapes import Marking
 
 FORM = "wrong-return-type"
-
-
-@dataclass(frozen=True)
-class Slip:
-    """A submission with one fault: which checks lose how many points by it, by which names."""
-
-    name: str
-    files: Files
-    lost: dict[str, float]
-    named: tuple[str, ...]
 
 
 READS = {
@@ -115,15 +103,6 @@ def _own_signature() -> Files:
     return edit(files, "noisy_imu.py", ("get_imu_readings(self.model, self.data", "get_imu_readings(self.data"))
 
 
-def _marked(player: Marking, files: Files) -> Result:
-    return player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
-
-
 @pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)
 def test_another_form_costs_what_it_is_and_nothing_else(slip: Slip, player: Marking) -> None:
-    result = _marked(player, slip.files)
-    checks = [check for part in result.criteria for check in part.checks]
-    lost = {check.id: check.max_points - (check.points or 0.0) for check in checks if check.points != check.max_points}
-    assert lost == slip.lost
-    assert set(result.misconceptions) == set(slip.named)
-    assert [check.id for check in checks if check.id in lost and not check.hint and check.outcome != "skipped"] == []
+    costs_what_it_is(slip, player)
