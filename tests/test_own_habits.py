@@ -105,6 +105,16 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         {RECORD: 3.0},
         OTHER,
     ),
+    "the number of steps": (
+        READER,
+        {
+            "(model, data, duration_seconds=5.0)": "(model, data, n_steps)",
+            "    n_steps = int(duration_seconds / dt)\n": "",
+            "(model, data, duration_seconds=3.0)": "(model, data, 1500)",
+        },
+        {RECORD: 3.0},
+        OTHER,
+    ),
     "ids, and a duration of another name": (
         READER,
         {

@@ -86,6 +86,17 @@ def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
     )
 
 
+def fitted(
+    function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
+) -> tuple[Callable[..., Any], list[str]]:
+    """A function to be called with the promised positions, whatever its own parameters are, and what it departs in."""
+    way = way_of(function, slots)
+    if way.as_promised:
+        return function, []
+    names = [slot.name for slot in slots if slot.passed == "position"]
+    return lambda *given: way(function, {**(spares or {}), **dict(zip(names, given, strict=True))}), list(way.departs)
+
+
 def _takes(signature: inspect.Signature, promised: Way) -> bool:
     """Whether Python lets it be called as promised, each slot where the function has no other place for it."""
     try:

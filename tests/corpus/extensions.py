@@ -863,11 +863,17 @@ FAULTY_LIVE = [
 SOUND_EXTENSIONS: dict[str, dict[str, str]] = {
     "complementary_filter": {
         "naive": NAIVE, "array": ARRAY, "euler-dict": EULER_DICT, "gravity-vector": GRAVITY_VECTOR, "mahony": MAHONY, "scipy": SCIPY,
+        "alpha-first": _edited(NAIVE, ("self, dt, alpha=0.98", "self, alpha=0.98, dt=0.01")),
+        "dt-each-time": _edited(
+            NAIVE, ("self, dt, alpha=0.98", "self, alpha"), ("        self.dt = dt\n", ""),
+            ("(self, accel, gyro)", "(self, gyro, accel, dt)"), ("* self.dt", "* dt"),
+        ),
     },
     "allan_variance": {
         "blocks": ALLAN_BLOCKS, "phase": ALLAN_PHASE, "python": ALLAN_PYTHON, "every-tau": ALLAN_EVERY_TAU, "strided": ALLAN_STRIDED,
     },
-    "multiple_imus": {"named": IMUS_NAMED, "reader": IMUS_READER, "dicts": IMUS_DICTS, "compass": IMUS_COMPASS},
+    "multiple_imus": {"named": IMUS_NAMED, "reader": IMUS_READER, "dicts": IMUS_DICTS, "compass": IMUS_COMPASS,
+                      "data-first": _edited(IMUS_NAMED, ("read_all_imus(model, data)", "read_all_imus(data, model)"))},
     "realtime_visualization": {
         "pause": LIVE_PAUSE, "func-animation": LIVE_FUNC_ANIMATION, "generator-blit": LIVE_GENERATOR_BLIT, "saved": LIVE_SAVED,
         "deque": LIVE_DEQUE, "replot": LIVE_REPLOT, "manual-blit": LIVE_MANUAL_BLIT, "scope": LIVE_SCOPE, "noisy": LIVE_NOISY,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Callable
 from typing import Any
@@ -10,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from grader.harness import loading
+from grader.harness.calling import fitted
 from grader.harness.values import Packer, numbers
 
-from . import live
+from . import calls, live
 from .questions import Reply, examined, move_on, put_in_state, simulation_of
 
 _ROLL = re.compile(r"roll|phi", re.IGNORECASE)
@@ -44,28 +44,14 @@ def _tilt_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: 
     accel, gyro = arrays[case["accel"]], arrays[case["gyro"]]
     rows: list[tuple[float, float]] = []
     with examined(answer):
-        update = _by_name(_built(kind, case["dt"]).update)
+        build, _ = fitted(kind, calls.TILT_FILTER, {"alpha": 0.98})
+        update, _ = fitted(build(case["dt"]).update, calls.TILT_UPDATE, {"dt": case["dt"]})
         for force, rate in zip(accel, gyro, strict=True):
             value = update(force.copy(), rate.copy())
             rows.append(_roll_and_pitch(value))
             if answer["odd"] is None and not np.isfinite(rows[-1]).all():
                 answer["odd"] = packer.node(value)
     return answer | {"output": packer.keep(np.array(rows).reshape(-1, 2))}
-
-
-def _built(kind: Any, dt: float) -> Any:
-    """A filter with its own default of alpha, or with the sheet's where it has none."""
-    parameters = list(inspect.signature(kind).parameters.values())
-    needs_alpha = any(p.name == "alpha" and p.default is p.empty for p in parameters)
-    return kind(dt, alpha=0.98) if needs_alpha else kind(dt)
-
-
-def _by_name(update: Callable[..., Any]) -> Callable[..., Any]:
-    """`update` called as (accel, gyro), even where its parameters carry those names in the other order."""
-    names = [name.lower() for name in inspect.signature(update).parameters][:2]
-    if len(names) == 2 and names[0].startswith("gyr") and names[1].startswith("acc"):
-        return lambda accel, gyro: update(gyro, accel)
-    return update
 
 
 def _roll_and_pitch(value: Any) -> tuple[float, float]:
@@ -126,9 +112,10 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"calls": [], "later": None}
     with examined(answer):
         model, data = simulation_of(fields["model"])
+        read, _ = fitted(function, calls.IMUS)
         for index, (qpos, qvel) in enumerate(zip(arrays["qpos"], arrays["qvel"], strict=True)):
             put_in_state(model, data, qpos, qvel)
-            readings = function(model, data)
+            readings = read(model, data)
             answer["calls"].append(packer.node(readings))
             if index == 0:
                 move_on(model, data)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from types import NoneType
 from typing import Any
 
 import numpy as np
 
-from grader.harness.calling import Slot
+from grader.harness.calling import Slot, fitted
 
 
 def _meaning(pattern: str) -> re.Pattern[str]:
@@ -24,6 +25,8 @@ def _of_each_sensor(quantity: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
 _MODEL, _DATA = Slot("model", _meaning(r"^m$|model")), Slot("data", _meaning(r"^d$|data"))
 _ID_TYPES = (int, np.integer, NoneType)  # anything else that a parameter stands for by default is no id: a name, a list
 _STDS = _of_each_sensor("std|sigma|noise|dev|var")
+_ALPHA = _meaning(r"alpha|^[ak]$|smooth|coef|factor|weight|gain|beta|lam")
+_DT = _meaning(r"^(dt|delta.*|time_?step|period|h)$")
 _BIASES = _of_each_sensor("bias|offset|drift|(?<![a-z])b(?![a-z])")
 
 READER = (
@@ -43,13 +46,12 @@ NOISY = (
     Slot("gyro_bias", _BIASES[1], "name"),
 )
 FILTER = (
-    Slot("alpha", _meaning(r"alpha|^[ak]$|smooth|coef|factor|weight|gain|beta|lam"), "name"),
+    Slot("alpha", _ALPHA, "name"),
     Slot("initial_value", _meaning(r"init|start|first|prev|state|value|^[xy]_?0$"), "name"),
 )
-NAMES_OF_READER = tuple(slot.name for slot in READER)
 UPDATE = (
     Slot("measurement", _meaning(r"^[xz]$|meas|sample|value|new|raw|input")),
-    Slot("dt", _meaning(r"^(dt|delta.*|time_?step|period|h)$"), "spare"),
+    Slot("dt", _DT, "spare"),
 )
 COLLECTOR = (
     _MODEL,
@@ -57,7 +59,11 @@ COLLECTOR = (
     Slot("duration_seconds", _meaning(r"dur|sec|time|^t$"), free=True, anywhere=True),
     Slot("accel_id", _meaning("^acc"), "spare", _ID_TYPES, free=True),
     Slot("gyro_id", _meaning("^gyr"), "spare", _ID_TYPES, free=True),
+    Slot("n_steps", _meaning("steps$|^n$|^n_|^num|samples|count"), "spare"),
 )
+TILT_FILTER = (Slot("dt", _DT), Slot("alpha", _ALPHA, "spare"))
+TILT_UPDATE = (Slot("accel", _meaning("^a")), Slot("gyro", _meaning("^(g|w|omega|rate)")), Slot("dt", _DT, "spare"))
+IMUS = (_MODEL, _DATA)
 PLOTTER = (
     Slot("imu_data", _meaning("data|imu|record|result")),
     Slot("time", _meaning(r"^t$|time"), "spare"),
@@ -70,12 +76,9 @@ WRITTEN = {"file_name": "imu_data.png", "title": "IMU data"}
 """Words for a plot that asks for them."""
 
 
-def for_collector(model: Any, data: Any, duration_s: float, ids: dict[str, int]) -> dict[str, Any]:
-    """What a function that simulates is given."""
-    return {
-        "model": model,
-        "data": data,
-        "duration_seconds": duration_s,
-        "accel_id": ids["accel"],
-        "gyro_id": ids["gyro"],
-    }
+def collecting_by(
+    function: Callable[..., Any], model: Any, duration_s: float, ids: dict[str, int]
+) -> tuple[Callable[..., Any], list[str]]:
+    """A function that simulates, to be called as the sheet does, and what it departs in; it gets the ids where it asks for them."""
+    steps = round(duration_s / model.opt.timestep)
+    return fitted(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})

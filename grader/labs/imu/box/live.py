@@ -13,7 +13,8 @@ from grader.harness import figures, loading
 from grader.harness.screen import Screen, open_figures, replaced
 from grader.harness.values import Packer
 
-from .questions import Reply, call_collector, examined, provide_ids
+from . import calls
+from .questions import Reply, examined, provide_ids
 
 _MAX_EVENTS = 5000
 _SNAPSHOTS = 8
@@ -51,7 +52,8 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"returned": False}
     figures.RECORDER.take(loading.STATE.folder)
     with examined(answer), screen.standing(), watch.counting_steps():
-        value = call_collector(function, model, data, fields["duration_s"], ids)
+        plot, _ = calls.collecting_by(function, model, fields["duration_s"], ids)
+        value = plot(model, data, fields["duration_s"])
         screen.show_animations_left()
         answer["returned"] = True
         del value  # an animation that was handed back lives until here

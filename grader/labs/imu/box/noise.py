@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from math import isfinite
 from typing import Any
 
@@ -50,7 +50,8 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with examined(answer):
         model, data = simulation_of(fields["model"])
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
-        sensor = _noisy(fields, arrays, model, data, answer)
+        build = _building(fields, model, data, answer)
+        sensor = build(arrays)
         for state in range(len(readings)):
             still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             for index, row in enumerate(readings[state]):
@@ -86,12 +87,13 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with examined(answer):
         model, data = simulation_of(fields["model"])
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
+        build = _building(fields, model, data, answer)
         generators = [(generator, _state(generator)) for generator in _generators()]
         for rows, stds, (accel, gyro) in zip(readings, fields["twins"], arrays["biases"], strict=True):
             world.seed(_SEED)
             for generator, state in generators:
                 _rewind(generator, state)
-            sensor = _noisy(fields | stds, {"accel_bias": accel, "gyro_bias": gyro}, model, data, answer)
+            sensor = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
             for row in rows:
                 _store(sensor.read(), row, answer, packer)
                 still.changes()
@@ -157,14 +159,20 @@ class _Still:
         self._sensordata[:] = self._clean
 
 
-def _noisy(fields: dict[str, Any], arrays: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Any:
+def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Callable[..., Any]:
+    """What builds a `NoisyIMU` from biases, with the standard deviations of these fields or others."""
     kind = loading.find("NoisyIMU", fields["path"])
     way = way_of(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
     provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
-    biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
-    settings = {name: fields[name] for name in ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")}
-    return way(kind, {"model": model, "data": data} | settings | biases)
+    names = ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")
+    given = {"model": model, "data": data, **{name: fields[name] for name in names if name in fields}}
+
+    def build(arrays: dict[str, Any], **stds: float) -> Any:
+        biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
+        return way(kind, given | stds | biases)
+
+    return build
 
 
 def _store(reading: Any, row: np.ndarray, answer: dict[str, Any], packer: Packer) -> None:
@@ -211,9 +219,9 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with examined(answer):
         model, data = simulation_of(fields["model"])
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
-        sensors = []
+        build, sensors = _building(fields, model, data, answer), []
         for rows in readings:
-            sensors.append(_noisy(fields, {}, model, data, answer))
+            sensors.append(build({}))
             _store(sensors[-1].read(), rows[0], answer, packer)
             still.changes()
             still.again(rows[0])

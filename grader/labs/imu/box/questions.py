@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from grader.harness import faults, figures, loading, saved, world
-from grader.harness.calling import way_of
+from grader.harness.calling import fitted, way_of
 from grader.harness.values import Packer, numbers
 
 from . import calls
@@ -82,7 +82,7 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     disturbance = []
     with examined(answer):
         model, data = simulation_of(fields["model"])
-        reading_of, answer["departs"] = _reading_by(reader)
+        reading_of, answer["departs"] = fitted(reader, calls.READER)
         for accel_id, gyro_id in arrays["pairs"]:
             for index in range(len(arrays["qpos"])):
                 put_in_state(model, data, arrays["qpos"][index], arrays["qvel"][index])
@@ -97,14 +97,6 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
                     disturbance.append(changes_of(before, state_of(data)))
                     answer["later"].append(packer.node(reading))
     return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
-
-
-def _reading_by(reader: Callable[..., Any]) -> tuple[Callable[..., Any], list[str]]:
-    """The reader, to be called as the sheet does whatever its own parameters are, and what it departs in."""
-    way = way_of(reader, calls.READER)
-    if way.as_promised:
-        return reader, []
-    return lambda *given: way(reader, dict(zip(calls.NAMES_OF_READER, given, strict=True))), list(way.departs)
 
 
 _MODELS: dict[str, Any] = {}
@@ -172,9 +164,8 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     before = _options(model)
     world.watch_next_run()
     with examined(answer):
-        way = way_of(function, calls.COLLECTOR)
-        answer["departs"] = list(way.departs)
-        answer["value"] = packer.node(way(function, calls.for_collector(model, data, fields["duration_s"], ids)))
+        collect, answer["departs"] = calls.collecting_by(function, model, fields["duration_s"], ids)
+        answer["value"] = packer.node(collect(model, data, fields["duration_s"]))
     answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
     return answer, packer.arrays | {f"first_{name}": value for name, value in world.watched_run().items()}
 
@@ -210,7 +201,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {}
     rows: list[np.ndarray] = []
     with examined(answer):
-        reading_of, _ = _reading_by(reader)
+        reading_of, _ = fitted(reader, calls.READER)
         for model, data in _run_again(fields, arrays):
             rows.append(_six(reading_of(model, data, fields["accel_id"], fields["gyro_id"])))
     return answer, {"rows": np.array(rows).reshape(-1, 6)}
@@ -252,11 +243,6 @@ def _options(model: Any) -> dict[str, np.ndarray]:
         "geom_friction": model.geom_friction,
     }
     return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
-
-
-def call_collector(function: Callable[..., Any], model: Any, data: Any, duration_s: float, ids: dict[str, int]) -> Any:
-    """Run a function that simulates, with the sensors' ids where it asks for them."""
-    return way_of(function, calls.COLLECTOR)(function, calls.for_collector(model, data, duration_s, ids))
 
 
 def provide_ids(ids: dict[str, int]) -> None:
@@ -331,31 +317,25 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
             options["initial_value"] = initial
         way = way_of(kind, calls.FILTER)
         instance = way(kind, options)
-        other = way(kind, options | {"alpha": 1 - case["alpha"]}) if case["handling"] == "beside" else None
-        update, departs = _updating_by(instance)
+        update, departs = fitted(instance.update, calls.UPDATE, {"dt": _BETWEEN_S})
         answer["departs"] = [*way.departs, *departs]
+        beside = None
+        if case["handling"] == "beside":
+            other = way(kind, options | {"alpha": 1 - case["alpha"]})
+            beside, _ = fitted(other.update, calls.UPDATE, {"dt": _BETWEEN_S})
         first: Any = None
         for measurement in signal:
             value, row = _filtered(update, measurement, case["handling"], answer, packer)
             first = first if rows else value
             rows.append(row)
-            if other is not None:
-                _updating_by(other)[0](100.0 - 3.0 * measurement)
+            if beside is not None:
+                beside(100.0 - 3.0 * measurement)
         if isinstance(first, np.ndarray) and first.size == rows[0].size:
             answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
         answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
     if rows:
         answer["output"] = packer.keep(np.array(rows))
     return answer
-
-
-def _updating_by(instance: Any) -> tuple[Callable[[np.ndarray], Any], list[str]]:
-    """A filter's `update`, to be called with a measurement alone, and what it departs in."""
-    update = instance.update
-    way = way_of(update, calls.UPDATE)
-    if way.as_promised:
-        return update, []
-    return lambda measurement: way(update, {"measurement": measurement, "dt": _BETWEEN_S}), list(way.departs)
 
 
 def _filtered(
@@ -418,7 +398,8 @@ def _recorded(recorder: dict[str, Any], series: dict[str, Any]) -> Any:
     model, data = simulation_of(recorder["model"])
     ids = {"accel": recorder["accel_id"], "gyro": recorder["gyro_id"]}
     provide_ids(ids)
-    recorded = call_collector(function, model, data, _SHORT_RUN_S, ids)
+    collect, _ = calls.collecting_by(function, model, _SHORT_RUN_S, ids)
+    recorded = collect(model, data, _SHORT_RUN_S)
     for name, value in series.items():
         try:
             recorded[name] = value
