@@ -21,13 +21,21 @@ RAISES = lab(
 
 
 DEPARTS = edit(tidy(), "filters.py", ("def update(self, measurement):", "def update(self, measurement, dt):"))
+SILENT = edit(tidy(), "filters.py", ("        return self.state.copy()\n", ""))
 NAMELESS = {**tidy(), "filters.py": "x = 1\n"}
 
 
 @pytest.fixture(scope="module")
 def benches() -> dict[str, Bench]:
-    """What the box answers of each: the sound one, rows that no simulation made, a filter that raises, is not there, asks for more."""
-    files = {"sound": tidy(), "stands": STANDS, "raises": RAISES, "nameless": NAMELESS, "departs": DEPARTS}
+    """What the box answers of each: the sound one, rows that no simulation made, filters with faults."""
+    files = {
+        "sound": tidy(),
+        "stands": STANDS,
+        "raises": RAISES,
+        "nameless": NAMELESS,
+        "departs": DEPARTS,
+        "silent": SILENT,
+    }
     return {name: Bench(each) for name, each in files.items()}
 
 
@@ -86,6 +94,13 @@ def test_a_departure_that_is_not_told_hides_itself_alone(benches: dict[str, Benc
         return replace(frame, fields={**frame.fields, "cases": [{**c, "departs": []} for c in frame.fields["cases"]]})
 
     assert gained(benches["departs"], lie) == {"filtering.follows_recursion": 3.0}
+
+
+def test_a_return_that_is_said_to_be_there_hides_its_lack_alone(benches: dict[str, Bench]) -> None:
+    def lie(op: str, frame: Frame) -> Frame:
+        return replace(frame, fields={**frame.fields, "unreturned": []}) if op == "load" else frame
+
+    assert gained(benches["silent"], lie) == {"filtering.follows_recursion": 3.0}
 
 
 def test_every_field_of_an_answer_that_speaks_of_the_process_is_in_the_table() -> None:

@@ -1,4 +1,4 @@
-"""A forgotten import, a misspelt name, other parameters: each is one fault, whatever would fail for it."""
+"""A forgotten import or return, a misspelt name, other parameters: each is one fault, whatever would fail for it."""
 
 from __future__ import annotations
 
@@ -158,6 +158,30 @@ MISSPELT = {
     ("get_imu_readings", "get_imu_reading"): READ,
     ("simulate_and_collect", "simulateAndCollect"): RECORD,
 }
+SILENT: dict[str, tuple[str, Changes, str]] = {
+    "the reader": (READER, {"    return acceleration, angular_velocity\n": ""}, READ),
+    "the reader prints": (READER, {"    return acceleration, angular_velocity\n": "    print(f'{acceleration}', acceleration, angular_velocity)\n"}, READ),
+    "the reader, without the word": (READER, {"    return acceleration, angular_velocity\n": "    acceleration, angular_velocity\n"}, READ),
+    "a recording by a name": (READER, {"    return {\n        'time'": "    imu_data = {\n        'time'"}, RECORD),
+    "a recording without the word": (READER, {"    return {\n        'time'": "    {\n        'time'"}, RECORD),
+    "read": (NOISY, {"        return accel_noisy, gyro_noisy\n": ""}, NOISE),
+    "read keeps them": (
+        NOISY,
+        {"        return accel_noisy, gyro_noisy\n": "        self.last = (accel_noisy, gyro_noisy)\n        self.reads = 1\n"},
+        NOISE,
+    ),
+    "update": (FILTER, {"        return self.value.copy()\n": ""}, RECURSION),
+    "update, once it has begun": (
+        FILTER,
+        {
+            "            self.value = measurement.copy()\n": (
+                "            self.value = measurement.copy()\n            return measurement\n"
+            ),
+            "        return self.value.copy()\n": "",
+        },
+        RECURSION,
+    ),
+}  # fmt: skip
 EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
     "a filter that runs away": (FILTER, {"(1 - self.alpha) *": "(1 + self.alpha) *"}, {RECURSION: 6.0}, ("gain-not-one",)),
     "one sensor in both places": (
@@ -187,6 +211,8 @@ def _slips() -> Iterator[Slip]:
         {RECURSION: 3.0},
         FORGOT,
     )
+    for name, (path, changes, check) in SILENT.items():
+        yield Slip(f"no return: {name}", _changed(verbatim(), path, changes), {check: 3.0}, ("wrong-return-type",))
     for (name, own), check in MISSPELT.items():
         yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
     yield Slip(

@@ -98,6 +98,10 @@ class Conversation(Asking):
         """What the definition of `name` uses and its file does not import."""
         return tuple(lent for user, lent in self.load(self.place_of(name)).lent if user == name)
 
+    def returns_nothing(self, name: str) -> bool:
+        """Whether the definition of `name` keeps what it computes; it was let return that."""
+        return name in self.load(self.place_of(name)).unreturned
+
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
         """One line a file, which grows by each name that is found there: a notebook holds them all."""
         strays = self._strays.setdefault(path, {})
@@ -118,6 +122,10 @@ class Conversation(Asking):
         if names := ", ".join(dict.fromkeys(name for _, name in loaded.lent)):
             self.note(
                 f"{printable(path, 120)} uses {names}, which it does not import: lent to it, so that the rest counts"
+            )
+        for name in dict.fromkeys(loaded.unreturned):
+            self.note(
+                f"{printable(path, 120)}: {printable(name, 60)} has no return at its end; what stands last there was taken"
             )
         for first in loaded.stepped_over[:1]:
             did = _DID.get(first.how, "was stepped over")

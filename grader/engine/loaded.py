@@ -78,6 +78,7 @@ class Loaded:
     stepped_over : its statements that did not end well
     lent : which of these names uses something that the file does not import, and what
     misspelt : which of these names another one was taken for, and that name
+    unreturned : which of these names return nothing of what they have computed
     frame : the whole answer, for what else a lab reads in it
     """
 
@@ -86,19 +87,21 @@ class Loaded:
     stepped_over: tuple[SteppedOver, ...]
     lent: tuple[tuple[str, str], ...]
     misspelt: tuple[tuple[str, str], ...]
+    unreturned: tuple[str, ...]
     frame: Frame
 
     @property
     def was_mended(self) -> bool:
         """Whether anything in it had to be stepped over, or mended, before its definitions were there."""
-        return bool(self.unreadable or self.stepped_over or self.lent or self.misspelt)
+        return bool(self.unreadable or self.stepped_over or self.lent or self.misspelt or self.unreturned)
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
     """The answer to `load`, of which other files' statements are left out."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     lent, misspelt = (tuple((name, other) for name, other in frame.fields[key]) for key in ("lent", "misspelt"))
-    return Loaded(frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"]), own, lent, misspelt, frame)
+    names, unreadable = frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"])
+    return Loaded(names, unreadable, own, lent, misspelt, tuple(frame.fields["unreturned"]), frame)
 
 
 def overran(frame: Frame) -> list[SteppedOver]:

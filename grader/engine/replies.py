@@ -259,6 +259,7 @@ def _load(answer: Answer) -> None:
     answer.part("unreadable", maybe(fault))
     answer.part("lent", listed(listed(short, 2, 2), _NAMES))
     answer.part("misspelt", listed(listed(short, 2, 2), _NAMES))
+    answer.part("unreturned", listed(short, _NAMES))
     _run_script(answer)
 
 

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from . import drawing, faults, figures, gaps, newer, notebooks, packages, spelling, stepping, world
+from . import drawing, faults, figures, gaps, newer, notebooks, packages, returning, spelling, stepping, world
 from .lending import Lending
 
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
@@ -40,9 +40,10 @@ class _State:
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
-        # by file: what is asked for with the name that it has there; who uses what the file does not import
+        # by file: what is asked for with the name that it has there; who uses what the file does not import; who lacks a return
         self.misspelt: dict[str, list[tuple[str, str]]] = {}
         self.lent: dict[str, list[tuple[str, str]]] = {}
+        self.unreturned: dict[str, list[str]] = {}
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
 
 
@@ -87,6 +88,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     seen, arrays = figures.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
     answer |= {"lent": STATE.lent.get(path, []), "misspelt": STATE.misspelt.get(path, [])}
+    answer["unreturned"] = STATE.unreturned.get(path, [])
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 
 
@@ -341,6 +343,9 @@ def _compile(source: bytes, path: str, flags: int = 0) -> list[stepping.Unit]:
         tree = _parsed(text, own)
         if _RELATIVE.search(text):
             packages.without_dots(tree, path)  # let files that were written as a package import each other
+        STATE.unreturned.setdefault(path.partition(":cell ")[0], []).extend(
+            returning.completed(tree, STATE.furniture.get("returns", {}))
+        )
         return stepping.units_of(tree, own, flags=flags)
     except SyntaxError as refused:
         return gaps.units_around(text, own, STATE.stepper.wanted, refused, flags=flags)

@@ -113,6 +113,9 @@ class Model:
     def lent_to(self, _name: str) -> tuple[str, ...]:
         return ()
 
+    def returns_nothing(self, _name: str) -> bool:
+        return False
+
     def default_bias(self, *, instances: int, reads: int, **_: Any) -> NoiseRun:
         parts = [
             clean[0] + np.repeat(self._rng.normal(0, size, (instances, 1, 3)), reads, axis=1)

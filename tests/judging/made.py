@@ -43,10 +43,11 @@ def truth() -> Traces:
 
 
 class Made(Student):
-    """A student made of functions and classes, by the names that the lab asks for; `lent` and `misspelt_as` as of `Loaded`."""
+    """A student made of functions and classes, by the names that the lab asks for; `lent`, `misspelt_as`, `unreturned` as of `Loaded`."""
 
     lent: tuple[tuple[str, str], ...] = ()
     misspelt_as: tuple[tuple[str, str], ...] = ()
+    unreturned: tuple[str, ...] = ()
 
     def __init__(self, **parts: Any) -> None:
         self.parts, self.robot = parts, robot_of(truth())
@@ -60,7 +61,7 @@ class Made(Student):
         return name
 
     def load(self, path: str) -> Loaded:
-        return Loaded(frozenset([path]), None, (), self.lent, self.misspelt_as, Frame({}))
+        return Loaded(frozenset([path]), None, (), self.lent, self.misspelt_as, self.unreturned, Frame({}))
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
         if key not in self._answers:

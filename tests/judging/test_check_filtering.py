@@ -222,6 +222,10 @@ class Misspelt(Made):
     misspelt_as = (("LowPassFilter", "LowpassFilter"),)
 
 
+class Silent(Made):
+    unreturned = ("LowPassFilter",)
+
+
 class AsksForTime(Sound):
     def update(self, measurement: np.ndarray, dt: float) -> Any:  # type: ignore[override]
         return super().update(measurement)
@@ -234,6 +238,7 @@ def _other_names(self: Any, smoothing: float = 0.1, start: Any = None) -> None:
 FITTING = [
     Case("an import is missing", RECURSION, lambda: Forgetful(LowPassFilter=Sound), (0.5, ["import-missing"])),
     Case("a slip in the name", RECURSION, lambda: Misspelt(LowPassFilter=Sound), (0.5, ["name-missing"])),
+    Case("a return is missing", RECURSION, lambda: Silent(LowPassFilter=Sound), (0.5, ["wrong-return-type"])),
     Case("asks for the time", RECURSION, lambda: Made(LowPassFilter=AsksForTime), (0.5, ["other-parameters"])),
     Case("other names", RECURSION, lambda: Made(LowPassFilter=of(__init__=_other_names)), (0.5, ["other-parameters"])),
 ]

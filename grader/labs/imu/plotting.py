@@ -24,6 +24,12 @@ from grader.labs.imu.robot import robot_of
 from grader.sandbox.box import Box
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
+_RETURNS = {
+    "get_imu_readings": "pair",
+    "simulate_and_collect": "mapping",
+    "NoisyIMU.read": "pair",
+    "LowPassFilter.update": "value",
+}
 _FURTHER = 3  # programs that are run to see what they draw
 
 
@@ -37,7 +43,13 @@ class Plotting(Conversation):
 
     def __init__(self, box: Box, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
         robot = self.robot = robot_of(truth)
-        furniture = {"model": robot.xml, "model_file": robot.file, "imu": robot.imu, "sheet_model": lab.model}
+        furniture: dict[str, Any] = {
+            "model": robot.xml,
+            "model_file": robot.file,
+            "imu": robot.imu,
+            "sheet_model": lab.model,
+        }
+        furniture["returns"] = _RETURNS
         furniture["libraries"] = ("mujoco", "np", "numpy", "plt")
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures

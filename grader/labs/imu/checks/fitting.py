@@ -10,7 +10,7 @@ from grader.labs.imu.student import Student
 
 
 def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_to: str = "") -> None:
-    """Charge what a definition needed in order to be called at all: its name, an import, or parameters that are the sheet's.
+    """Charge what a definition needed in order to be of use at all: its name, an import, a return, or the sheet's parameters.
 
     Parameters
     ----------
@@ -28,6 +28,15 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             f"{lent} without an import",
             off=off,
             mistakes=["import-missing"],
+            keeps=keeps,
+        )
+    if student.returns_nothing(name):
+        off = Size("no return at the end")
+        raise Lost(
+            "a return at the end",
+            "none: what stands last was taken",
+            off=off,
+            mistakes=["wrong-return-type"],
             keeps=keeps,
         )
     if odd := ", ".join(departs):
