@@ -6,6 +6,8 @@ A command that is newly documented is run without a word here; one of a new kind
 from __future__ import annotations
 
 import csv
+import importlib
+import inspect
 import io
 import json
 import os
@@ -455,9 +457,27 @@ def by_hand(module: str, words: list[str]) -> None:
     """Campaigns of minutes to hours: they start, and know these options and values of them."""
     if not words and any(each.words[2:3] == (module,) and each.words[3:] for each in COMMANDS):
         return  # named with options elsewhere
-    usage = _lines(["-m", module, *(STANDS_FOR.get(word, word) for word in words), "--help"], ROOT)
-    assert usage.startswith("Usage: imugrade" if module == "grader" else f"usage: python -m {module} ")
+    words = [*(STANDS_FOR.get(word, word) for word in words), "--help"]
+    if module == "grader":
+        assert _lines(["-m", module, *words], ROOT).startswith("Usage: imugrade")
+        return
+    usage = _said_by(module, words)
+    assert usage.startswith(f"usage: python -m {module} ")
     assert {word for word in words if word.startswith("-")} <= set(re.findall(r"--?[\w-]+", usage))
+
+
+def _said_by(module: str, words: list[str]) -> str:
+    """What `python -m module` says, by its `main`: in this process, which has imported most of it."""
+    program = importlib.import_module(f"{module}.__main__" if Path(ROOT, *module.split(".")).is_dir() else module)
+    assert re.search(r'if __name__ == "__main__":\n.*\bmain\(\)\)?\n$', inspect.getsource(program), re.DOTALL)
+    with pytest.MonkeyPatch.context() as here, redirect_stdout(io.StringIO()) as out:
+        here.setattr(sys, "argv", [f"python -m {module}", *words])
+        try:
+            code = program.main()
+        except SystemExit as ended:
+            code = ended.code
+    assert code in (0, None)
+    return out.getvalue()
 
 
 def pip(command: Command, folder: Path, _: Scene) -> None:
