@@ -70,7 +70,7 @@ _MORE_TESTS |= dict.fromkeys(
 """Tests without a box under another name, by module."""
 _PARTS = {
     "sensor_access": ("check_sensor_access", "reading", "handling"),
-    "data_collection": ("check_data_collection", "collection", "recordings"),
+    "data_collection": ("check_data_collection", "row_faults", "run_starts", "collection", "recordings"),
     "visualization": ("check_visualization", "plots", "labels", "comparing", "figures"),
     "noise_model": ("check_noise_model", "noise_runs", "noise", "noise_laws", "noise_twins"),
     "filtering": ("check_filtering", "filtering", "filter_outputs"),
