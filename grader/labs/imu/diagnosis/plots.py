@@ -70,8 +70,7 @@ class Panel:
 
     def is_inset_of(self, other: Panel) -> bool:
         """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
-        own, its = ({(s.sensor, s.axis) for s in panel.shown} for panel in (self, other))
-        return bool(own) and own <= its and self.area < other.area / 2
+        return bool(self.channels) and self.channels <= other.channels and self.area < other.area / 2
 
     @property
     def words(self) -> str:
