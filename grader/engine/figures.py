@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import PurePath
 from typing import Any, TypeVar
 
 import numpy as np
@@ -166,6 +167,11 @@ class Figure:
     extent: tuple[float, float] = (0.0, 0.0)
     dots: float = 0.0
     pixels: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
+
+    @property
+    def file_name(self) -> str:
+        """That of its file, without the folder; empty where there is none."""
+        return PurePath(self.path or "").name
 
     @property
     def is_saved(self) -> bool:

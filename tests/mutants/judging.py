@@ -70,15 +70,18 @@ _MORE_TESTS |= dict.fromkeys(
 """Tests without a box under another name, by module."""
 _PARTS = {
     "sensor_access": ("check_sensor_access", "reading", "handling"),
-    "data_collection": ("check_data_collection", "collection", "recordings"),
-    "visualization": ("check_visualization", "plots", "labels", "comparing", "figures"),
+    "data_collection": ("check_data_collection", "row_faults", "run_starts", "collection", "recordings"),
+    "visualization": (
+        "check_visualization", "plot_runs", "panel_words", "curve_faults", "lost_pictures", "plots", "labels", "comparing",
+        "figures",
+    ),
     "noise_model": ("check_noise_model", "noise_runs", "noise", "noise_laws", "noise_twins"),
     "filtering": ("check_filtering", "filtering", "filter_outputs"),
     "complementary_filter": ("check_complementary_filter", "tilting"),
     "allan_variance": ("check_allan_variance", "allan"),
     "multiple_imus": ("check_multiple_imus",),
     "realtime_visualization": ("check_realtime_visualization", "liveplot"),
-}
+}  # fmt: skip
 """Which modules judge which part; what stands in no row judges every part."""
 
 

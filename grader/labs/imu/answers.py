@@ -157,6 +157,7 @@ class Readings:
 # --- a collected time series ---------------------------------------------------------------------------------------------
 
 KEYS = ("time", "acceleration", "angular_velocity")
+SENSORS, SENSOR_UNITS = KEYS[1:], ("m/s²", "rad/s")
 
 
 @dataclass(frozen=True)
@@ -187,10 +188,15 @@ class Collection:
     absent: str = ""
     departs: tuple[str, ...] = ()
 
+    @property
+    def sensors(self) -> tuple[Array | None, Array | None]:
+        """The rows of each of `SENSORS`."""
+        return self.acceleration, self.angular_velocity
+
     @cached_property
     def filled_rows(self) -> int:
         """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
-        both = zip(KEYS[1:], (self.acceleration, self.angular_velocity), strict=True)
+        both = zip(SENSORS, self.sensors, strict=True)
         sensors = [rows for key, rows in both if rows is not None and key != self.absent]
         n = min(map(len, sensors))
         some = np.any([np.any(rows[:n] != 0, axis=1) for rows in sensors], axis=0)
@@ -238,7 +244,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
             ("wrong-keys", f"got the keys {', '.join(repr(name) for name in list(members)[:8]) or '(none)'}")
         )
     found = _upright({key: series[own] for key, own in keys.items() if own in series}, oddities)
-    found |= {key: columns for key in KEYS[1:] if key not in found and (columns := _columns(key, extras)) is not None}
+    found |= {key: columns for key in SENSORS if key not in found and (columns := _columns(key, extras)) is not None}
     time, acceleration, angular_velocity = (found.get(key) for key in KEYS)
     return Collection(time, acceleration, angular_velocity, keys, extras, tuple(oddities))
 

@@ -132,7 +132,7 @@ def complete(series: Collection) -> bool:
 
 
 def has_rows(series: Collection) -> None:
-    if series.acceleration is None or series.angular_velocity is None:
+    if not complete(series):
         raise Skipped("accelerations and angular velocities, which the returned value does not hold")
 
 

@@ -9,14 +9,15 @@ import numpy as np
 from grader.engine.examination import check
 from grader.engine.findings import Lost, Size, Skipped
 from grader.engine.traces import Traces
-
-from ..answers import KEYS, Collection
-from ..checks.fitting import fits_in
-from ..compare import Array, deviation, told, vector
-from ..diagnosis import collection as diagnosis
-from ..diagnosis.collection import TRUE_WORLD, Story, Worlds
-from ..lab_copies import learnt_timestep
-from ..recordings import (
+from grader.labs.imu.answers import KEYS, Collection
+from grader.labs.imu.checks import row_faults, run_starts
+from grader.labs.imu.checks.fitting import fits_in
+from grader.labs.imu.checks.run_starts import PUSH
+from grader.labs.imu.compare import Array, vector
+from grader.labs.imu.diagnosis import collection as diagnosis
+from grader.labs.imu.diagnosis.collection import TIME_ATOL, TRUE_WORLD, Story, Worlds
+from grader.labs.imu.lab_copies import learnt_timestep
+from grader.labs.imu.recordings import (
     FOLLOWING,
     after_dirt,
     after_push,
@@ -33,13 +34,10 @@ from ..recordings import (
     recognised,
     story_of,
 )
-from ..student import Student
+from grader.labs.imu.student import Student
 
 _ROWS = "data_collection.matches_truth"
 """This charges what other checks see as well."""
-_SAME_START = 1e-9
-_TIME_ATOL = 1e-6
-"""s. Adding a time step 5,000 times errs by 1e-12 s, and single precision by 1e-7 s at 3 s."""
 
 
 @check("data_collection.returns_named_arrays", lab_step=3)
@@ -81,10 +79,7 @@ def simulated(student: Student, truth: Traces) -> None:
 @check("data_collection.sample_count", lab_step=3, needs=simulated)
 def check_sample_count(student: Student, truth: Traces) -> None:
     """One sample for every time step of the duration, whatever the duration and the time step"""
-    seen = []
-    for name, series in (("push", pushed(student, truth)), ("push_dirty", from_dirt(student, truth))):
-        worlds = _own_timestep(Worlds.of(truth[name]), series)
-        seen.append((length(series), worlds))
+    seen = [(length(series), _own_timestep(worlds, series)) for series, worlds in _both_runs(student, truth)]
     off = [(n, w) for n, w in seen if abs(n - w.steps) > 1]
     if not off:
         return
@@ -104,6 +99,12 @@ def check_sample_count(student: Student, truth: Traces) -> None:
     )
 
 
+def _both_runs(student: Student, truth: Traces) -> list[tuple[Collection, Worlds]]:
+    """The two that were asked for: of other lengths, and with other time steps."""
+    runs = (("push", pushed(student, truth)), ("push_dirty", from_dirt(student, truth)))
+    return [(series, Worlds.of(truth[name])) for name, series in runs]
+
+
 def _ends_at_once(series: Collection, worlds: Worlds, story: Story) -> bool:
     """Whether the first rows are all that there is, too few to tell how they go on: matches_truth charges that."""
     return story.skip == 1 and series.filled_rows < min(diagnosis.FEWEST_ROWS, worlds.steps // 2)
@@ -111,10 +112,9 @@ def _ends_at_once(series: Collection, worlds: Worlds, story: Story) -> bool:
 
 def _are_too_many(student: Student, truth: Traces) -> bool:
     """Whether as many rows as there are steps are filled, and those behind them never: matches_truth charges these."""
-    pairs = ((pushed(student, truth), "push"), (from_dirt(student, truth), "push_dirty"))
     return all(
-        complete(series) and abs(series.filled_rows - Worlds.of(truth[name]).steps) <= 1 < length(series)
-        for series, name in pairs
+        complete(series) and abs(series.filled_rows - worlds.steps) <= 1 < length(series)
+        for series, worlds in _both_runs(student, truth)
     )
 
 
@@ -146,7 +146,7 @@ def check_time_axis(student: Student, truth: Traces) -> None:
         raise Lost("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
     error = diagnosis.time_error(time, _timestep(worlds, series), story or Story())
     worst = int(np.argmax(error)) if len(error) else 0
-    if not len(error) or error[worst] > _TIME_ATOL:
+    if not len(error) or error[worst] > TIME_ATOL:
         _keeps_timestep(time, worlds.timestep, learnt_timestep(truth))
         raise Lost(
             f"time stamps {worlds.timestep:g} s apart, from {worlds.timestep:g} s (or 0 s) on",
@@ -167,7 +167,7 @@ def _follows_timestep(series: Collection, worlds: Worlds, usual: float) -> None:
 def _keeps_timestep(time: Array, timestep: float, usual: float) -> None:
     """Stamps that are as far apart as the model's usual time step, where it has another."""
     apart = np.abs(np.diff(time) - usual)
-    if len(apart) and apart.max() <= _TIME_ATOL and abs(timestep - usual) > _TIME_ATOL:
+    if len(apart) and apart.max() <= TIME_ATOL and abs(timestep - usual) > TIME_ATOL:
         got = f"{usual:g} s apart, as with the model's usual time step"
         raise Lost(f"time stamps {timestep:g} s apart", got, mistakes=["hard-coded-timestep"], keeps=0.5)
 
@@ -192,14 +192,13 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     story, worlds = story_of(student, truth, "push", series)
     filled, n = series.filled_rows, length(series)
     if story is None:
-        _rows_differ(series, worlds)
-    assert story is not None
+        row_faults.unexplained(series, worlds)
     if _ends_at_once(series, worlds, story):
-        _rows_end(filled, worlds)
+        row_faults.broken_off(filled, worlds)
     if story.altered:
-        _rows_altered(story, series, worlds)
-    _same_sensors(story)
-    _same_physics(story, worlds, series, np.asarray(truth["reading_lab"].scalars["gravity"], float))
+        row_faults.altered(story, worlds, series)
+    row_faults.of_other_sensors(story)
+    run_starts.in_another_model(story, worlds, series, np.asarray(truth["reading_lab"].scalars["gravity"], float))
     if all_alike(series) and not one_row_follows(student, truth):
         raise Lost(
             "rows that a simulation made", f"{n} rows, all alike, whatever gravity is", mistakes=["nothing-simulated"]
@@ -220,149 +219,9 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
             f"{story.skip} steps between stored samples",
             mistakes=["samples-skipped"],
         )
-    if story.lag < -1:
-        raise Lost("a row for every step from the start on", f"none for the first {-story.lag} steps", keeps=0.5)
-    if story.lag != 0 and not _at_own_times(story, worlds, series):
-        _shifted(story, series)
+    row_faults.shifted(story, worlds, series)
     if filled < n - 1:
         raise Lost(f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=0.5)
-
-
-def _same_sensors(story: Story) -> None:
-    if story.world.startswith(diagnosis.OTHER_IMU):
-        raise Lost("readings of the IMU whose ids are given", "those of another IMU of the model")
-    if story.world == diagnosis.LEARNT_IDS:
-        raise Lost(
-            "readings of the robot's IMU, its ids looked up by their names",
-            "those of the sensors that have their ids in your copy of the model",
-            mistakes=["hard-coded-address"],
-            hint="Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others.",
-        )
-    if story.world == diagnosis.LAST_SENSOR:
-        got = "those of the model's last sensor, which the id -1 of an unknown name reads"
-        raise Lost("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
-
-
-def _shifted(story: Story, series: Collection) -> None:
-    """Rows that are late or early by one; a first row of zeros is one that was never filled if a step less was made."""
-    assert series.acceleration is not None
-    steps = series.first_step.get("steps", np.zeros(1))[0]
-    if story.lag > 0 and steps == len(series.acceleration) - 1 and not series.acceleration[0].any():
-        got = "a first row that was never filled: the loop makes a step less than there are rows"
-        raise Lost("a row for every step, the first one too", got, mistakes=["first-row-empty"], keeps=0.5)
-    late, mistakes = ("late", ["read-before-step"]) if story.lag > 0 else ("early", [])
-    hint = (
-        ""
-        if mistakes
-        else "Read the sensors once after every mj_step, and store that reading in the same pass (Step 3)."
-    )
-    got = f"every row {late} by one sample"
-    raise Lost("each row read after its step", got, mistakes=mistakes, keeps=0.5, hint=hint)
-
-
-def _rows_altered(story: Story, series: Collection, worlds: Worlds) -> None:
-    """The run is right, and the rows of one sensor or both are others: called altered if one treatment predicts all of them."""
-    rows = dict(zip(diagnosis.SENSORS, (series.acceleration, series.angular_velocity), strict=True))
-    true = dict(zip(diagnosis.SENSORS, worlds.series[story.world], strict=True))
-    key = story.altered[0]
-    got = rows[key]
-    assert got is not None
-    if key == series.absent:
-        gone = f"none that can be made out under {key!r}"
-        off = Size(f"no rows that can be made out under {key!r}")
-        raise Lost("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
-    keeps, others = (0.5, ", while the other sensor is right") if len(story.altered) == 1 else (0.0, "")
-    if not np.isfinite(got).all():
-        raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
-    gap, unit = deviation(got, true[key]), ("m/s²", "rad/s")[diagnosis.SENSORS.index(key)]
-    treatment = diagnosis.treatment(key, got, true[key])
-    others = f"{_KINDS.get(treatment or '', '')}{others}"
-    raise Lost(
-        f"{told(true[key][gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
-        f"{told(got[gap.row], true[key][gap.row])}{others}",
-        mistakes=["rows-altered"] if treatment else [],
-        keeps=keeps,
-        off=Size(f"rows under {key!r} are off{others}", gap.rms, unit),
-        hint="" if treatment else "Store what get_imu_readings returns, as it is (Step 3).",
-    )
-
-
-_BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."
-_KINDS = {
-    "sign-flipped": ": the reading with other signs",
-    "axes-permuted": ": the reading with its axes in another order",
-    "precision-lost": ": the reading with digits cut off",
-    "wrong-units": ": the reading in another unit",
-    "gravity-removed": ": the reading with gravity added or taken away",
-    "treated": ": the reading scaled, shifted or mixed",
-}
-
-
-def _at_own_times(story: Story, worlds: Worlds, series: Collection) -> bool:
-    """Whether each row stands at the time of its state: from the one before any step on, or by mj_forward after every step."""
-    if series.time is None or series.acceleration is None or len(series.time) < 2:
-        return False
-    if story.lag == -1:
-        return bool(abs(series.time[0] - worlds.timestep) < _TIME_ATOL)
-    first = worlds.series[story.world][0][0]
-    at_once = np.abs(series.acceleration[0] - first).max() <= diagnosis.ATOL_ACCELERATION
-    return bool(at_once and abs(series.time[0]) < _TIME_ATOL and abs(series.time[1] - worlds.timestep) < _TIME_ATOL)
-
-
-def _same_physics(story: Story, worlds: Worlds, series: Collection, gravity: Array) -> None:
-    """A model that was changed for the run and put back: what is left changed is charged by starts_from_reset."""
-    claim = worlds.claim
-    if not story.of_claim or claim is None or series.changed:
-        return
-    if abs(claim.timestep - worlds.timestep) > _SAME_START:
-        got = f"rows of a simulation with a time step of {claim.timestep:g} s"
-        raise Lost(
-            f"a simulation with the model's time step of {worlds.timestep:g} s", got, mistakes=["modifies-model"]
-        )
-    if np.abs(claim.gravity - gravity).max() > 1e-3:
-        raise Lost(
-            "a simulation with the model's gravity",
-            f"rows of one with {vector(claim.gravity)} m/s²",
-            mistakes=["modifies-model"],
-        )
-
-
-def _rows_end(n: int, worlds: Worlds) -> None:
-    rows = f"{n} row{'s' * (n != 1)}, then nothing"
-    hint = "Return after the loop, when all rows are stored (Step 3)."
-    raise Lost(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
-
-
-def _rows_differ(series: Collection, worlds: Worlds) -> None:
-    if series.absent:
-        found = f"no rows that can be made out under {series.absent!r}, and others than the truth of the other sensor"
-        raise Lost("the readings of both sensors", found, hint=_BOTH)
-    accel, gyro = worlds.series.get(diagnosis.CLAIMED_WORLD, worlds.series[TRUE_WORLD])
-    assert series.acceleration is not None
-    assert series.angular_velocity is not None
-    n = min(len(series.acceleration), len(accel))
-    if not (np.isfinite(series.acceleration).all() and np.isfinite(series.angular_velocity).all()):
-        raise Lost("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
-    in_accel, in_gyro = deviation(series.acceleration[:n], accel[:n]), deviation(series.angular_velocity[:n], gyro[:n])
-    right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
-    if all(right):
-        _rows_end(n, worlds)
-    got, true, at, unit = (
-        (series.angular_velocity, gyro, in_gyro, "rad/s")
-        if right[0]
-        else (series.acceleration, accel, in_accel, "m/s²")
-    )
-    nothing = [] if series.first_step else ["nothing-simulated"]
-    raise Lost(
-        f"{told(true[at.row], got[at.row])} {unit} in row {at.row}",
-        f"{told(got[at.row], true[at.row])} (RMS difference over the series {at.rms:.3g} {unit})",
-        keeps=0.5 if any(right) else 0.0,
-        off=Size("the rows differ over the series", at.rms, unit),
-        mistakes=nothing,
-        hint=""
-        if nothing
-        else "In each pass of the loop step once, read once and store that reading as it is (Step 3).",
-    )
 
 
 @check("data_collection.starts_from_reset", lab_step=3, needs=simulated)
@@ -382,34 +241,24 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
     first, first_worlds = story_of(student, truth, "push", pushed(student, truth))
     story, worlds = story_of(student, truth, "push_dirty", series)
     start = truth["reading_lab"]["qpos"][-1]
-    goes_on = _time_goes_on(series, truth) or _starts_elsewhere(story, worlds, start)
-    if goes_on or (_other_velocity(story, worlds, push) and not _pushes_at_random(student, truth)):
+    goes_on = (
+        _time_goes_on(series, truth)
+        or run_starts.in_another_pose(story, worlds, start)
+        or (run_starts.with_other_velocities(story, worlds, push) and not _pushes_at_random(student, truth))
+    )
+    if goes_on:
         got = "a series that goes on from where the data was left"
         raise Lost("the same series as from a fresh start", got, mistakes=["no-reset"])
     unknown = story is None and not (first or Story()).fits((series, worlds))
     near = recognised(student, truth, series, worlds) if unknown else TRUE_WORLD
-    elsewhere = near == diagnosis.CLAIMED_WORLD and _starts_elsewhere(Story(near), worlds, start)
-    if near == "no_reset" or elsewhere or _starts_elsewhere(first, first_worlds, start):
+    elsewhere = near == diagnosis.CLAIMED_WORLD and run_starts.in_another_pose(Story(near), worlds, start)
+    if near == "no_reset" or elsewhere or run_starts.in_another_pose(first, first_worlds, start):
         accel = worlds.series[TRUE_WORLD][0]
         assert series.acceleration is not None
         wanted = f"{vector(accel[0])} m/s² in the first row, as from a fresh start"
         hint = "Call mujoco.mj_resetData(model, data) first, and push the robot right after it (Step 3)."
         off = Size("another series than from a fresh start")
         raise Lost(wanted, vector(series.acceleration[0]), off=off, hint=hint)
-
-
-def _starts_elsewhere(story: Story | None, worlds: Worlds, start: Array) -> bool:
-    """Whether a run is known to begin in another pose than the model's own (nq,)."""
-    if story is None or not story.of_claim or worlds.claim is None:
-        return story is not None and story.world == "no_reset"
-    return bool(np.abs(worlds.claim.qpos - start).max() > _SAME_START)
-
-
-def _other_velocity(story: Story | None, worlds: Worlds, push: Collection) -> bool:
-    """Whether a run is known to begin with other velocities than the first run did: what an earlier one left stays in them."""
-    if story is None or not story.of_claim or worlds.claim is None or not push.first_step:
-        return False
-    return bool(np.abs(worlds.claim.qvel - push.first_step["qvel"]).max() > _SAME_START)
 
 
 def _time_goes_on(series: Collection, truth: Traces) -> bool:
@@ -425,57 +274,22 @@ def check_applies_push(student: Student, truth: Traces) -> None:
     story, worlds = story_of(student, truth, "push", series)
     world = recognised(student, truth, series, worlds) if story is None else story.world
     if world != TRUE_WORLD and _pushes_at_random(student, truth):
-        first, second = (_velocity(each) for each in (series, pushed_again(student, truth)))
+        first, second = (run_starts.velocities(each) for each in (series, pushed_again(student, truth)))
         got = f"a series that starts with {first}, and one from the same state that starts with {second}"
         off = Size("a series that starts with another velocity in every run")
-        raise Lost("data.qvel[0] = 0.5 after the reset, in every run", got, mistakes=["random-push"], off=off)
+        raise Lost(f"{PUSH}, in every run", got, mistakes=["random-push"], off=off)
     if world == "no_push":
         mistake = "no-perturbation" if story else "wrong-perturbation"
-        raise Lost("data.qvel[0] = 0.5 after the reset", "a series that starts without a push", mistakes=[mistake])
+        raise Lost(PUSH, "a series that starts without a push", mistakes=[mistake])
     if world in (diagnosis.CLAIMED_WORLD, diagnosis.OWN_WORLD):
-        _other_push(worlds)
+        assert worlds.claim is not None
+        run_starts.with_another_push(worlds.claim)
     elif world.startswith("push"):
         words = world.replace("push_", "").replace("_", " ")
         got = f"a series after another push ({words})"
-        raise Lost("data.qvel[0] = 0.5 after the reset", got, mistakes=["wrong-perturbation"])
-
-
-def _other_push(worlds: Worlds) -> None:
-    claim = worlds.claim
-    assert claim is not None
-    pushed = np.flatnonzero(np.abs(claim.qvel) > _SAME_START)
-    if claim.force.any():
-        got = f"a series under a force of up to {np.abs(claim.force).max():.3g} N or Nm"
-        raise Lost("data.qvel[0] = 0.5 after the reset, and no force", got, mistakes=["wrong-perturbation"])
-    if not len(pushed) and len(claim.set_at):
-        got = f"a series whose velocity is set before step {claim.set_at[0] + 1:.0f}, and not at the start"
-        _wrongly_pushed(got, Size("a series whose velocity is set later, and not at the start"))
-    if not len(pushed):
-        raise Lost("data.qvel[0] = 0.5 after the reset", "a series without a push", mistakes=["no-perturbation"])
-    if len(pushed) != 1 or pushed[0] != 0 or abs(claim.qvel[0] - 0.5) > _SAME_START:
-        _wrongly_pushed(
-            f"a series that starts with {_velocities(claim.qvel)}", Size("a series that starts with another push")
-        )
-    if len(claim.set_at):
-        times = "once more" if len(claim.set_at) == 1 else f"{len(claim.set_at)} times more"
-        got = f"a series whose state is set {times}, first before step {claim.set_at[0] + 1:.0f}"
-        _wrongly_pushed(got, Size("a series whose state is set again while it runs"))
-
-
-def _wrongly_pushed(got: str, off: Size) -> None:
-    raise Lost("data.qvel[0] = 0.5 once, right after the reset", got, mistakes=["wrong-perturbation"], off=off)
-
-
-def _velocities(qvel: Array) -> str:
-    pushed = np.flatnonzero(np.abs(qvel) > _SAME_START)
-    return ", ".join(f"qvel[{i}] = {qvel[i]:.3g}" for i in pushed[:3]) + (" …" if len(pushed) > 3 else "")
-
-
-def _velocity(series: Collection) -> str:
-    return _velocities(series.first_step["qvel"]) or "no velocity"
+        raise Lost(PUSH, got, mistakes=["wrong-perturbation"])
 
 
 def _pushes_at_random(student: Student, truth: Traces) -> bool:
     """Whether two runs of one kind, both from a fresh state, start with other velocities."""
-    first, second = pushed(student, truth).first_step, pushed_again(student, truth).first_step
-    return bool(first and second and np.abs(first["qvel"] - second["qvel"]).max() > _SAME_START)
+    return run_starts.are_pushed_apart(pushed(student, truth), pushed_again(student, truth))

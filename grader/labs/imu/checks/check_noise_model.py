@@ -10,6 +10,7 @@ from grader.engine.examination import check
 from grader.engine.findings import Fault, Lost, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
+from grader.labs.imu.answers import SENSOR_UNITS
 from grader.labs.imu.checks import noise_runs as runs
 from grader.labs.imu.compare import Array, vector
 from grader.labs.imu.diagnosis import noise as diagnosis
@@ -29,7 +30,6 @@ _SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
     "noise_model.white_and_gaussian",
 )
 """These charge what other checks see as well."""
-_UNITS = ("m/s²", "rad/s")
 _NAMES = ("accel", "gyro")
 _SIZE = (
     "Draw the noise of each sensor with the standard deviation that was given for it, as it is: no other factor, unit or power "
@@ -71,8 +71,8 @@ def check_noise_size(student: Student, truth: Traces) -> None:
     if not mistakes and laws.density(sensors, float(truth["push"].scalars["timestep"])):
         mistakes = ["noise-density"]
     raise Lost(
-        f"{_NAMES[wrong]} noise with a standard deviation of {sensors[wrong].std:g} {_UNITS[wrong]}",
-        f"{_size_in_words(sensors[wrong])} {_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
+        f"{_NAMES[wrong]} noise with a standard deviation of {sensors[wrong].std:g} {SENSOR_UNITS[wrong]}",
+        f"{_size_in_words(sensors[wrong])} {SENSOR_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
         mistakes=mistakes,
         keeps=0.5 if any(right) else 0.0,
         hint="" if mistakes else _SIZE,
@@ -157,7 +157,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     wrong = [i for i in off if exchanged or not (twins and _bias_is_added(twins[i], sensors[i], drifts=drifting[i]))]
     redrawn = diagnosis.bias_is_redrawn(sensors, silent)
     if wrong:
-        facts, unit = sensors[wrong[0]], _UNITS[wrong[0]]
+        facts, unit = sensors[wrong[0]], SENSOR_UNITS[wrong[0]]
         state = int(np.argmax(np.abs(facts.offset - facts.bias).max(axis=1)))
         expected, came = told_apart(facts.bias, facts.offset[state])
         mistakes = ["bias-redrawn"] if redrawn else diagnosis.bias_mistakes(sensors)
@@ -177,8 +177,8 @@ def check_given_bias(student: Student, truth: Traces) -> None:
         which = another[0]
         raise Lost(
             f"no {_NAMES[which]} bias but the one that is given",
-            f"another one beside it, {vector(silent[which].offset[0])} {_UNITS[which]} in one instance and "
-            f"{vector(sensors[which].offset[0] - sensors[which].bias)} {_UNITS[which]} in the next",
+            f"another one beside it, {vector(silent[which].offset[0])} {SENSOR_UNITS[which]} in one instance and "
+            f"{vector(sensors[which].offset[0] - sensors[which].bias)} {SENSOR_UNITS[which]} in the next",
             off=Size("another one beside it, which is not the same for every instance"),
             hint=_ONCE,
         )
@@ -282,7 +282,7 @@ def _stays(drifting: list[bool], biases: list[Array], silent: list[Facts]) -> No
     moved = max(float(np.ptp(biases[which], axis=1).max()), float(np.ptp(silent[which].residual, axis=1).max()))
     raise Lost(
         f"one {_NAMES[which]} bias for all reads",
-        f"one that drifts, by up to {moved:.3g} {_UNITS[which]} over {runs.MANY} reads without noise",
+        f"one that drifts, by up to {moved:.3g} {SENSOR_UNITS[which]} over {runs.MANY} reads without noise",
         mistakes=["bias-drifts"],
         belongs_to=_GIVEN_CHECK,
     )
@@ -308,7 +308,9 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
     raw, both = runs.given(student, truth), runs.steady(student, truth)
     if any(facts.grain for facts in raw):
-        grains = " and ".join(f"{f.grain:g} {u} ({n})" for f, u, n in zip(raw, _UNITS, _NAMES, strict=True) if f.grain)
+        grains = " and ".join(
+            f"{f.grain:g} {u} ({n})" for f, u, n in zip(raw, SENSOR_UNITS, _NAMES, strict=True) if f.grain
+        )
         raise Lost("readings as fine as float64 has them", f"none finer than {grains}", mistakes=["precision-lost"])
     sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
     if not sensors:
@@ -347,8 +349,8 @@ def _is_centred(student: Student, truth: Traces, sensors: list[Facts]) -> None:
     beside = facts.offset[-1] - facts.bias
     raise Lost(
         f"{_NAMES[which]} readings that are the clean ones and the bias on average",
-        f"{vector(beside)} {_UNITS[which]} beside these",
-        off=Size("the average is off", float(np.abs(beside).max()), _UNITS[which]),
+        f"{vector(beside)} {SENSOR_UNITS[which]} beside these",
+        off=Size("the average is off", float(np.abs(beside).max()), SENSOR_UNITS[which]),
         mistakes=known,
         hint="" if known else _NOTHING_ELSE,
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import PurePath
 
 from grader.engine.conversation import found_once
 from grader.engine.figures import Figure, Picture
@@ -12,7 +11,7 @@ from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu import bundles
 from grader.labs.imu.answers import Drawing
-from grader.labs.imu.checks.plot_runs import candidates, drawing_of_data, has_curves, series_of
+from grader.labs.imu.checks.plot_runs import candidates, drawing_of_data, has_curves, sensors_in_words, series_of
 from grader.labs.imu.diagnosis import comparing
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.diagnosis.resembling import sensors_of
@@ -78,15 +77,11 @@ def _is_of_data(figure: Figure) -> bool:
     """
     if not has_curves(figure):
         return False
-    return _name(figure) == PICTURE or (len(figure.axes) > 1 and not _compares(figure))
+    return figure.file_name == PICTURE or (len(figure.axes) > 1 and not _compares(figure))
 
 
 def _compares(figure: Figure) -> bool:
-    return bool(comparing.comparisons(figure) or comparing.named_comparisons(figure) or "filter" in _name(figure))
-
-
-def _name(figure: Figure) -> str:
-    return PurePath(figure.path or "").name
+    return bool(comparing.comparisons(figure) or comparing.named_comparisons(figure) or "filter" in figure.file_name)
 
 
 # --- held against the code -----------------------------------------------------------------------------------------------
@@ -108,10 +103,9 @@ def hold_against_code(student: Student, truth: Traces) -> None:
     plots = [figure for drawing in scripts for figure in drawing.figures if _may_be_the_plot(figure)]
     missing &= _missing_from(plots, truth) if all(map(_is_known, scripts)) else set()
     if missing:
-        words = " and ".join(("acceleration", "angular velocity")[sensor] for sensor in sorted(missing))
         student.note(
-            f"{PICTURE} was handed in and shows both sensors as they are recorded; what the code draws shows no {words}: "
-            f"{ANOTHER_VERSION}"
+            f"{PICTURE} was handed in and shows both sensors as they are recorded; what the code draws shows no "
+            f"{sensors_in_words(missing)}: {ANOTHER_VERSION}"
         )
 
 
@@ -129,7 +123,7 @@ def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
 
 def _may_be_the_plot(figure: Figure) -> bool:
     """Raw beside filtered data is asked for, too, and shows a sensor whatever the plot shows."""
-    return _name(figure) == PICTURE or not _compares(figure)
+    return figure.file_name == PICTURE or not _compares(figure)
 
 
 def _missing_from(figures: Sequence[Figure], truth: Traces) -> set[int]:

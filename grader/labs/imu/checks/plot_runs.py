@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from grader.engine.figures import Figure, Sight
+from grader.engine.figures import Curve, Figure, Sight
 from grader.engine.findings import Missing, Raised, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import KEYS, Array, Drawing
 from grader.labs.imu.diagnosis import plots
-from grader.labs.imu.diagnosis.plots import Channel, Panel
+from grader.labs.imu.diagnosis.plots import Channel, Panel, Shown
 from grader.labs.imu.diagnosis.sight import together
 from grader.labs.imu.recordings import torso_ids
 from grader.labs.imu.student import Student
 
 CHANNELS: tuple[Channel, ...] = tuple((sensor, axis) for sensor in (0, 1) for axis in range(3))
+SENSOR_WORDS = ("acceleration", "angular velocity")
 _ENOUGH = 0.5
 """Of a channel's time. A plot may leave out how a recording begins; one that shows less than half is a detail of a plot."""
 
@@ -46,17 +45,40 @@ class Plot:
         return own or [panel for panel in self.panels if sensor in panel.sensors]
 
     @property
+    def shown(self) -> list[Shown]:
+        return [shown for panel in self.panels for shown in panel.shown]
+
+    @property
     def drawn(self) -> set[Channel]:
-        return {shown.channel for panel in self.panels for shown in panel.shown}
+        return {shown.channel for shown in self.shown}
 
     @property
     def hidden(self) -> set[Channel]:
         """The channels whose curves are drawn, and that nobody sees in any panel."""
         return {shown.channel for panel in self.panels for shown in panel.hidden} - self.drawn
 
+    @property
+    def strange(self) -> list[Curve]:
+        return [curve for panel in self.panels for curve in panel.strange]
+
+    @property
+    def abscissae(self) -> set[str]:
+        """What the curves are drawn against."""
+        return {shown.x for shown in self.shown}
+
+    @property
+    def x_labels(self) -> list[str]:
+        """What is written along the time axis, wherever that may stand; empty where nothing is."""
+        return [panel.axes.xlabel for panel in self.panels] + [self.figure.xlabel, *self.figure.texts]
+
+    @property
+    def own_ticks(self) -> bool:
+        """Whether the numbers beside the time axis may be others than those that are drawn."""
+        return any(panel.axes.own_ticks for panel in self.panels)
+
     def sight(self, channel: Channel) -> Sight:
         """What is seen of a channel in all panels together."""
-        return together(s.curve.sight for panel in self.panels for s in panel.shown if s.channel == channel)
+        return together(shown.curve.sight for shown in self.shown if shown.channel == channel)
 
     def cut_off(self) -> dict[Channel, Sight]:
         """The channels that the limits of the axes leave outside for the most part."""
@@ -101,13 +123,9 @@ def plot_of(student: Student, truth: Traces) -> Plot:
     """The figure that shows most; Skipped where none has a curve that a reader sees."""
     plot = drawn_plot(student, truth)
     outside = set() if limits_fit(student, truth, plot) else set(plot.cut_off())
-    if not plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()} and not _strange(plot):
+    if not plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()} and not plot.strange:
         raise Skipped("a figure with curves that can be seen")
     return plot
-
-
-def _strange(plot: Plot) -> bool:
-    return any(panel.strange for panel in plot.panels)
 
 
 def drawn_plot(student: Student, truth: Traces) -> Plot:
@@ -149,6 +167,5 @@ def has_curves(figure: Figure) -> bool:
     return any(curve.n > 3 for axes in figure.visible_axes for curve in axes.curves)
 
 
-def share(mask: np.ndarray) -> int:
-    """Of a channel's time, per cent."""
-    return round(100 * float(np.mean(mask)))
+def sensors_in_words(sensors: Iterable[int]) -> str:
+    return " and ".join(SENSOR_WORDS[sensor] for sensor in sorted(sensors))

@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Placed
-from grader.labs.imu.answers import KEYS, Array, Collection, column_named
+from grader.labs.imu.answers import SENSORS, Array, Collection, column_named
 from grader.labs.imu.diagnosis.labels import axis_of
 
-SENSORS = KEYS[1:]
 FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
 _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
@@ -71,8 +70,7 @@ class Panel:
 
     def is_inset_of(self, other: Panel) -> bool:
         """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
-        own, its = ({(s.sensor, s.axis) for s in panel.shown} for panel in (self, other))
-        return bool(own) and own <= its and self.area < other.area / 2
+        return bool(self.channels) and self.channels <= other.channels and self.area < other.area / 2
 
     @property
     def words(self) -> str:

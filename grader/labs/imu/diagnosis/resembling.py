@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from grader.engine.figures import Array, Curve
+from grader.labs.imu.answers import SENSORS
 from grader.labs.imu.diagnosis.handed_in import DURATIONS
-from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, SENSORS
+from grader.labs.imu.diagnosis.plots import FEWEST_POINTS
 
 _ALIKE = 0.5
 """Correlation. Ink that follows a channel to a pixel has 0.99, noise on a thousand points 0.1."""

@@ -1,0 +1,97 @@
+"""What is wrong with the curves of a plot: missing, not seen, against no time, or in another unit: each fault as its finding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NoReturn
+
+import numpy as np
+
+from grader.engine.figures import Sight
+from grader.engine.findings import Lost
+from grader.labs.imu.checks.panel_words import quoted
+from grader.labs.imu.checks.plot_runs import CHANNELS, SENSOR_WORDS, Plot
+from grader.labs.imu.diagnosis import labels, plots
+from grader.labs.imu.diagnosis.plots import Channel
+
+_NONE_AS_GIVEN = (
+    "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
+)
+
+
+def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
+    """Charge the channels of which nothing is drawn, nothing is seen, or the most lies outside the limits."""
+    shown = plot.drawn - set(cut_off)
+    strange = len(plot.strange)
+    missing = set(CHANNELS) - plot.drawn - plot.hidden
+    got, mistakes = [], []
+    if missing:
+        twice = len(plot.shown) > len(plot.drawn)
+        got.append(
+            f"no curve that shows {_named(missing)}" + (f"; {strange} that show something else" if strange else "")
+        )
+        mistakes.append("wrong-data-plotted" if strange or twice else "curves-missing")
+    if plot.hidden:
+        got.append(
+            f"{_named(plot.hidden)} in the code and not in the picture: covered, clipped, or in the colour of what is behind"
+        )
+        mistakes.append("curves-not-seen")
+    if cut_off:
+        got.append(_outside(cut_off))
+        mistakes.append("curves-not-seen")
+    raise Lost(
+        "six curves, one for each channel of the data",
+        "; ".join(got),
+        mistakes=list(dict.fromkeys(mistakes)),
+        keeps=len(shown) / 6 if shown else 0.0,
+        hint="" if plot.drawn or plot.hidden or not strange else _NONE_AS_GIVEN,
+    )
+
+
+def _named(channels: Iterable[Channel]) -> str:
+    of_sensors = [(SENSOR_WORDS[s], ["xyz"[axis] for sensor, axis in sorted(channels) if sensor == s]) for s in (0, 1)]
+    return " and ".join(f"{word} {', '.join(axes)}" for word, axes in of_sensors if axes)
+
+
+def _outside(cut_off: Mapping[Channel, Sight]) -> str:
+    """Which part of the curves lies outside the limits: that of the channel that loses most."""
+    inside = min((sight.inside for sight in cut_off.values()), key=lambda mask: float(mask.mean()))
+    if not inside.any():
+        return f"{_named(cut_off)} outside the limits of the axes"
+    first, last = np.flatnonzero(inside)[[0, -1]]
+    share = round(100 * float(np.mean(~inside)))
+    ends = f"the last {99 - last} % of the time" if first < 5 and last < 95 else f"{share} % of the time"
+    ends = f"the first {first} % of the time" if first >= 5 and last >= 95 else ends
+    return f"{ends} of {_named(cut_off)} outside the limits of the axes"
+
+
+def against_no_time(plot: Plot) -> None:
+    """Charge curves against the sample's index, or against a time in another unit than the label's."""
+    if "index" in plot.abscissae:
+        raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
+    labelled = [labels.plain(text) for text in plot.x_labels]
+    said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
+    if "ms" in plot.abscissae and not said and not plot.own_ticks:
+        raise Lost(
+            "curves against time in the unit of the label",
+            "curves against milliseconds",
+            mistakes=["x-not-time"],
+            keeps=0.5,
+        )
+
+
+def in_another_unit(plot: Plot) -> None:
+    """Charge numbers in another unit than the label's; without one, than that of the data."""
+    for panel in plot.panels:
+        texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
+        said = next(filter(None, map(labels.unit_of, texts)), None)
+        for shown in panel.shown:
+            family = plots.UNITS[shown.sensor]
+            wrong = said in family and said != shown.unit
+            unsaid = said is None and shown.unit != family[0]
+            if wrong or unsaid:
+                got = f"numbers in {shown.unit} under the label {quoted(panel.axes.ylabel)}"
+                hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
+                raise Lost(
+                    "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=hint
+                )

@@ -1,0 +1,55 @@
+"""Pictures that a plot should be in and is not: overwritten, unreadable, empty, never saved, or handed in and drawn by no code."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+from grader.engine.findings import A_PERSON_MAY, Lost
+from grader.engine.traces import Traces
+from grader.ground.text import printable
+from grader.labs.imu.answers import Drawing
+from grader.labs.imu.checks import handed_in
+from grader.labs.imu.checks.plot_runs import Plot, has_curves, sensors_in_words
+from grader.labs.imu.student import Student
+
+
+def some_overwritten(drawn: list[Plot]) -> None:
+    """Charge what a figure showed that is in no file at the end: it is lost to the reader."""
+    standing, gone = (
+        {channel for plot in drawn if plot.figure.event == event for channel in plot.drawn}
+        for event in ("saved", "overwritten")
+    )
+    if gone - standing:
+        path = next(plot.figure.path for plot in drawn if plot.figure.event == "overwritten")
+        missing = sensors_in_words({sensor for sensor, _ in gone - standing})
+        raise Lost(
+            "each figure in a picture file of its own",
+            f"{printable(path or handed_in.PICTURE, 60)}, saved a second time, without the {missing}",
+            mistakes=["picture-overwritten"],
+            keeps=0.5,
+        )
+
+
+def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
+    """Charge that no file shows the curves, and say what became of them."""
+    events = {figure.event for figure in drawing.figures if has_curves(figure)}
+    broken = next((picture for picture in drawing.strange if picture.reason), None)
+    if events & {"overwritten", "forgotten"} and broken is not None:
+        hint = "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
+        got = f"{printable(broken.path, 60)}, which no program can open"
+        raise Lost("a picture that can be read", got, hint=hint)
+    if "overwritten" in events:
+        hint = "Save the figure last, under a name that nothing else is written to afterwards (Step 4)."
+        got = "a file in which the figure no longer stands at the end"
+        raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
+    if any(figure.is_saved for figure in drawing.figures):
+        raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
+    if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
+        if not handed_in.counts(student, truth):
+            student.note(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
+        got = f"{handed_in.PICTURE}, which no code draws, and on which the recording was not recognised"
+        raise Lost("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
+    drawn = "a figure that is drawn and never saved" if events else "no figure"
+    if "forgotten" in events:
+        drawn = "a figure that is saved to memory, and never written to a file"
+    raise Lost(f"a saved picture, {handed_in.PICTURE}", drawn, mistakes=["plot-not-saved"])

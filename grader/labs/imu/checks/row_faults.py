@@ -1,0 +1,142 @@
+"""What is wrong with the rows of a recording, by the story that explains them, or without one: each fault as its finding."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+import numpy as np
+
+from grader.engine.findings import Lost, Size
+from grader.labs.imu.answers import SENSOR_UNITS, SENSORS, Collection
+from grader.labs.imu.compare import deviation, told
+from grader.labs.imu.diagnosis import collection as diagnosis
+from grader.labs.imu.diagnosis.collection import Story, Worlds
+
+_BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."
+_KINDS = {
+    "sign-flipped": ": the reading with other signs",
+    "axes-permuted": ": the reading with its axes in another order",
+    "precision-lost": ": the reading with digits cut off",
+    "wrong-units": ": the reading in another unit",
+    "gravity-removed": ": the reading with gravity added or taken away",
+    "treated": ": the reading scaled, shifted or mixed",
+}
+
+
+def of_other_sensors(story: Story) -> None:
+    """Charge rows of sensors whose ids were not given."""
+    if story.world.startswith(diagnosis.OTHER_IMU):
+        raise Lost("readings of the IMU whose ids are given", "those of another IMU of the model")
+    if story.world == diagnosis.LEARNT_IDS:
+        raise Lost(
+            "readings of the robot's IMU, its ids looked up by their names",
+            "those of the sensors that have their ids in your copy of the model",
+            mistakes=["hard-coded-address"],
+            hint="Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others.",
+        )
+    if story.world == diagnosis.LAST_SENSOR:
+        got = "those of the model's last sensor, which the id -1 of an unknown name reads"
+        raise Lost("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
+
+
+def shifted(story: Story, worlds: Worlds, series: Collection) -> None:
+    """Charge rows that are late or early, but for those that stand at the times of their states."""
+    if story.lag < -1:
+        raise Lost("a row for every step from the start on", f"none for the first {-story.lag} steps", keeps=0.5)
+    if story.lag != 0 and not _at_own_times(story, worlds, series):
+        _by_one(story, series)
+
+
+def _by_one(story: Story, series: Collection) -> NoReturn:
+    """A first row of zeros is one that was never filled if a step less was made."""
+    assert series.acceleration is not None
+    steps = series.first_step.get("steps", np.zeros(1))[0]
+    if story.lag > 0 and steps == len(series.acceleration) - 1 and not series.acceleration[0].any():
+        got = "a first row that was never filled: the loop makes a step less than there are rows"
+        raise Lost("a row for every step, the first one too", got, mistakes=["first-row-empty"], keeps=0.5)
+    late, mistakes = ("late", ["read-before-step"]) if story.lag > 0 else ("early", [])
+    hint = (
+        ""
+        if mistakes
+        else "Read the sensors once after every mj_step, and store that reading in the same pass (Step 3)."
+    )
+    got = f"every row {late} by one sample"
+    raise Lost("each row read after its step", got, mistakes=mistakes, keeps=0.5, hint=hint)
+
+
+def _at_own_times(story: Story, worlds: Worlds, series: Collection) -> bool:
+    """Whether each row stands at the time of its state: from the one before any step on, or by mj_forward after every step."""
+    if series.time is None or series.acceleration is None or len(series.time) < 2:
+        return False
+    if story.lag == -1:
+        return bool(abs(series.time[0] - worlds.timestep) < diagnosis.TIME_ATOL)
+    first = worlds.series[story.world][0][0]
+    at_once = np.abs(series.acceleration[0] - first).max() <= diagnosis.ATOL_ACCELERATION
+    starts, second = abs(series.time[0]), abs(series.time[1] - worlds.timestep)
+    return bool(at_once and starts < diagnosis.TIME_ATOL and second < diagnosis.TIME_ATOL)
+
+
+def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
+    """The run is right, and the rows of one sensor or both are others: called altered if one treatment predicts all of them."""
+    key = story.altered[0]
+    which = SENSORS.index(key)
+    got, true, unit = series.sensors[which], worlds.series[story.world][which], SENSOR_UNITS[which]
+    assert got is not None
+    if key == series.absent:
+        gone = f"none that can be made out under {key!r}"
+        off = Size(f"no rows that can be made out under {key!r}")
+        raise Lost("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
+    keeps, others = (0.5, ", while the other sensor is right") if len(story.altered) == 1 else (0.0, "")
+    if not np.isfinite(got).all():
+        raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
+    gap = deviation(got, true)
+    treatment = diagnosis.treatment(key, got, true)
+    others = f"{_KINDS.get(treatment or '', '')}{others}"
+    raise Lost(
+        f"{told(true[gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
+        f"{told(got[gap.row], true[gap.row])}{others}",
+        mistakes=["rows-altered"] if treatment else [],
+        keeps=keeps,
+        off=Size(f"rows under {key!r} are off{others}", gap.rms, unit),
+        hint="" if treatment else "Store what get_imu_readings returns, as it is (Step 3).",
+    )
+
+
+def broken_off(n: int, worlds: Worlds) -> NoReturn:
+    """The first rows are right, and the others are not there."""
+    rows = f"{n} row{'s' * (n != 1)}, then nothing"
+    hint = "Return after the loop, when all rows are stored (Step 3)."
+    raise Lost(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
+
+
+def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
+    """Rows that no story predicts: told by the sensor that is off, and by the row where it is furthest off."""
+    if series.absent:
+        found = f"no rows that can be made out under {series.absent!r}, and others than the truth of the other sensor"
+        raise Lost("the readings of both sensors", found, hint=_BOTH)
+    accel, gyro = worlds.series.get(diagnosis.CLAIMED_WORLD, worlds.series[diagnosis.TRUE_WORLD])
+    assert series.acceleration is not None
+    assert series.angular_velocity is not None
+    n = min(len(series.acceleration), len(accel))
+    if not (np.isfinite(series.acceleration).all() and np.isfinite(series.angular_velocity).all()):
+        raise Lost("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
+    in_accel, in_gyro = deviation(series.acceleration[:n], accel[:n]), deviation(series.angular_velocity[:n], gyro[:n])
+    right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
+    if all(right):
+        broken_off(n, worlds)
+    got, true, at, unit = (
+        (series.angular_velocity, gyro, in_gyro, SENSOR_UNITS[1])
+        if right[0]
+        else (series.acceleration, accel, in_accel, SENSOR_UNITS[0])
+    )
+    nothing = [] if series.first_step else ["nothing-simulated"]
+    raise Lost(
+        f"{told(true[at.row], got[at.row])} {unit} in row {at.row}",
+        f"{told(got[at.row], true[at.row])} (RMS difference over the series {at.rms:.3g} {unit})",
+        keeps=0.5 if any(right) else 0.0,
+        off=Size("the rows differ over the series", at.rms, unit),
+        mistakes=nothing,
+        hint=""
+        if nothing
+        else "In each pass of the loop step once, read once and store that reading as it is (Step 3).",
+    )
