@@ -75,7 +75,7 @@ class LowPassFilter:
 '''
 
 FILTER_FAULTS = [
-    fault("nothing-from-the-first-update", "wrong-return-type", sheet((RETURN, "            return self.value.copy()\n")), loses=("filtering.starts_from_first_measurement",)),
+    fault("nothing-from-the-first-update", "wrong-return-type", sheet((RETURN, "            return self.value.copy()\n")), loses=("filtering.follows_recursion",)),
     fault("writes-into-the-initial-value", "mutates-input", sheet((RECURSION, "self.value *= 1 - self.alpha\n            self.value += self.alpha * measurement"))),
     fault("one-output-array-for-all", "aliased-output", sheet(("class LowPassFilter:", "_OUT = np.empty(3)\n\n\nclass LowPassFilter:"), (RETURN, "        _OUT[:] = self.value\n        return _OUT\n"))),
     fault("alpha-of-the-class", "shared-state", sheet(("self.alpha = alpha", "LowPassFilter.alpha = alpha"))),
