@@ -21,11 +21,10 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
+from tests.boxes import Opened, opener
 from tests.tapes import suite
 
 SECRET = "a secret that must not leave 4711"
@@ -38,10 +37,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def marker() -> Iterator[Marker]:
-    """A warm one for whatever is marked by the lab's own rubric and data: to open one takes longer than to mark."""
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
+def opened() -> Iterator[Opened]:
+    """Opens markers with one box, for whatever is marked by other traces or another rubric."""
+    with opener() as opens:
+        yield opens
+
+
+@pytest.fixture(scope="session")
+def marker(opened: Opened) -> Iterator[Marker]:
+    """A warm one for whatever is marked by the lab's own rubric and data."""
+    with opened(bundles.shipped()) as warm:
+        yield warm
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from grader.course.record import Key, Store
-from grader.engine import rubric, traces
+from grader.engine import traces
 from grader.engine.conversation import Conversation
 from grader.engine.evidence import Chart, Evidence, Panel, Role, packed, unpacked
 from grader.engine.figures import Sight
@@ -28,6 +28,7 @@ from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.report import charts as drawing
 from grader.report.pages import report_page
+from tests.boxes import Opened
 from tests.examples import FOLDER
 from tests.judging.test_check_visualization import Sheet
 from tests.made_up import SHA
@@ -105,16 +106,15 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
     assert "charts" not in json.loads(to_json(result))
 
 
-def test_of_hidden_scenarios_nothing_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    hidden = replace(TRUTH, name="hidden")
-    with Marker(rubric.load(LAB), hidden) as marker:
+def test_of_hidden_scenarios_nothing_is_drawn(opened: Opened) -> None:
+    with opened(replace(TRUTH, name="hidden")) as marker:
         result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files), only="filtering")
     assert result.score == 20
     assert result.evidence.charts == b""
     assert result.evidence.fingerprint
 
 
-def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scenarios(tmp_path: Path) -> None:
+def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scenarios(opened: Opened) -> None:
     sheet = read_submission(FOLDER / "s01-sheet-verbatim", LAB.files)
     reader = sheet.files["imu_reader.py"].decode().partition("def plot_imu_data")[0]
     plain = {
@@ -122,7 +122,7 @@ def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scen
         "imu_data.png": sheet.files["imu_data.png"],
         "filtered_imu.png": b"\x89PNG no picture",
     }
-    with Marker(rubric.load(LAB), replace(TRUTH, name="hidden")) as marker:
+    with opened(replace(TRUTH, name="hidden")) as marker:
         result = marker.mark(replace(sheet, files=plain), only="visualization")
     (shown,) = unpacked(result.evidence.charts)
     assert shown.title == "imu_data.png as it was handed in"

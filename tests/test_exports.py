@@ -20,11 +20,8 @@ from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Key, Store
 from grader.engine.marking import Marker
 from grader.engine.results import Result
-from grader.engine.rubric import load
 from grader.ground.errors import RequestError
 from grader.intake import Submission
-from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from grader.platforms import canvas, moodle
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
@@ -54,12 +51,6 @@ def canvas_file(*rows: str, head: str = HEAD, points: str = POINTS) -> bytes:
 
 
 # ---- in at one end, out at the other ----
-
-
-@pytest.fixture(scope="module")
-def marker() -> Iterator[Marker]:
-    with Marker(load(LAB), bundles.obtain(None, None)) as opened:
-        yield opened
 
 
 @pytest.fixture

@@ -33,6 +33,7 @@ from reference.complementary_filter import ComplementaryFilter, euler_rates, hea
 from reference.extension_scenarios import flicker, tilt_drifting, tilt_shaken, tilt_steep, true_tilt
 from reference.multi_imu import places, read_all_imus
 from reference.scene import Recording, generator
+from tests.boxes import Opened
 from tests.corpus import extensions as corpus
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import write
@@ -95,10 +96,9 @@ def test_a_faulty_extension_loses_what_it_gets_wrong_and_is_told_why(faulty: cor
 
 @pytest.mark.parametrize("faulty", ENDLESS, ids=lambda faulty: faulty.name)
 def test_an_extension_that_never_returns_is_stopped(
-    faulty: corpus.FaultyExtension, mark: Mark, truth: traces.Traces
+    faulty: corpus.FaultyExtension, mark: Mark, truth: traces.Traces, opened: Opened
 ) -> None:
-    shipped = rubric.load(LAB)
-    with Marker(replace(shipped, limits=rubric.Limits(1.0, 20.0)), truth) as impatient:
+    with opened(truth, replace(rubric.load(LAB), limits=rubric.Limits(1.0, 20.0))) as impatient:
         result = mark({corpus.FILES[faulty.extension]: faulty.source}, only=faulty.extension, by=impatient)
     assert lost(result.extensions[0]) == set(faulty.loses)
     assert result.extensions[0].checks[0].outcome == "timeout"
@@ -198,8 +198,8 @@ def granted(cap: str = "10") -> rubric.Rubric:
     return rubric.parse(LAB, text.replace(line, f"extra_credit: {{each: 5, cap: {cap}}}").encode())
 
 
-def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces) -> None:
-    with Marker(granted(), truth) as marker:
+def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces, opened: Opened) -> None:
+    with opened(truth, granted()) as marker:
         result = marker.mark(read_submission(FOLDER, LAB.files))
     assert [(e.points, e.max_points) for e in result.extensions] == [(5.0, 5.0)] * 4
     assert (result.score, result.max_score, result.extra_credit, result.total) == (100.0, 100.0, 10.0, 110.0)
@@ -208,8 +208,8 @@ def test_extra_credit_stands_beside_the_score_up_to_the_cap(truth: traces.Traces
     assert from_dict(record) == result
 
 
-def test_an_extension_that_is_partly_right_earns_a_part(mark: Mark, truth: traces.Traces) -> None:
-    with Marker(granted(), truth) as marker:
+def test_an_extension_that_is_partly_right_earns_a_part(mark: Mark, truth: traces.Traces, opened: Opened) -> None:
+    with opened(truth, granted()) as marker:
         files = {"allan_variance.py": corpus.FAULTY_ALLAN[1].source}
         result = mark(files, by=marker)
     assert result.score == 100.0
@@ -222,9 +222,9 @@ def test_by_default_the_record_has_no_extra_credit(mark: Mark) -> None:
     assert (result.extra_credit, result.total) == (0.0, 100.0)
 
 
-def test_the_cap_and_the_part_that_is_shown_are_told(truth: traces.Traces, mark: Mark) -> None:
+def test_the_cap_and_the_part_that_is_shown_are_told(truth: traces.Traces, mark: Mark, opened: Opened) -> None:
     files = {"allan_variance.py": corpus.FAULTY_ALLAN[1].source}
-    with Marker(granted("2"), truth) as marker:
+    with opened(truth, granted("2")) as marker:
         earning = mark(files, by=marker)
     assert (words.extension_points(earning.extensions[1]), words.extra_credit(earning)) == ("2.86 / 5", "2 / 2")
     assert "extra credit 2 / 2" in report_page(Standing("x", earning))

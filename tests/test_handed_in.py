@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from grader.engine import rubric
 from grader.engine.figures import Curve, Sight
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.marking import Marker
@@ -25,10 +24,10 @@ from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.diagnosis.resembling import sensors_of
-from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student
 from reference.imu_reader import MODEL_PATH, simulate_and_collect
 from tests import handed_pictures
+from tests.boxes import Opened
 from tests.corpus.pieces import COMPARE, PLOT_LOOP, lab
 from tests.scoreboard import handed_in
 from tests.tapes.player import player
@@ -170,9 +169,9 @@ def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
 
 
 def test_under_a_secret_it_earns_as_much_because_whoever_drew_it_did_not_know_it(
-    recording: dict[str, Any], hidden: Traces
+    recording: dict[str, Any], hidden: Traces, opened: Opened
 ) -> None:
-    with Marker(rubric.load(LAB), hidden) as marker:
+    with opened(hidden) as marker:
         marks = _marks(marker, lab(plot="", compare=""), content(drawn(recording)))
     assert sum(marks[name] or 0.0 for name in marks if name != "comparison_plot") == pytest.approx(8.0)
 
@@ -285,8 +284,10 @@ def test_nothing_is_told_of_the_picture_that_the_code_drew_and_another_one_costs
     assert [check.points for check in own.criteria[0].checks] == [check.points for check in true.criteria[0].checks]
 
 
-def test_under_a_secret_the_picture_is_still_of_the_public_run(recording: dict[str, Any], hidden: Traces) -> None:
-    with Marker(rubric.load(LAB), hidden) as marker:
+def test_under_a_secret_the_picture_is_still_of_the_public_run(
+    recording: dict[str, Any], hidden: Traces, opened: Opened
+) -> None:
+    with opened(hidden) as marker:
         result = _marked(marker, lab(plot=OTHER_CODE["the other sensor"]), content(drawn(recording)))
         assert len(_notes_of(result)) == 1
 

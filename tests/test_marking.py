@@ -12,6 +12,7 @@ from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
+from tests.boxes import Opened
 from tests.corpus.sound import SOUND
 from tests.corpus.writing import as_bytes, write
 
@@ -105,9 +106,11 @@ def test_checks_and_rubric_hold_the_same_ids() -> None:
     assert len([check_id for check_id in listed if check_id.split(".")[0] in LAB.examined]) == 30
 
 
-def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces, tmp_path: Path) -> None:
+def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(
+    hidden: Traces, opened: Opened, tmp_path: Path
+) -> None:
     reader = "\ndef get_imu_readings(model, data, a, g, frame):\n    return data.sensordata[:3], data.sensordata[3:6]\n"
-    with Marker(rubric.load(LAB), hidden) as marker:
+    with opened(hidden) as marker:
         result = _mark(marker, tmp_path / "own", imu_reader__py=_source("imu_reader.py") + reader)
     told = result.criteria[0].checks[0].message
     assert told.endswith(
@@ -115,10 +118,10 @@ def test_a_call_that_does_not_fit_is_told_as_that_on_hidden_runs(hidden: Traces,
     )
 
 
-def test_hidden_data_is_not_told(hidden: Traces, tmp_path: Path) -> None:
+def test_hidden_data_is_not_told(hidden: Traces, opened: Opened, tmp_path: Path) -> None:
     spy = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    raise ValueError(str(list(data.qpos)))\n"
     leaky = "\nclass LowPassFilter:\n    def __init__(self, alpha=0.1, initial_value=None):\n        pass\n    def update(self, x):\n        return str(list(x))\n"
-    with Marker(rubric.load(LAB), hidden) as marker:
+    with opened(hidden) as marker:
         sound = _mark(marker, tmp_path / "sound")
         result = _mark(
             marker,

@@ -7,14 +7,13 @@ from collections.abc import Iterator
 import pytest
 
 from grader.course.remarks import remarks
-from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.ground.errors import GraderError
 from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student
 from grader.people.standing import Standing
+from tests.boxes import Opened
 from tests.corpus.pieces import edit, verbatim
 from tests.scoreboard import Case, handed_in
 
@@ -25,9 +24,9 @@ SIGNED = Case(
 
 
 @pytest.fixture
-def marker() -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), bundles.shipped()) as opened:
-        yield opened
+def marker(opened: Opened) -> Iterator[Marker]:
+    with opened(bundles.shipped()) as own:
+        yield own
 
 
 def _filtering(marker: Marker, case: Case) -> Result:

@@ -11,7 +11,6 @@ import pytest
 
 from grader.engine import rubric
 from grader.engine.examination import known_checks
-from grader.engine.marking import Marker
 from grader.engine.results import CheckResult
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
@@ -20,6 +19,7 @@ from grader.intake import read_submission
 from grader.kit import wheel
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
+from tests.boxes import Opened
 from tests.corpus.sheet import FILTERS, LOW_PASS
 
 (EXAMPLE,) = re.findall(r"## Checks of your own.*?```python\n(.*?)```", rubric_keys.page(), re.DOTALL)
@@ -44,20 +44,24 @@ def own(tmp_path: Path) -> Own:
     return write
 
 
-def judged(its_rubric: Rubric, tmp_path: Path, source: str) -> CheckResult:
+def judged(opened: Opened, its_rubric: Rubric, tmp_path: Path, source: str) -> CheckResult:
     (tmp_path / "lab").mkdir(exist_ok=True)
     (tmp_path / "lab" / "filters.py").write_text(source)
-    with Marker(its_rubric, bundles.obtain(None)) as marker:
+    with opened(bundles.obtain(None), its_rubric) as marker:
         result = marker.mark(read_submission(tmp_path / "lab", LAB.files), only="filtering")
     return {check.id: check for part in result.criteria for check in part.checks}[ID]
 
 
-def test_the_handbooks_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(own: Own, tmp_path: Path) -> None:
+def test_the_handbooks_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(
+    opened: Opened, own: Own, tmp_path: Path
+) -> None:
     its_rubric = pickle.loads(pickle.dumps(rubric.load(LAB, own(check_step=EXAMPLE))))  # as it comes to another machine
     assert its_rubric.check(ID).max_points == 3.33
-    earned = judged(its_rubric, tmp_path, FILTERS)
+    earned = judged(opened, its_rubric, tmp_path, FILTERS)
     assert (earned.outcome, earned.points) == ("passed", 3.33)
-    slow = judged(its_rubric, tmp_path, LOW_PASS.replace("self.alpha * measurement", "0.9 * self.alpha * measurement"))
+    slow = judged(
+        opened, its_rubric, tmp_path, LOW_PASS.replace("self.alpha * measurement", "0.9 * self.alpha * measurement")
+    )
     assert (slow.outcome, slow.points) == ("failed", 0.0)
     assert slow.message.startswith("Expected  less than 0.02 m/s² from the step's height")
     assert slow.hint.startswith("alpha is the weight of the measurement")

@@ -24,6 +24,7 @@ from grader.labs.imu.blind_spot import blind_spot
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 from reference.self_contained import self_contained
+from tests.boxes import Opened
 from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
 
 SECRET = "a secret of the tests of other robots"
@@ -69,9 +70,9 @@ def wheel_of_robots(request: pytest.FixtureRequest, tmp_path_factory: pytest.Tem
     return fetched(Path(cache.mkdir("dm_control")) if cache else tmp_path_factory.mktemp("dm_control"))
 
 
-def marked(rubric_file: Path, submission: Path, cache: Path, seed: str | None = None) -> Result:
+def marked(opened: Opened, rubric_file: Path, submission: Path, cache: Path, seed: str | None = None) -> Result:
     chosen = rubric.load(LAB, rubric_file)
-    with Marker(chosen, bundles.obtain(seed, cache, chosen.settings["model"])) as marker:
+    with opened(bundles.obtain(seed, cache, chosen.settings["model"]), chosen) as marker:
         return marker.mark(read_submission(submission, LAB.files))
 
 
@@ -101,7 +102,7 @@ def line_of(rubric_file: Path, start: str) -> int:
     ],
 )
 def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
-    name: str, seed: str | None, wheel_of_robots: Path, cache: Path, tmp_path: Path
+    opened: Opened, name: str, seed: str | None, wheel_of_robots: Path, cache: Path, tmp_path: Path
 ) -> None:
     other = OTHERS[name]
     model = wheel_of_robots / other.path
@@ -109,13 +110,13 @@ def test_the_sheets_own_code_with_the_names_exchanged_gets_all_points(
     # The sheet's path leads to the robot, and so does any that ends in the name of its file.
     path = {} if seed else {"file": model.name}
     submission = exchanged(tmp_path / "lab", other.accelerometer, other.gyroscope, **path)
-    result = marked(file, submission, cache, seed)
+    result = marked(opened, file, submission, cache, seed)
     assert lost(result) == {}
     assert (result.score, result.status) == (100.0, "graded")
 
 
 def test_a_robot_that_walks_free_is_graded_as_one_that_stands_on_a_stand(
-    wheel_of_robots: Path, cache: Path, tmp_path: Path
+    opened: Opened, wheel_of_robots: Path, cache: Path, tmp_path: Path
 ) -> None:
     other = OTHERS["ant"]
     body, floor = '<body name="torso" pos="0 0 0.522">', '<worldbody><geom type="plane" size="9 9 0.1"/>'
@@ -124,7 +125,7 @@ def test_a_robot_that_walks_free_is_graded_as_one_that_stands_on_a_stand(
     text = text.replace(body, f"{body}<freejoint/>").replace("<worldbody>", floor, 1)
     (tmp_path / "free.xml").write_text(text, encoding="utf-8")
     file = rubric_for(tmp_path, "free.xml", other.accelerometer, other.gyroscope)
-    result = marked(file, exchanged(tmp_path / "lab", other.accelerometer, other.gyroscope), cache, SECRET)
+    result = marked(opened, file, exchanged(tmp_path / "lab", other.accelerometer, other.gyroscope), cache, SECRET)
     assert (result.score, lost(result)) == (100.0, {})
 
 
@@ -162,10 +163,10 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
 # --- it is this robot, and no other -----------------------------------------------------------------------------------
 
 
-def test_names_of_the_labs_robot_find_nothing_on_another_one(cache: Path, tmp_path: Path) -> None:
+def test_names_of_the_labs_robot_find_nothing_on_another_one(opened: Opened, cache: Path, tmp_path: Path) -> None:
     rover(tmp_path)
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    result = marked(file, ROOT / "submissions_example" / "s02-vectorised", cache)
+    result = marked(opened, file, ROOT / "submissions_example" / "s02-vectorised", cache)
     assert result.score < 100.0
     assert "data_collection.matches_truth" in lost(result)
 
@@ -179,7 +180,7 @@ def test_names_of_the_labs_robot_find_nothing_on_another_one(cache: Path, tmp_pa
     ],
 )
 def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
-    example: str, check: str, cache: Path, tmp_path: Path
+    opened: Opened, example: str, check: str, cache: Path, tmp_path: Path
 ) -> None:
     rover(tmp_path)
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
@@ -187,24 +188,24 @@ def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
     for path in (ROOT / "submissions_example" / example).iterdir():
         text = path.read_bytes().replace(b"torso_accelerometer", b"force").replace(b"torso_gyroscope", b"rates")
         (tmp_path / "lab" / path.name).write_bytes(text)
-    assert list(lost(marked(file, tmp_path / "lab", cache))) == [check]
+    assert list(lost(marked(opened, file, tmp_path / "lab", cache))) == [check]
 
 
-def test_the_labs_robot_can_be_graded_with_the_imu_of_its_head(cache: Path, tmp_path: Path) -> None:
+def test_the_labs_robot_can_be_graded_with_the_imu_of_its_head(opened: Opened, cache: Path, tmp_path: Path) -> None:
     names = ("head_accelerometer", "head_gyroscope")
     file = rubric_for(tmp_path, None, *names)
-    assert lost(marked(file, exchanged(tmp_path / "lab", *names), cache, SECRET)) == {}
-    result = marked(file, ROOT / "submissions_example" / "s02-vectorised", cache)
+    assert lost(marked(opened, file, exchanged(tmp_path / "lab", *names), cache, SECRET)) == {}
+    result = marked(opened, file, ROOT / "submissions_example" / "s02-vectorised", cache)
     assert "data_collection.matches_truth" in lost(result)
 
 
-def test_a_copy_without_the_files_that_it_includes_is_the_robot(cache: Path, tmp_path: Path) -> None:
+def test_a_copy_without_the_files_that_it_includes_is_the_robot(opened: Opened, cache: Path, tmp_path: Path) -> None:
     rover(tmp_path, head='<include file="more.xml"/>')
     (tmp_path / "more.xml").write_text('<mujoco><option timestep="0.004"/></mujoco>')
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
     submission = exchanged(tmp_path / "lab", "force", "rates", "rover.xml")
     rover(submission, head='<include file="more.xml"/>')
-    assert lost(marked(file, submission, cache)) == {}
+    assert lost(marked(opened, file, submission, cache)) == {}
 
 
 def test_traces_of_another_robot_are_refused_with_the_line(tmp_path: Path) -> None:

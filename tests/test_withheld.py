@@ -8,16 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine import rubric
 from grader.engine.findings import Size
-from grader.engine.marking import Marker
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
-from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
+from tests.boxes import Opened
 from tests.corpus.pieces import verbatim
 from tests.scoreboard import Case, handed_in
 
@@ -63,11 +61,11 @@ SPY = {
 
 
 @pytest.fixture(scope="module")
-def results(cache: Path, hidden: Traces) -> list[Result]:
+def results(cache: Path, hidden: Traces, opened: Opened) -> list[Result]:
     """The spy's results under two secrets: whatever differs between them was chosen by the spy, or is hidden itself."""
     found = []
     for truth in (hidden, bundles.obtain("another secret", cache)):
-        with Marker(rubric.load(LAB), truth) as marker:
+        with opened(truth) as marker:
             found.append(marker.mark(handed_in(Case("sound", "spy", SPY))))
     return found
 

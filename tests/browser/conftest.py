@@ -8,13 +8,11 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from grader.engine import rubric
 from grader.engine.evidence import unpacked
 from grader.engine.marking import Marker
 from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
-from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report.pages import index_page, report_page
@@ -44,11 +42,10 @@ def standing(number: int) -> Standing:
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def out(tmp_path_factory: pytest.TempPathFactory, marker: Marker) -> Path:
     """A class on disk as `grade` leaves it: one submission really marked, with its charts, and made-up ones."""
     folder = tmp_path_factory.mktemp("out")
-    with Marker(rubric.load(LAB), bundles.shipped()) as marker:
-        marked = marker.mark(read_submission(FOLDER / "s09-variance-as-std", LAB.files))
+    marked = marker.mark(read_submission(FOLDER / "s09-variance-as-std", LAB.files))
     standings = {s.id: s for s in map(standing, range(STUDENTS))} | {"real": Standing("real", marked)}
     for id_, each in standings.items():
         place = folder / "submissions" / id_
