@@ -6,11 +6,11 @@ import io
 import struct
 import zipfile
 import zlib
-from functools import cache
+from functools import cache, partial
 
 from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, notebook, zipped
-from tests.hostile.program import FILTER, NOISE, READER, Program, but, first, in_function, in_method, last, sound
+from tests.hostile.program import FILTER, NOISE, READER, Late, Program, but, first, in_function, in_method, last, sound
 
 LOOP = "while True:\n    pass"
 
@@ -211,7 +211,7 @@ def source(name: str, text: str | bytes) -> Program:
     return Program(name, "denial", {**sound(), FILTER: text}, only="filtering")
 
 
-NO_PLOT: Files = {**lab(plot="def plot_imu_data(imu_data):\n    pass\n"), "imu_data.png": picture_bomb()}
+NO_PLOT: Files = lab(plot="def plot_imu_data(imu_data):\n    pass\n")
 SOURCES = [
     source("source-nested-too-deep", "x = " + "(" * 50_000 + ")" * 50_000),
     source("source-of-one-long-sum", "x = " + "+".join(["1"] * 200_000)),
@@ -224,13 +224,13 @@ SOURCES = [
     source("source-with-a-strange-encoding", b"# -*- coding: utf-7 -*-\n+AGE- = 1\n"),
     source("source-with-an-unknown-encoding", b"# -*- coding: zip -*-\nx = 1\n"),
     Program("notebook-nested-too-deep", "denial", {**sound(), "lab.ipynb": "[" * 200_000}, only="filtering", keeps=("filtering",)),
-    Program("notebook-with-100000-cells", "denial", {"lab.ipynb": notebook(*["x = 1"] * 20_000)}, only="filtering"),
-    Program("zip-that-unpacks-to-600-megabytes", "denial", {"hand-in.zip": bomb()}, as_="file"),
-    Program("zip-in-zip-in-zip", "denial", {"hand-in.zip": nested()}, as_="file"),
-    Program("zip-with-30000-entries", "denial", {"hand-in.zip": many_entries(30_000)}, as_="file", only="filtering"),
-    Program("zip-bomb-beside-sound-files", "denial", {**sound(), "more.zip": bomb(50)}, only="filtering", keeps=("filtering",)),
-    Program("picture-of-a-gigapixel", "denial", NO_PLOT, only="visualization"),
-    Program("picture-that-is-cut-off", "denial", {**NO_PLOT, "imu_data.png": picture_bomb()[:100]}, only="visualization"),
+    Program("notebook-with-100000-cells", "denial", Late({"lab.ipynb": lambda: notebook(*["x = 1"] * 20_000)}), only="filtering"),
+    Program("zip-that-unpacks-to-600-megabytes", "denial", Late({"hand-in.zip": bomb}), as_="file"),
+    Program("zip-in-zip-in-zip", "denial", Late({"hand-in.zip": nested}), as_="file"),
+    Program("zip-with-30000-entries", "denial", Late({"hand-in.zip": partial(many_entries, 30_000)}), as_="file", only="filtering"),
+    Program("zip-bomb-beside-sound-files", "denial", Late({**sound(), "more.zip": partial(bomb, 50)}), only="filtering", keeps=("filtering",)),
+    Program("picture-of-a-gigapixel", "denial", Late({**NO_PLOT, "imu_data.png": picture_bomb}), only="visualization"),
+    Program("picture-that-is-cut-off", "denial", Late({**NO_PLOT, "imu_data.png": lambda: picture_bomb()[:100]}), only="visualization"),
 ]
 
 DENIALS = [*LOOPS, *FLOODS, *VALUES, *PLOTS, *SOURCES]

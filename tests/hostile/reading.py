@@ -11,20 +11,21 @@ import tarfile
 import tempfile
 import zipfile
 import zlib
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from tests.corpus.pieces import lab
 from tests.corpus.writing import Files, notebook, zipped
-from tests.hostile.denying import bomb, picture_bomb
+from tests.hostile.denying import NO_PLOT, bomb, picture_bomb
 from tests.hostile.picture import canned_picture
-from tests.hostile.program import FILTER, Program, first, sound
+from tests.hostile.program import FILTER, Late, Program, first, sound
 
 HUGE = 2**63 - 1
 
 
-def archive(name: str, file: str, data: bytes) -> Program:
+def archive(name: str, file: str, data: bytes | Callable[[], bytes]) -> Program:
     """All that is handed in is this archive."""
-    return Program(name, "bytes", {file: data}, as_="file", only="filtering")
+    return Program(name, "bytes", Late({file: data}), as_="file", only="filtering")
 
 
 def beside(name: str, more: Files, code: str = "") -> Program:
@@ -72,10 +73,10 @@ def zip_with_a_comment_of_archives() -> bytes:
 ZIPS = [
     archive("zip-whose-entries-overlap", "a.zip", zip_whose_entries_overlap()),
     archive("zip-that-claims-4-gigabytes", "a.zip", zip_that_claims(0xFFFFFFFE)),
-    archive("zip-of-names-of-60-kilobytes", "a.zip", zip_of_long_names()),
+    archive("zip-of-names-of-60-kilobytes", "a.zip", zip_of_long_names),
     archive("zip-with-a-comment-of-ends", "a.zip", zip_with_a_comment_of_archives()),
     archive("zip-of-nothing-but-its-end", "a.zip", struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, 65_535, 65_535, 0xFFFFFFFF, 0xFFFFFFFF, 0)),
-    archive("zip-bomb-in-a-zip", "a.zip", zipped({"inner.zip": bomb(600)})),
+    archive("zip-bomb-in-a-zip", "a.zip", lambda: zipped({"inner.zip": bomb()})),
 ]
 
 # ---------------------------------------------------------------- tar and gzip
@@ -121,8 +122,8 @@ TARS = [
     archive("tar-that-claims-less-than-nothing", "a.tar", tar_that_claims(-(2**40), pax=True)),
     archive("tar-of-names-of-a-megabyte", "a.tar", tar_of_long_headers()),
     archive("tar-with-a-map-without-an-end", "a.tar", tar_with_a_sparse_map()),
-    archive("gzip-of-a-gigabyte", "a.tar.gz", gzip.compress(bytes(1 << 20), 9) * 1000),
-    archive("gzip-of-gzips", "a.tar.gz", gzip.compress(gzip.compress(gzip.compress(bytes(10 << 20), 1)))),
+    archive("gzip-of-a-gigabyte", "a.tar.gz", lambda: gzip.compress(bytes(1 << 20), 9) * 1000),
+    archive("gzip-of-gzips", "a.tar.gz", lambda: gzip.compress(gzip.compress(gzip.compress(bytes(10 << 20), 1)))),
     archive("gzip-of-100000-members", "a.tar.gz", gzip.compress(b"") * 100_000),
     archive("gzip-that-is-cut-off", "a.tar.gz", gzip.compress(tar_that_claims(10**9, pax=False))[:-9]),
 ]
@@ -162,9 +163,9 @@ PIXELS = (b"IDAT", zlib.compress(bytes(640 * 3 * 480 + 480)))
 END = (b"IEND", b"")
 
 
-def picture(name: str, data: bytes) -> Program:
+def picture(name: str, data: bytes | Callable[[], bytes]) -> Program:
     """A hand-in that draws nothing and hands this in; another picture of the same name would be read, too."""
-    return Program(name, "bytes", {**lab(plot="def plot_imu_data(imu_data):\n    pass\n"), "imu_data.png": data}, only="visualization")
+    return Program(name, "bytes", Late({**NO_PLOT, "imu_data.png": data}), only="visualization")
 
 
 PICTURES = [
@@ -177,7 +178,7 @@ PICTURES = [
     picture("png-that-is-a-gif-of-many-frames", b"GIF89a" + struct.pack("<HHBBB", 9000, 4000, 0xF7, 0, 0) + bytes(768) + (b"!\xf9\4\0\0\0\0\0," + struct.pack("<HHHHB", 0, 0, 9000, 4000, 0) + b"\x08\1\0\0") * 3000 + b";"),
     picture("png-that-is-an-eps", b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 99999 99999\n" + b"%" * 3_000_000),
     picture("png-that-is-a-tiff-without-an-end", b"II*\0\x08\0\0\0\1\0\x11\1\4\0\1\0\0\0\x08\0\0\0\x08\0\0\0"),
-    picture("png-of-a-gigapixel-in-the-second-picture", canned_picture() + picture_bomb()),
+    picture("png-of-a-gigapixel-in-the-second-picture", lambda: canned_picture() + picture_bomb()),
 ]
 
 # ---------------------------------------------------------------- data that code reads for itself
@@ -218,7 +219,7 @@ DATA = [
 ]
 EVERYTHING_AT_ONCE = Program(
     "every-reader-at-once", "bytes",
-    {**sound(), "a.zip": bomb(50), "b.tar": tar_that_claims(HUGE, pax=False), "lab.ipynb": "[" * 200_000, "c.gz": gzip.compress(bytes(1 << 24)), "x.png": picture_bomb(), "y.csv": "1," * 1_000_000, "z.yaml": LAUGHS, "r.sqlite": database(), "j.json": "[" * 1_000_000},
+    Late({**sound(), "a.zip": partial(bomb, 50), "b.tar": tar_that_claims(HUGE, pax=False), "lab.ipynb": "[" * 200_000, "c.gz": lambda: gzip.compress(bytes(1 << 24)), "x.png": picture_bomb, "y.csv": "1," * 1_000_000, "z.yaml": LAUGHS, "r.sqlite": database(), "j.json": "[" * 1_000_000}),
     only="sensor_access", keeps=("sensor_access",),
 )  # fmt: skip
 BYTES = [*ZIPS, *TARS, *BOOKS, *PICTURES, *DATA, EVERYTHING_AT_ONCE]
