@@ -159,7 +159,14 @@ ADDED = {
         "output-rounded",
         "filter-restarts",
     ],
-    "any": ["index-out-of-bounds", "missing-package", "not-written", "import-missing", "other-parameters"],
+    "any": [
+        "index-out-of-bounds",
+        "missing-package",
+        "not-written",
+        "import-missing",
+        "return-missing",
+        "other-parameters",
+    ],
 }
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]
 RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written"]

@@ -212,7 +212,7 @@ def _slips() -> Iterator[Slip]:
         FORGOT,
     )
     for name, (path, changes, check) in SILENT.items():
-        yield Slip(f"no return: {name}", _changed(verbatim(), path, changes), {check: 3.0}, ("wrong-return-type",))
+        yield Slip(f"no return: {name}", _changed(verbatim(), path, changes), {check: 3.0}, ("return-missing",))
     for (name, own), check in MISSPELT.items():
         yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
     yield Slip(

@@ -75,7 +75,7 @@ class LowPassFilter:
 '''
 
 FILTER_FAULTS = [
-    fault("nothing-from-the-first-update", "wrong-return-type", sheet((RETURN, "            return self.value.copy()\n")), loses=("filtering.follows_recursion",)),
+    fault("nothing-from-the-first-update", "return-missing", sheet((RETURN, "            return self.value.copy()\n")), loses=("filtering.follows_recursion",)),
     fault("writes-into-the-initial-value", "mutates-input", sheet((RECURSION, "self.value *= 1 - self.alpha\n            self.value += self.alpha * measurement"))),
     fault("one-output-array-for-all", "aliased-output", sheet(("class LowPassFilter:", "_OUT = np.empty(3)\n\n\nclass LowPassFilter:"), (RETURN, "        _OUT[:] = self.value\n        return _OUT\n"))),
     fault("alpha-of-the-class", "shared-state", sheet(("self.alpha = alpha", "LowPassFilter.alpha = alpha"))),
@@ -118,7 +118,7 @@ FILTER_FAULTS = [
     fault("two-stages", "other-low-pass", lab(low_pass=TWO_STAGES), loses=("filtering.follows_recursion",)),
     fault("input-minus-low-pass", "high-pass", sheet((RETURN, "        return measurement - self.value\n"))),
     fault("difference-filter", "high-pass", increment(("return self.state.copy()", "return x - self.state"))),
-    fault("filter-returns-none", "wrong-return-type", sheet((RETURN, ""))),
+    fault("filter-returns-none", "return-missing", sheet((RETURN, ""))),
     fault("filter-returns-a-number", "wrong-return-type", increment(("return self.state.copy()", "return float(self.state[0])")), also=("axes-mixed",)),
     fault("filter-gives-nan", "not-finite", increment((STEP, "self.state = self.state + np.sqrt(-self.alpha) * (x - self.state)"))),
     fault("filter-raises", "raises", sheet((RECURSION, "self.value = alpha * measurement + (1 - alpha) * self.value"))),

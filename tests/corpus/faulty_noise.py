@@ -115,7 +115,7 @@ NOISE_FAULTS = [
     fault("clean-reading-kept", "stale-clean-reading", tidy((LAST_OF_INIT, LAST_OF_INIT + "        self.clean = get_imu_readings(model, data, accel_id, gyro_id)\n"), (READ, "        accel, gyro = self.clean\n"))),
     fault("clean-reading-kept-at-first-read", "stale-clean-reading", sheet((READ, "        if not hasattr(self, 'clean'):\n            self.clean = get_imu_readings(self.model, self.data, self.accel_id, self.gyro_id)\n        accel, gyro = self.clean\n"))),
     fault("noise-raises", "raises", sheet((ACCEL_NOISE, "np.random.normal(0, accel_noise_std, 3)"))),
-    fault("noisy-read-returns-none", "wrong-return-type", sheet(("        return accel_noisy, gyro_noisy\n", "        self.last = accel_noisy, gyro_noisy\n"))),
+    fault("noisy-read-returns-none", "return-missing", sheet(("        return accel_noisy, gyro_noisy\n", "        self.last = accel_noisy, gyro_noisy\n"))),
     fault("noisy-read-returns-three-arrays", "wrong-return-type", tidy(("        return accel, gyro\n", "        return accel, gyro, self.accel_bias\n")), never=("not-finite",)),
     fault("noisy-read-returns-two-axes", "wrong-return-type", sheet(("        return accel_noisy, gyro_noisy\n", "        return accel_noisy[:2], gyro_noisy[:2]\n")), also=("wrong-length",), never=("not-finite",)),
     fault("noise-of-nan", "not-finite", both_tidy("np.log(self.rng.normal(0.0, self.accel_noise_std, size=3))", "np.log(self.rng.normal(0.0, self.gyro_noise_std, size=3))")),

@@ -193,7 +193,7 @@ READER_FAULTS = [
     fault("cut-to-integers", "precision-lost", tidy_reader((DIM_RETURN, "    return data.sensordata[adr:adr + dim].astype(int)\n"))),
     fault("one-stacked-array", "wrong-return-type", sheet((SHEET_RETURN, "    return np.concatenate([acceleration, angular_velocity])\n")), also=("wrong-length",)),
     fault("a-dictionary", "wrong-return-type", sheet((SHEET_RETURN, "    return {'accel': acceleration, 'gyro': angular_velocity}\n"))),
-    fault("printed-not-returned", "wrong-return-type", sheet((SHEET_RETURN, "    print(acceleration, angular_velocity)\n"))),
+    fault("printed-not-returned", "return-missing", sheet((SHEET_RETURN, "    print(acceleration, angular_velocity)\n"))),
     fault("reader-gives-nan", "not-finite", after("acceleration = acceleration / 0 * 0", "angular_velocity = angular_velocity * np.nan")),
     fault("misspelt-in-reader", "raises", sheet((SHEET_SLICES[0], "acceleration = data.sensor_data[accel_adr:accel_adr+3].copy()"))),
     fault("index-beyond-the-end", "raises", read("a, g = model.sensor_adr[accel_sensor_id], model.sensor_adr[gyro_sensor_id]\n"

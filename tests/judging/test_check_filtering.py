@@ -238,7 +238,7 @@ def _other_names(self: Any, smoothing: float = 0.1, start: Any = None) -> None:
 FITTING = [
     Case("an import is missing", RECURSION, lambda: Forgetful(LowPassFilter=Sound), (0.5, ["import-missing"])),
     Case("a slip in the name", RECURSION, lambda: Misspelt(LowPassFilter=Sound), (0.5, ["name-missing"])),
-    Case("a return is missing", RECURSION, lambda: Silent(LowPassFilter=Sound), (0.5, ["wrong-return-type"])),
+    Case("a return is missing", RECURSION, lambda: Silent(LowPassFilter=Sound), (0.5, ["return-missing"])),
     Case("asks for the time", RECURSION, lambda: Made(LowPassFilter=AsksForTime), (0.5, ["other-parameters"])),
     Case("other names", RECURSION, lambda: Made(LowPassFilter=of(__init__=_other_names)), (0.5, ["other-parameters"])),
 ]

@@ -36,7 +36,7 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             "a return at the end",
             "none: what stands last was taken",
             off=off,
-            mistakes=["wrong-return-type"],
+            mistakes=["return-missing"],
             keeps=keeps,
         )
     if odd := ", ".join(departs):
