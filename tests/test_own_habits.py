@@ -285,3 +285,13 @@ BORROWED_ON_PURPOSE = {
 def test_a_name_that_comes_by_another_way_is_not_forgotten(line: str, player: Marking) -> None:
     result = marked(player, _changed(verbatim(), READER, {"import numpy as np\n": line}))
     assert (result.score, result.notes) == (100.0, ())
+
+
+def test_a_return_that_a_later_cell_has_is_not_missing(player: Marking) -> None:
+    filters = str(verbatim()[FILTER]).partition("# Test filtering")[0].replace("from noisy_imu import *\n", "")
+    silent = filters.replace("        return self.value.copy()\n", "")
+    assert silent != filters
+    cells = [str(verbatim()[name]).replace("from imu_reader import *\n", "") for name in (READER, NOISY)]
+    last = str(verbatim()[FILTER]).replace("from noisy_imu import *\n", "")
+    assert lost_by(marked(player, _notebook(*cells, silent, last))) == {}
+    assert lost_by(marked(player, _notebook(*cells, last, silent))) == {RECURSION: 3.0}

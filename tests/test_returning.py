@@ -56,7 +56,7 @@ def _file(head: str, body: str) -> ast.Module:
 @pytest.mark.parametrize(("head", "body", "value"), LAST.values(), ids=LAST)
 def test_what_stands_last_is_returned(head: str, body: str, value: str) -> None:
     tree = _file(head, body)
-    assert list(completed(tree, WANTED)) == [head.split()[1].strip("():")]
+    assert list(completed(tree, WANTED).values()) == [True]
     added = ast.unparse(tree).splitlines()[-1].strip()
     assert added.replace("(", "").replace(")", "") == f"return {value}".replace("(", "").replace(")", "")
     compile(tree, "file.py", "exec")
@@ -65,5 +65,11 @@ def test_what_stands_last_is_returned(head: str, body: str, value: str) -> None:
 @pytest.mark.parametrize(("head", "body"), LEFT_ALONE.values(), ids=LEFT_ALONE)
 def test_nothing_is_added_where_a_function_says_what_it_returns_or_leaves_nothing(head: str, body: str) -> None:
     tree = _file(head, body)
-    assert list(completed(tree, WANTED)) == []
+    assert not any(completed(tree, WANTED).values())
     assert ast.unparse(tree) == ast.unparse(_file(head, body))
+
+
+def test_of_several_definitions_the_last_one_is_told_of() -> None:
+    silent, sound = PAIR + "    a, b = both()\n", PAIR + "    return both()\n"
+    assert completed(ast.parse(silent + sound), WANTED) == {"pair": False}
+    assert completed(ast.parse(sound + silent), WANTED) == {"pair": True}

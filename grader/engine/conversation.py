@@ -100,7 +100,7 @@ class Conversation(Asking):
 
     def returns_nothing(self, name: str) -> bool:
         """Whether the definition of `name` keeps what it computes; it was let return that."""
-        return name in self.load(self.place_of(name)).unreturned
+        return name in {each.partition(".")[0] for each in self.load(self.place_of(name)).unreturned}
 
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
         """One line a file, which grows by each name that is found there: a notebook holds them all."""
@@ -123,7 +123,7 @@ class Conversation(Asking):
             self.note(
                 f"{printable(path, 120)} uses {names}, which it does not import: lent to it, so that the rest counts"
             )
-        for name in dict.fromkeys(loaded.unreturned):
+        for name in loaded.unreturned:
             self.note(
                 f"{printable(path, 120)}: {printable(name, 60)} has no return at its end; what stands last there was taken"
             )

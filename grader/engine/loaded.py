@@ -78,7 +78,7 @@ class Loaded:
     stepped_over : its statements that did not end well
     lent : which of these names uses something that the file does not import, and what
     misspelt : which of these names another one was taken for, and that name
-    unreturned : which of these names return nothing of what they have computed
+    unreturned : which of these functions, or methods of these classes, return nothing of what they have computed
     frame : the whole answer, for what else a lab reads in it
     """
 

@@ -43,7 +43,7 @@ class _State:
         # by file: what is asked for with the name that it has there; who uses what the file does not import; who lacks a return
         self.misspelt: dict[str, list[tuple[str, str]]] = {}
         self.lent: dict[str, list[tuple[str, str]]] = {}
-        self.unreturned: dict[str, list[str]] = {}
+        self.unreturned: dict[str, dict[str, bool]] = {}
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
 
 
@@ -88,7 +88,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     seen, arrays = figures.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
     answer |= {"lent": STATE.lent.get(path, []), "misspelt": STATE.misspelt.get(path, [])}
-    answer["unreturned"] = STATE.unreturned.get(path, [])
+    answer["unreturned"] = [name for name, lacked in STATE.unreturned.get(path, {}).items() if lacked]
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 
 
@@ -343,9 +343,8 @@ def _compile(source: bytes, path: str, flags: int = 0) -> list[stepping.Unit]:
         tree = _parsed(text, own)
         if _RELATIVE.search(text):
             packages.without_dots(tree, path)  # let files that were written as a package import each other
-        STATE.unreturned.setdefault(path.partition(":cell ")[0], []).extend(
-            returning.completed(tree, STATE.furniture.get("returns", {}))
-        )
+        lacked = returning.completed(tree, STATE.furniture.get("returns", {}))
+        STATE.unreturned.setdefault(path.partition(":cell ")[0], {}).update(lacked)
         return stepping.units_of(tree, own, flags=flags)
     except SyntaxError as refused:
         return gaps.units_around(text, own, STATE.stepper.wanted, refused, flags=flags)

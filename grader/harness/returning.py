@@ -14,18 +14,21 @@ Kind: TypeAlias = Literal["value", "pair", "mapping"]
 _Setting = (ast.Assign, ast.AnnAssign, ast.AugAssign)
 
 
-def completed(tree: ast.Module, wanted: Mapping[str, Kind]) -> Iterator[str]:
-    """Give functions of a file the last line that they lack, and tell whose: the name of the function, or of its class.
+def completed(tree: ast.Module, wanted: Mapping[str, Kind]) -> dict[str, bool]:
+    """Give functions of a file the last line that they lack; whether the last definition of each wanted one lacked it.
 
     Parameters
     ----------
     wanted : what has to be returned by each function, or each method by ``Class.method``
     """
-    for node in tree.body:
-        for name, function in _functions(node):
-            if name in wanted and not _yields(function) and (value := _last(function.body, wanted[name])) is not None:
+    lacked = {}
+    for name, function in (each for node in tree.body for each in _functions(node)):
+        if name in wanted:
+            value = None if _yields(function) else _last(function.body, wanted[name])
+            lacked[name] = value is not None
+            if value is not None:
                 function.body.append(ast.fix_missing_locations(ast.copy_location(ast.Return(value), function.body[-1])))
-                yield name.partition(".")[0]
+    return lacked
 
 
 def _functions(node: ast.stmt) -> Iterator[tuple[str, ast.FunctionDef]]:
