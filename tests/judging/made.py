@@ -115,6 +115,34 @@ class Case:
         return f"{self.check.check.id}: {self.name}"  # type: ignore[attr-defined]
 
 
+def misfits(check: Check, student: Callable[[], Made], name: str, keeps: float) -> list[Case]:
+    """A sound definition that was of use only after it was mended: each of the ways, and which of them is charged where there are two."""
+    own, second = f"{name}_imu", "plt"
+    misspelt = {"misspelt_as": ((f"another_{name}", "another"), (name, own))}
+    lent = {"lent": ((name, "np"), (f"another_{name}", "os"), (name, second))}
+    unreturned = {"unreturned": (name,)}
+    of_another = {"misspelt_as": (("another", own),), "lent": (("another", "np"),), "unreturned": ("another",)}
+    rows: list[tuple[str, Mapping[str, Any], list[str]]] = [
+        ("a misspelt name", misspelt, ["name-missing"]),
+        ("two imports that are missing", lent, ["import-missing"]),
+        ("no return", unreturned, ["wrong-return-type"]),
+        ("a misspelt name, and no import", misspelt | lent, ["name-missing"]),
+        ("no import, and no return", lent | unreturned, ["import-missing"]),
+    ]
+    cases = [Case(what, check, _mended(student, mends), (keeps, mistakes)) for what, mends, mistakes in rows]
+    return [*cases, Case("another definition that was mended", check, _mended(student, of_another))]
+
+
+def _mended(student: Callable[[], Made], mends: Mapping[str, Any]) -> Callable[[], Student]:
+    def mended() -> Made:
+        made = student()
+        for name, value in mends.items():
+            setattr(made, name, value)
+        return made
+
+    return mended
+
+
 def finding(case: Case) -> BaseException | None:
     """What the check says of the student."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
