@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.findings import Lost, Missing, Raised, Skipped
+from grader.engine.findings import Lost, Missing, Raised, Size, Skipped
 from grader.engine.loaded import Loaded
 from grader.engine.traces import Traces
 from grader.harness import loading, world
@@ -164,6 +164,7 @@ def marked(found: BaseException | None) -> Marked:
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told."""
     if isinstance(found, Lost):
+        assert found.off is None or isinstance(found.off, Size)  # a bare sentence reads the same here
         told = {
             "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint,
             "belongs to": " or ".join(found.belongs_to),

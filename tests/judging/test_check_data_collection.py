@@ -385,6 +385,17 @@ CASES = [
             ("two other velocities beside it", of(push=_with_three_velocities), (0.0, ["wrong-perturbation"])),
             ("twice more", of(step=_later_twice), (0.0, ["wrong-perturbation"])),
             ("another pose, which the reset is charged for", of(begin=_in_pose(2, 0.05)), None),
+            (
+                "none, in a model that is changed for the run",
+                _for_the_run(_heavier, push=lambda *_: None),
+                (0.0, ["no-perturbation"]),
+            ),
+            (
+                "later, in a model that is changed for the run",
+                _for_the_run(_heavier, push=lambda *_: None, step=_later),
+                (0.0, ["wrong-perturbation"]),
+            ),
+            ("the sheet's, in a model that is changed for the run", _for_the_run(_heavier), None),
             ("with a force", of(push=_forced), (0.0, ["wrong-perturbation"])),
             ("another each time", Random, (0.0, ["random-push"])),
             ("noise on both", telling(_noisy), None),
