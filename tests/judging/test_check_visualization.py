@@ -239,6 +239,24 @@ def _saved_over(first: tuple[int, ...], last: tuple[int, ...], path: str | None 
     return student
 
 
+def _each_saved() -> Made:
+    """A figure and a file for each sensor."""
+    figure = Sheet().figure
+    return Plotted(Drawing(tuple(replace(figure, axes=(panel,)) for panel in figure.axes)))
+
+
+def _more_shown(*changes: Callable[[Sheet], Any]) -> Callable[[], Made]:
+    """Figures that nobody saved, of which one shows most."""
+
+    def student() -> Made:
+        sheets = [Sheet() for _ in changes]
+        for sheet, change in zip(sheets, changes, strict=True):
+            _then(change, _unsaved)(sheet)
+        return Plotted(Drawing(tuple(sheet.figure for sheet in sheets)))
+
+    return student
+
+
 def _overwritten(sheet: Sheet) -> None:
     sheet.says(event="overwritten")
 
@@ -247,7 +265,7 @@ def _broken(event: str, reason: str) -> Callable[[], Made]:
     """A figure that met this end, and a file that cannot be read for that reason; of a stray one there is none."""
 
     def student() -> Made:
-        strays = (Stray("whole.png", ""), Stray("plots/imu\x07data.png", reason))
+        strays = (Stray("whole.png", ""), Stray(f"plots/\x07{'imu' * 30}.png", reason))
         return Plotted(Drawing((replace(Sheet().figure, event=event),), strange=strays))
 
     return student
@@ -328,7 +346,7 @@ def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Made]:
 
 
 _SEEN = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8))
-_PICTURE, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
+PICTURE_HANDED_IN, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
 _STOPPED = replace(
     _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
 )  # fmt: skip
@@ -344,15 +362,15 @@ CASES = [
             ("just large enough", _with(size_px=(400, 250)), None),
             ("never saved", _with(event="shown"), (0.0, ["plot-not-saved"])),
             ("nothing drawn", _nothing(), (0.0, ["plot-not-saved"])),
-            ("nothing drawn, a picture handed in", _nothing(**_PICTURE), (0.5, ["plot-not-saved"])),
-            ("never saved, a picture handed in", drawn(_unsaved, **_PICTURE), (0.0, ["plot-not-saved"])),
+            ("nothing drawn, a picture handed in", _nothing(**PICTURE_HANDED_IN), (0.5, ["plot-not-saved"])),
+            ("never saved, a picture handed in", drawn(_unsaved, **PICTURE_HANDED_IN), (0.0, ["plot-not-saved"])),
             ("blank", _with(axes=()), (0.0, ["blank-image"])),
             ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),
             ("another plot saved by a script", drawn(_unsaved, scripts=(_compared(),)), (0.0, ["plot-not-saved"])),
             ("broken off", _broken_off, "raised"),
             ("by other parameters", lambda: Plotted(replace(Sheet().drawing(), departs=("imu_data", "title"))), (0.0, ["other-parameters"])),
             ("a second picture over the first", _saved_over((0,), (1,)), (0.5, ["picture-overwritten"])),
-            ("a second picture over the first, under a name that is printed", _saved_over((1,), (0,), path="plots/\x07imu.png"), (0.5, ["picture-overwritten"])),
+            ("a second picture over the first, under a name that is printed", _saved_over((1,), (0,), path=f"plots/\x07{'imu' * 30}.png"), (0.5, ["picture-overwritten"])),
             ("a second picture over the first, of no file", _saved_over((0,), (1,), path=None), (0.5, ["picture-overwritten"])),
             ("the same picture twice", _saved_over((0, 1), (0, 1)), None),
             ("a picture of half of it, then of all", _saved_over((0,), (0, 1)), None),
@@ -379,6 +397,7 @@ CASES = [
             ("empty axes that say nothing", drawn(_then(_without((1, 0), (1, 1), (1, 2)), _says(1, title="", ylabel="z"))), (0.0, ["curves-missing"])),
             ("empty axes with a label alone", drawn(_then(_without((0, 0), (0, 1), (0, 2)), _says(0, title=""))), (0.0, ["curves-missing"])),
             ("one title of the other", _panel(1, title="Accelerometer"), (0.5, ["panels-swapped"])),
+            ("a long title of the other", _panel(1, title="Accelerometer " * 6), (0.5, ["panels-swapped"])),
             ("both of one of the other", _panel(0, title="Gyroscope", ylabel="rad/s"), (0.0, ["panels-swapped"])),
             ("both of one of the other, without a title", _panel(0, title=" ", ylabel="Angular velocity"), (0.0, ["panels-swapped"])),
             ("a title of both", _panel(0, title="Acceleration and angular velocity"), None),
@@ -419,6 +438,10 @@ CASES = [
             ("against milliseconds without a label", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel=""))), None),
             ("against milliseconds with own numbers", drawn(_then(_times(lambda t: 1000 * t), _says(1, own_ticks=True))), None),
             ("g where the title names it", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration", title="Acceleration (g)"))), None),
+            ("g where the figure names it, before the title", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="", title="Acceleration (m/s²)"), lambda s: s.says(ylabel="Acceleration (g)"))), None),
+            ("a picture for each sensor", _each_saved, None),
+            ("a figure that shows two channels, and one that hides six", _more_shown(_without((0, 0), (1, 0), (1, 1), (1, 2)), _unseen(*_ALL)), (0.3333, ["curves-missing"])),
+            ("figures that show as much, and hide one channel or two", _more_shown(_then(_without(*_ALL[2:]), _unseen((0, 1))), _then(_without(*_ALL[3:]), _unseen((0, 0), (0, 2)))), (0.1667, ["curves-missing", "curves-not-seen"])),
             ("degrees that the figure names", drawn(_then(_values(1, np.degrees), _says(1, ylabel=""), lambda s: s.says(ylabel="deg/s"))), None),
             ("radians where the figure says degrees", drawn(_then(_says(1, ylabel=""), lambda s: s.says(ylabel="deg/s"))), (0.5, ["wrong-data-plotted"])),
             ("all wrong", drawn(_then(_values(0, np.cos), _values(1, np.sin))), (0.0, ["wrong-data-plotted"])),
