@@ -438,6 +438,7 @@ CASES = [
             ("against milliseconds without a label", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel=""))), None),
             ("against milliseconds with own numbers", drawn(_then(_times(lambda t: 1000 * t), _says(1, own_ticks=True))), None),
             ("g where the title names it", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration", title="Acceleration (g)"))), None),
+            ("g where the panel names it, before the figure", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration (g)"), lambda s: s.says(ylabel="Acceleration (m/s²)"))), None),
             ("g where the figure names it, before the title", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="", title="Acceleration (m/s²)"), lambda s: s.says(ylabel="Acceleration (g)"))), None),
             ("a picture for each sensor", _each_saved, None),
             ("a figure that shows two channels, and one that hides six", _more_shown(_without((0, 0), (1, 0), (1, 1), (1, 2)), _unseen(*_ALL)), (0.3333, ["curves-missing"])),
