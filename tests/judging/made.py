@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.findings import Lost, Missing, Raised, Skipped
+from grader.engine.findings import Lost, Missing, Raised, Size, Skipped
 from grader.engine.loaded import Loaded
 from grader.engine.traces import Traces
 from grader.harness import loading, world
@@ -115,6 +115,34 @@ class Case:
         return f"{self.check.check.id}: {self.name}"  # type: ignore[attr-defined]
 
 
+def misfits(check: Check, student: Callable[[], Made], name: str, keeps: float) -> list[Case]:
+    """A sound definition that was of use only after it was mended: each of the ways, and which of them is charged where there are two."""
+    own, second = f"{name}_imu", "plt"
+    misspelt = {"misspelt_as": ((f"another_{name}", "another"), (name, own))}
+    lent = {"lent": ((name, "np"), (f"another_{name}", "os"), (name, second))}
+    unreturned = {"unreturned": (f"{name}.method",)}
+    of_another = {"misspelt_as": (("another", own),), "lent": (("another", "np"),), "unreturned": ("another",)}
+    rows: list[tuple[str, Mapping[str, Any], list[str]]] = [
+        ("a misspelt name", misspelt, ["name-missing"]),
+        ("two imports that are missing", lent, ["import-missing"]),
+        ("no return", unreturned, ["return-missing"]),
+        ("a misspelt name, and no import", misspelt | lent, ["name-missing"]),
+        ("no import, and no return", lent | unreturned, ["import-missing"]),
+    ]
+    cases = [Case(what, check, _mended(student, mends), (keeps, mistakes)) for what, mends, mistakes in rows]
+    return [*cases, Case("another definition that was mended", check, _mended(student, of_another))]
+
+
+def _mended(student: Callable[[], Made], mends: Mapping[str, Any]) -> Callable[[], Student]:
+    def mended() -> Made:
+        made = student()
+        for name, value in mends.items():
+            setattr(made, name, value)
+        return made
+
+    return mended
+
+
 def finding(case: Case) -> BaseException | None:
     """What the check says of the student."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
@@ -136,6 +164,7 @@ def marked(found: BaseException | None) -> Marked:
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told."""
     if isinstance(found, Lost):
+        assert found.off is None or isinstance(found.off, Size)  # a bare sentence reads the same here
         told = {
             "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint,
             "belongs to": " or ".join(found.belongs_to),

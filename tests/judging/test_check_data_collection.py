@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.checks import check_data_collection as checks
-from tests.judging.made import Case, Made, is_as_marked, truth
+from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -123,11 +123,55 @@ def _own_timestep(self: Any, model: Any, data: Any) -> None:
     mujoco.mj_resetData(model, data)
 
 
+def _for_the_run(*changes: Callable[..., None], **more: Any) -> Callable[[], Recorder]:
+    """A recorder that changes the model for its run and puts it back."""
+
+    def begin(self: Any, model: Any, data: Any) -> None:
+        self.before = model.opt.gravity.copy(), model.opt.timestep
+        for change in changes:
+            change(self, model, data)
+
+    def told(self: Any, time: Any, accel: Any, gyro: Any, model: Any) -> Any:
+        model.opt.gravity[:], model.opt.timestep = self.before
+        return Recorder.told(self, time, accel, gyro, model)
+
+    return of(begin=begin, told=told, **more)
+
+
 def _pushed(index: int, by: float) -> Callable[..., None]:
     def push(_self: Any, data: Any) -> None:
         data.qvel[index] = by
 
     return push
+
+
+def _in_pose(index: int, by: float) -> Callable[..., None]:
+    """A start in another pose than the model's own."""
+
+    def begin(_self: Any, model: Any, data: Any) -> None:
+        mujoco.mj_resetData(model, data)
+        data.qpos[index] += by
+
+    return begin
+
+
+def _with_velocities(self: Any, data: Any) -> None:
+    data.qvel[:4] = (0.5, 0.1, -0.2, 0.3)
+
+
+def _with_three_velocities(self: Any, data: Any) -> None:
+    data.qvel[:3] = (0.5, 0.1, -0.2)
+
+
+def _later_twice(self: Any, model: Any, data: Any, n: int) -> None:
+    if n in (40, 80):
+        data.qvel[0] = 0.5
+    mujoco.mj_step(model, data)
+
+
+def _keeps_velocities(self: Any, model: Any, data: Any) -> None:
+    """A reset of the pose and the time alone."""
+    data.qpos[:], data.time = model.qpos0, 0.0
 
 
 def _later(self: Any, model: Any, data: Any, n: int) -> None:
@@ -175,6 +219,16 @@ def _aliased(t: Any, a: Any, g: Any, _m: Any) -> Any:
 def _noisy(t: Any, a: Any, g: Any, _m: Any) -> Any:
     rng = np.random.default_rng(3)
     return t, a + rng.normal(0, 0.05, a.shape), g + rng.normal(0, 0.005, g.shape)
+
+
+def _noisy_with_a_gap(t: Any, a: Any, g: Any, m: Any) -> Any:
+    t, a, g = _noisy(t, a, g, m)
+    g[7, 1] = np.nan
+    return t, a, g
+
+
+def _first_row_empty(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    return tuple(np.concatenate([column[:1] * 0, column]) for column in (t, a, g))
 
 
 def _zeros_at_the_end(t: Any, a: Any, g: Any, _m: Any) -> Any:
@@ -266,6 +320,42 @@ CASES = [
             ("without a push, which is another check's", NO_PUSH, None),
             ("a recording, altered", telling(_recorded), (0.0, ["rows-altered"])),
             ("without one sensor", WITHOUT_GYRO, (0.5, [])),
+            ("another gravity for the run", _for_the_run(_heavier), (0.0, ["modifies-model"])),
+            ("another gravity, which the reset is charged for", of(begin=_heavier), None),
+            (
+                "another time step for the run",
+                _for_the_run(_own_timestep, steps=lambda *_: 600),
+                (0.0, ["modifies-model"]),
+            ),
+            ("another pose, which the reset is charged for", of(begin=_in_pose(2, 0.05)), None),
+            ("other velocities, which the push is charged for", of(push=_with_velocities), None),
+            ("four rows", telling(lambda t, a, g, _m: (t[:4] * 0, a[:4] * 0 + 1, g[:4])), (0.0, [])),
+            ("one row", telling(lambda t, a, g, _m: (t[:1], a[:1], g[:1])), (0.0, [])),
+            ("three steps early", telling(lambda t, a, g, _m: (t[3:], a[3:], g[3:])), (0.5, [])),
+            ("a step early", telling(lambda t, a, g, _m: (t[1:], a[1:], g[1:])), (0.5, [])),
+            ("a step early, at the stamps of mj_forward", telling(lambda t, a, g, _m: (t[:-1], a[1:], g[1:])), None),
+            ("a first row that is empty", telling(_first_row_empty), (0.5, ["first-row-empty"])),
+            ("in another order of axes", telling(lambda t, a, g, _m: (t, a[:, [1, 0, 2]], g)), (0.5, ["rows-altered"])),
+            ("other signs", telling(lambda t, a, g, _m: (t, a, -g)), (0.5, ["rows-altered"])),
+            ("with digits cut off", telling(lambda t, a, g, _m: (t, a.round(2), g)), (0.5, ["rows-altered"])),
+            ("without gravity", telling(lambda t, a, g, _m: (t, a - [0, 0, 9.81], g)), (0.5, ["rows-altered"])),
+            (
+                "mixed",
+                telling(lambda t, a, g, _m: (t, a @ [[1, 0.3, 0], [0, 1, 0], [0, 0.2, 1]] + 0.7, g)),
+                (0.5, ["rows-altered"]),
+            ),
+            (
+                "without the other sensor",
+                of(told=lambda _s, t, _a, g, _m: {"time": t, "angular_velocity": g}),
+                (0.5, []),
+            ),
+            ("noise on the gyroscope", telling(lambda t, a, g, m: (t, a, _noisy(t, a, g, m)[2])), (0.5, [])),
+            (
+                "noise without one sensor",
+                of(told=lambda _s, t, a, g, m: {"time": t, "acceleration": _noisy(t, a, g, m)[1]}),
+                (0.0, []),
+            ),
+            ("noise, and one number that is none", telling(_noisy_with_a_gap), (0.0, ["not-finite"])),
             ("five rows", telling(lambda t, a, g, _m: (t[:5], a[:5], g[:5])), (0.0, [])),
         ],
         RESET: [
@@ -273,6 +363,9 @@ CASES = [
             ("none", NO_RESET, (0.0, ["no-reset"])),
             ("another gravity", of(begin=_heavier), (0.0, ["modifies-model"])),
             ("another time step", of(begin=_own_timestep), (0.0, ["modifies-model"])),
+            ("another pose", of(begin=_in_pose(2, 0.05)), (0.0, ["no-reset"])),
+            ("a reset that leaves the velocities", of(begin=_keeps_velocities), (0.0, ["no-reset"])),
+            ("another gravity for the run", _for_the_run(_heavier), None),
             ("lists that stay", Keeping, (0.0, ["keeps-old-rows"])),
             ("without a push", NO_PUSH, None),
             ("no simulation", NEVER, "skipped"),
@@ -288,6 +381,21 @@ CASES = [
             ("somewhat weak", WEAK, (0.0, ["wrong-perturbation"])),
             ("later", LATER, (0.0, ["wrong-perturbation"])),
             ("once more", TWICE, (0.0, ["wrong-perturbation"])),
+            ("other velocities beside it", of(push=_with_velocities), (0.0, ["wrong-perturbation"])),
+            ("two other velocities beside it", of(push=_with_three_velocities), (0.0, ["wrong-perturbation"])),
+            ("twice more", of(step=_later_twice), (0.0, ["wrong-perturbation"])),
+            ("another pose, which the reset is charged for", of(begin=_in_pose(2, 0.05)), None),
+            (
+                "none, in a model that is changed for the run",
+                _for_the_run(_heavier, push=lambda *_: None),
+                (0.0, ["no-perturbation"]),
+            ),
+            (
+                "later, in a model that is changed for the run",
+                _for_the_run(_heavier, push=lambda *_: None, step=_later),
+                (0.0, ["wrong-perturbation"]),
+            ),
+            ("the sheet's, in a model that is changed for the run", _for_the_run(_heavier), None),
             ("with a force", of(push=_forced), (0.0, ["wrong-perturbation"])),
             ("another each time", Random, (0.0, ["random-push"])),
             ("noise on both", telling(_noisy), None),
@@ -298,6 +406,12 @@ CASES = [
     }.items()
     for name, kind, marked in rows
 ]
+CASES += misfits(NAMED, lambda: Made(simulate_and_collect=_function(SOUND())), "simulate_and_collect", 0.0)
+CASES.append(Case("in another order", NAMED, lambda: Made(simulate_and_collect=_turned), (0.0, ["other-parameters"])))
+
+
+def _turned(data: Any, model: Any, duration_seconds: float = 5.0, accel_id: Any = None, gyro_id: Any = None) -> Any:
+    return Recorder()(model, data, duration_seconds, accel_id, gyro_id)
 
 
 def _function(recorder: Recorder) -> Callable[..., Any]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.checks import check_filtering as checks
-from tests.judging.made import Case, Made, is_as_marked
+from tests.judging.made import Case, Made, is_as_marked, misfits
 
 RECURSION, FIRST, CONSTANT, NOISE, SIGNAL, OWN = (
     checks.check_follows_recursion,
@@ -214,18 +214,6 @@ ALPHA_SWAPPED = of(next=lambda s, x, y: (1 - s.alpha) * x + s.alpha * y)
 FASTER = of(next=lambda s, x, y: s.alpha**0.5 * x + (1 - s.alpha**0.5) * y)
 
 
-class Forgetful(Made):
-    lent = (("LowPassFilter", "np"),)
-
-
-class Misspelt(Made):
-    misspelt_as = (("LowPassFilter", "LowpassFilter"),)
-
-
-class Silent(Made):
-    unreturned = ("LowPassFilter",)
-
-
 class AsksForTime(Sound):
     def update(self, measurement: np.ndarray, dt: float) -> Any:  # type: ignore[override]
         return super().update(measurement)
@@ -236,9 +224,7 @@ def _other_names(self: Any, smoothing: float = 0.1, start: Any = None) -> None:
 
 
 FITTING = [
-    Case("an import is missing", RECURSION, lambda: Forgetful(LowPassFilter=Sound), (0.5, ["import-missing"])),
-    Case("a slip in the name", RECURSION, lambda: Misspelt(LowPassFilter=Sound), (0.5, ["name-missing"])),
-    Case("a return is missing", RECURSION, lambda: Silent(LowPassFilter=Sound), (0.5, ["return-missing"])),
+    *misfits(RECURSION, lambda: Made(LowPassFilter=type("Fresh", (Sound,), {})), "LowPassFilter", 0.5),
     Case("asks for the time", RECURSION, lambda: Made(LowPassFilter=AsksForTime), (0.5, ["other-parameters"])),
     Case("other names", RECURSION, lambda: Made(LowPassFilter=of(__init__=_other_names)), (0.5, ["other-parameters"])),
 ]

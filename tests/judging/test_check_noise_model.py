@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.checks import check_noise_model as checks
-from tests.judging.made import Case, Made, is_as_marked
+from tests.judging.made import Case, Made, is_as_marked, misfits
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
@@ -69,6 +69,16 @@ class Sound:
 def of(**steps: Any) -> type:
     """A noisy IMU that differs from the sound one in these steps."""
     return type("Noisy", (Sound,), steps)
+
+
+class Renamed(Sound):
+    """Other names than the sheet's."""
+
+    def __init__(
+        self, model: Any, data: Any, accel_id: int, gyro_id: int, a_std: float = 0.05, gyro_noise_std: float = 0.005,
+        accel_bias: Any = None, gyro_bias: Any = None,
+    ) -> None:  # fmt: skip
+        super().__init__(model, data, accel_id, gyro_id, a_std, gyro_noise_std, accel_bias, gyro_bias)
 
 
 class Walking(Sound):
@@ -236,6 +246,7 @@ CASES = [
     for check, rows in {
         SIZE: [
             ("sound", Sound, None),
+            ("other parameters", Renamed, (0.5, ["other-parameters"])),
             ("a fifth too much of one", _scaled(1.2, 0), (0.5, [])),
             ("a fifth too much", _scaled(1.2), (0.0, [])),
             ("three hundredths", _scaled(1.03), None),
@@ -332,7 +343,7 @@ CASES = [
         ],
     }.items()
     for name, kind, marked in rows
-]
+] + misfits(SIZE, lambda: Made(NoisyIMU=Sound), "NoisyIMU", 0.5)
 
 
 @pytest.mark.quick

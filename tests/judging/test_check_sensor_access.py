@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.checks import check_sensor_access as checks
-from tests.judging.made import Case, Made, is_as_marked
+from tests.judging.made import Case, Made, is_as_marked, misfits
 
 Reader = Callable[..., Any]
 RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
@@ -111,6 +111,10 @@ def _x_only(x: np.ndarray) -> np.ndarray:
     return x * [0.9, 1.0, 1.0]
 
 
+def _turned(accel_sensor_id: int, gyro_sensor_id: int, data: Any, model: Any) -> Any:
+    return sound(model, data, accel_sensor_id, gyro_sensor_id)
+
+
 CASES = [
     Case(name, check, lambda reader=reader: Made(get_imu_readings=reader), marked)  # type: ignore[misc]
     for check, rows in {
@@ -126,6 +130,7 @@ CASES = [
             ),
             ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-length"])),
             ("raises", _raises(ValueError), "raised"),
+            ("in another order", _turned, (0.0, ["other-parameters"])),
         ],
         MATCHES: [
             ("sound", sound, None),
@@ -191,6 +196,7 @@ CASES = [
     }.items()
     for name, reader, marked in rows
 ]
+CASES += misfits(RETURNS, lambda: Made(get_imu_readings=sound), "get_imu_readings", 0.0)
 
 
 @pytest.mark.quick

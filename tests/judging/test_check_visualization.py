@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Sight
+from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Sight, Stray
 from grader.engine.findings import Fault
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
 from grader.labs.imu.student import Student
-from tests.judging.made import Case, Made, is_as_marked, truth
+from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
 SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
     checks.check_saves_image,
@@ -107,10 +107,10 @@ def _figure(*axes: Axes) -> Figure:
     return Figure("saved", "imu_data.png", "png", (1000, 800), axes)
 
 
-def drawn(change: Callable[[Sheet], Any] = lambda _sheet: None, **more: Any) -> Callable[[], Student]:
+def drawn(change: Callable[[Sheet], Any] = lambda _sheet: None, **more: Any) -> Callable[[], Made]:
     """A student whose figure is the sheet's, but for what was changed."""
 
-    def student() -> Student:
+    def student() -> Made:
         sheet = Sheet()
         change(sheet)
         return Plotted(sheet.drawing(), **more)
@@ -118,7 +118,7 @@ def drawn(change: Callable[[Sheet], Any] = lambda _sheet: None, **more: Any) -> 
     return student
 
 
-def _with(**words: Any) -> Callable[[], Student]:
+def _with(**words: Any) -> Callable[[], Made]:
     return drawn(lambda sheet: sheet.says(**words))
 
 
@@ -126,11 +126,11 @@ def _unsaved(sheet: Sheet) -> None:
     sheet.says(event="shown")
 
 
-def _panel(which: int, **words: Any) -> Callable[[], Student]:
+def _panel(which: int, **words: Any) -> Callable[[], Made]:
     return drawn(_says(which, **words))
 
 
-def _both(**words: Any) -> Callable[[], Student]:
+def _both(**words: Any) -> Callable[[], Made]:
     return drawn(_then(_says(0, **words), _says(1, **words)))
 
 
@@ -144,7 +144,7 @@ def _broken_off() -> Student:
     return Plotted(_raising(sheet))
 
 
-def _nothing(**more: Any) -> Callable[[], Student]:
+def _nothing(**more: Any) -> Callable[[], Made]:
     return lambda: Plotted(Drawing(()), **more)
 
 
@@ -179,6 +179,98 @@ def _first_is_wrong(sheet: Sheet) -> None:
     sheet.panel_says(0, curves=(replace(first, y=np.cos(sheet.time)), *others))
 
 
+_ALL = [(sensor, axis) for sensor in (0, 1) for axis in range(3)]
+
+
+def _sights(channels: Iterable[tuple[int, int]], sight: Sight) -> Callable[[Sheet], None]:
+    """These channels are seen so, and the others in full."""
+    chosen = set(channels)
+
+    def change(sheet: Sheet) -> None:
+        for sensor, panel in enumerate(sheet.panels):
+            sheet.panel_says(sensor, curves=tuple(_seen_so(curve, sensor, chosen, sight) for curve in panel.curves))
+
+    return change
+
+
+def _seen_so(curve: Curve, sensor: int, chosen: set[tuple[int, int]], sight: Sight) -> Curve:
+    return replace(curve, sight=sight) if (sensor, "xyz".index(curve.label)) in chosen else curve
+
+
+def _unseen(*channels: tuple[int, int]) -> Callable[[Sheet], None]:
+    """Drawn, and covered."""
+    return _sights(channels, Sight(np.ones(100, bool), np.zeros(100, bool)))
+
+
+def _inside(channels: Iterable[tuple[int, int]], parts: slice) -> Callable[[Sheet], None]:
+    """These parts alone lie within the limits of the axes."""
+    mask = np.zeros(100, bool)
+    mask[parts] = True
+    return _sights(channels, Sight(mask, mask))
+
+
+def _inside_drawing() -> Drawing:
+    sheet = Sheet()
+    _inside(_ALL, slice(0, 40))(sheet)
+    return sheet.drawing()
+
+
+class Fitting(Plotted):
+    """One whose limits fit the recording of the lab, and not the data that the plot is given here."""
+
+    def plot(self, *_: Any, called: str = "", **__: Any) -> Drawing:
+        return self._drawing if called else Sheet().drawing()
+
+
+def _first_twice(sheet: Sheet) -> None:
+    first, second, _ = sheet.panels[0].curves
+    sheet.panel_says(0, curves=(first, second, replace(first, colour="#123456")))
+
+
+def _saved_over(first: tuple[int, ...], last: tuple[int, ...], path: str | None = "imu_data.png") -> Callable[[], Made]:
+    """Panels that were saved into one file, and others that were saved over them."""
+
+    def student() -> Made:
+        panels, figure = Sheet().panels, Sheet().figure
+        gone = replace(figure, event="overwritten", path=path, axes=tuple(panels[i] for i in first))
+        standing = replace(figure, axes=tuple(panels[i] for i in last))
+        return Plotted(Drawing((gone, standing)))
+
+    return student
+
+
+def _each_saved() -> Made:
+    """A figure and a file for each sensor."""
+    figure = Sheet().figure
+    return Plotted(Drawing(tuple(replace(figure, axes=(panel,)) for panel in figure.axes)))
+
+
+def _more_shown(*changes: Callable[[Sheet], Any]) -> Callable[[], Made]:
+    """Figures that nobody saved, of which one shows most."""
+
+    def student() -> Made:
+        sheets = [Sheet() for _ in changes]
+        for sheet, change in zip(sheets, changes, strict=True):
+            _then(change, _unsaved)(sheet)
+        return Plotted(Drawing(tuple(sheet.figure for sheet in sheets)))
+
+    return student
+
+
+def _overwritten(sheet: Sheet) -> None:
+    sheet.says(event="overwritten")
+
+
+def _broken(event: str, reason: str) -> Callable[[], Made]:
+    """A figure that met this end, and a file that cannot be read for that reason; of a stray one there is none."""
+
+    def student() -> Made:
+        strays = (Stray("whole.png", ""), Stray(f"plots/\x07{'imu' * 30}.png", reason))
+        return Plotted(Drawing((replace(Sheet().figure, event=event),), strange=strays))
+
+    return student
+
+
 def _then(*changes: Callable[[Sheet], Any]) -> Callable[[Sheet], None]:
     def change(sheet: Sheet) -> None:
         for each in changes:
@@ -209,7 +301,7 @@ def _exchanged(sheet: Sheet) -> None:
     sheet.says(axes=(_with_curves(upper, *lower.curves), _with_curves(lower, *upper.curves)))
 
 
-def _untitled(**words: Any) -> Callable[[], Student]:
+def _untitled(**words: Any) -> Callable[[], Made]:
     """Panels without titles, in a figure that says something itself."""
     return drawn(_then(_says(0, title=""), _says(1, title=""), lambda sheet: sheet.says(**words)))
 
@@ -249,12 +341,12 @@ def _compared(
     return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
-def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Student]:
+def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Made]:
     return lambda: Plotted(Drawing(()), scripts=drawings, **more)
 
 
 _SEEN = Picture((800, 600), 0.2, np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8))
-_PICTURE, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
+PICTURE_HANDED_IN, _FILTERED = {"pictures": {"imu_data.png": _SEEN}}, {"pictures": {"filtered_imu.png": _SEEN}}
 _STOPPED = replace(
     _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
 )  # fmt: skip
@@ -270,12 +362,26 @@ CASES = [
             ("just large enough", _with(size_px=(400, 250)), None),
             ("never saved", _with(event="shown"), (0.0, ["plot-not-saved"])),
             ("nothing drawn", _nothing(), (0.0, ["plot-not-saved"])),
-            ("nothing drawn, a picture handed in", _nothing(**_PICTURE), (0.5, ["plot-not-saved"])),
-            ("never saved, a picture handed in", drawn(_unsaved, **_PICTURE), (0.0, ["plot-not-saved"])),
+            ("nothing drawn, a picture handed in", _nothing(**PICTURE_HANDED_IN), (0.5, ["plot-not-saved"])),
+            ("never saved, a picture handed in", drawn(_unsaved, **PICTURE_HANDED_IN), (0.0, ["plot-not-saved"])),
             ("blank", _with(axes=()), (0.0, ["blank-image"])),
             ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),
             ("another plot saved by a script", drawn(_unsaved, scripts=(_compared(),)), (0.0, ["plot-not-saved"])),
             ("broken off", _broken_off, "raised"),
+            ("by other parameters", lambda: Plotted(replace(Sheet().drawing(), departs=("imu_data", "title"))), (0.0, ["other-parameters"])),
+            ("a second picture over the first", _saved_over((0,), (1,)), (0.5, ["picture-overwritten"])),
+            ("a second picture over the first, under a name that is printed", _saved_over((1,), (0,), path=f"plots/\x07{'imu' * 30}.png"), (0.5, ["picture-overwritten"])),
+            ("a second picture over the first, of no file", _saved_over((0,), (1,), path=None), (0.5, ["picture-overwritten"])),
+            ("the same picture twice", _saved_over((0, 1), (0, 1)), None),
+            ("a picture of half of it, then of all", _saved_over((0,), (0, 1)), None),
+            ("overwritten with something else", drawn(_overwritten), (0.0, ["picture-overwritten"])),
+            ("a picture that is broken", _broken("overwritten", "cut short"), (0.0, [])),
+            ("a picture that is broken, and forgotten", _broken("forgotten", "cut short"), (0.0, [])),
+            ("a picture that is broken, beside a figure that is shown", _broken("shown", "cut short"), (0.0, ["plot-not-saved"])),
+            ("a picture of something else", _broken("overwritten", ""), (0.0, ["picture-overwritten"])),
+            ("saved to memory", _with(event="forgotten"), (0.0, ["plot-not-saved"])),
+            ("a figure without curves that is never saved", _with(event="shown", axes=()), (0.0, ["plot-not-saved"])),
+            ("a PDF", _with(format="pdf"), (0.8, [])),
             ("beside one that cannot be read", lambda: Plotted(Sheet().drawing(Figure("saved", "odd.png", "png", (640, 480)))), None),
             ("a small one and a large one", lambda: Plotted(Sheet().drawing(replace(Sheet().figure, size_px=(100, 100)))), None),
         ],
@@ -287,6 +393,22 @@ CASES = [
             ("no gyroscope", drawn(lambda sheet: sheet.says(axes=sheet.panels[:1])), (0.0, ["curves-missing"])),
             ("names that say nothing", drawn(_then(_says(0, title="Top", ylabel="a"), _says(1, title="Bottom", ylabel="b"))), (0.5, [])),
             ("one that says nothing", _panel(0, title="Top", ylabel="a"), (0.5, [])),
+            ("axes of the gyroscope that stay empty", drawn(_then(_without((1, 0), (1, 1), (1, 2)))), (0.0, ["curves-missing"])),
+            ("empty axes that say nothing", drawn(_then(_without((1, 0), (1, 1), (1, 2)), _says(1, title="", ylabel="z"))), (0.0, ["curves-missing"])),
+            ("empty axes with a label alone", drawn(_then(_without((0, 0), (0, 1), (0, 2)), _says(0, title=""))), (0.0, ["curves-missing"])),
+            ("one title of the other", _panel(1, title="Accelerometer"), (0.5, ["panels-swapped"])),
+            ("a long title of the other", _panel(1, title="Accelerometer " * 6), (0.5, ["panels-swapped"])),
+            ("both of one of the other", _panel(0, title="Gyroscope", ylabel="rad/s"), (0.0, ["panels-swapped"])),
+            ("both of one of the other, without a title", _panel(0, title=" ", ylabel="Angular velocity"), (0.0, ["panels-swapped"])),
+            ("a title of both", _panel(0, title="Acceleration and angular velocity"), None),
+            ("the other's name alone in the picture", drawn(_then(lambda s: s.says(axes=s.panels[:1]), _says(0, title="Gyroscope", ylabel="rad/s"))), (0.0, ["curves-missing"])),
+            ("a name in the legend", drawn(_then(_says(0, title="Top", ylabel="a"), _legend(0, "accel x", "accel y", "accel z"))), None),
+            ("a name inside", _panel(0, title="Top", ylabel="a", texts=(Placed("Accelerometer", (0.5, 5.0), "#000000"),)), None),
+            ("a name of the figure", drawn(_then(_says(0, title="Top", ylabel="a"), lambda s: s.says(title="Acceleration above"))), None),
+            ("a name of the figure's axis", drawn(_then(_says(0, title="Top", ylabel="a"), lambda s: s.says(ylabel="Acceleration"))), None),
+            ("a title that says nothing, alone", _panel(0, title="Top", ylabel=" "), None),
+            ("a label that says nothing, alone", _panel(0, title=" ", ylabel="a"), None),
+            ("no words on one", _panel(0, title="", ylabel=""), (0.5, [])),
             ("no words at all", _both(title="", ylabel=""), (0.5, [])),
             ("titles alone", _both(ylabel=""), None),
             ("nothing drawn", _nothing(), "skipped"),
@@ -296,6 +418,33 @@ CASES = [
             ("five of six", drawn(_without((0, 2))), (0.8333, ["curves-missing"])),
             ("three of six", drawn(_without((1, 0), (1, 1), (1, 2))), (0.5, ["curves-missing"])),
             ("one of them wrong", drawn(_first_is_wrong), (0.8333, ["wrong-data-plotted"])),
+            ("one behind another", drawn(_unseen((0, 1))), (0.8333, ["curves-not-seen"])),
+            ("none to be seen", drawn(_unseen(*_ALL)), (0.0, ["curves-not-seen"])),
+            ("one missing, one behind another", drawn(_then(_without((0, 2)), _unseen((1, 0)))), (0.6667, ["curves-missing", "curves-not-seen"])),
+            ("one twice in place of another", drawn(_first_twice), (0.8333, ["wrong-data-plotted"])),
+            ("the last part of all outside", drawn(_inside(_ALL, slice(0, 40))), (0.0, ["curves-not-seen"])),
+            ("the first part of one outside", drawn(_inside([(0, 1)], slice(60, 100))), (0.8333, ["curves-not-seen"])),
+            ("both ends of one outside", drawn(_inside([(1, 2)], slice(30, 70))), (0.8333, ["curves-not-seen"])),
+            ("the last part of one outside, and hardly any of the first", drawn(_inside([(1, 2)], slice(4, 41))), (0.8333, ["curves-not-seen"])),
+            ("the last part of one outside, and some of the first", drawn(_inside([(1, 2)], slice(5, 41))), (0.8333, ["curves-not-seen"])),
+            ("the first part of one outside, and hardly any of the last", drawn(_inside([(1, 2)], slice(60, 96))), (0.8333, ["curves-not-seen"])),
+            ("the first part of one outside, and some of the last", drawn(_inside([(1, 2)], slice(60, 95))), (0.8333, ["curves-not-seen"])),
+            ("peaks of one outside", drawn(_inside([(1, 2)], slice(0, 100, 3))), (0.8333, ["curves-not-seen"])),
+            ("one wholly outside", drawn(_inside([(1, 0)], slice(0, 0))), (0.8333, ["curves-not-seen"])),
+            ("two outside, one of them more", drawn(_then(_inside([(0, 0)], slice(0, 45)), _inside([(0, 1)], slice(0, 30)))), (0.6667, ["curves-not-seen"])),
+            ("half outside", drawn(_inside([(0, 0)], slice(0, 50))), None),
+            ("outside, one behind another and one missing", drawn(_then(_inside([(0, 0)], slice(0, 45)), _unseen((0, 1)), _without((1, 2)))), (0.5, ["curves-missing", "curves-not-seen"])),
+            ("outside, where the lab's own recording fits", lambda: Fitting(_inside_drawing()), None),
+            ("against milliseconds without a label", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel=""))), None),
+            ("against milliseconds with own numbers", drawn(_then(_times(lambda t: 1000 * t), _says(1, own_ticks=True))), None),
+            ("g where the title names it", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration", title="Acceleration (g)"))), None),
+            ("g where the panel names it, before the figure", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration (g)"), lambda s: s.says(ylabel="Acceleration (m/s²)"))), None),
+            ("g where the figure names it, before the title", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="", title="Acceleration (m/s²)"), lambda s: s.says(ylabel="Acceleration (g)"))), None),
+            ("a picture for each sensor", _each_saved, None),
+            ("a figure that shows two channels, and one that hides six", _more_shown(_without((0, 0), (1, 0), (1, 1), (1, 2)), _unseen(*_ALL)), (0.3333, ["curves-missing"])),
+            ("figures that show as much, and hide one channel or two", _more_shown(_then(_without(*_ALL[2:]), _unseen((0, 1))), _then(_without(*_ALL[3:]), _unseen((0, 0), (0, 2)))), (0.1667, ["curves-missing", "curves-not-seen"])),
+            ("degrees that the figure names", drawn(_then(_values(1, np.degrees), _says(1, ylabel=""), lambda s: s.says(ylabel="deg/s"))), None),
+            ("radians where the figure says degrees", drawn(_then(_says(1, ylabel=""), lambda s: s.says(ylabel="deg/s"))), (0.5, ["wrong-data-plotted"])),
             ("all wrong", drawn(_then(_values(0, np.cos), _values(1, np.sin))), (0.0, ["wrong-data-plotted"])),
             ("against the index", drawn(_times(lambda t: np.arange(len(t)))), (0.5, ["x-not-time"])),
             ("against milliseconds", drawn(_times(lambda t: 1000 * t)), (0.5, ["x-not-time"])),
@@ -316,6 +465,20 @@ CASES = [
             ("no units", drawn(_then(_says(0, ylabel="Acceleration"), _says(1, ylabel="Angular velocity", xlabel="Time"))), (0.0, ["no-units"])),
             ("no unit and no label", drawn(_then(_says(0, ylabel="Acceleration"), _says(1, ylabel=""))), (0.3333, ["no-units", "no-axis-labels"])),
             ("units in the titles", drawn(_then(_says(0, title="Acceleration (m/s²)", ylabel=""), _says(1, title="Angular velocity (rad/s)", ylabel=""))), None),
+            ("no label of one", _panel(0, ylabel=" "), (0.6667, ["no-axis-labels"])),
+            ("no label, a unit in the title without a name", _panel(0, title="m/s²", ylabel=""), None),
+            ("no label, a name in the title without a unit", _panel(0, title="Acceleration", ylabel=""), (0.6667, ["no-axis-labels"])),
+            ("a unit in the legend", drawn(_then(_says(0, ylabel="Acceleration"), _legend(0, "x (m/s²)", "y (m/s²)", "z (m/s²)"))), None),
+            ("a unit in a text of the figure", drawn(_then(_says(0, ylabel="Acceleration"), lambda s: s.says(texts=("all in m/s²",)))), None),
+            ("a label of the whole figure", drawn(_then(_says(0, ylabel=""), lambda s: s.says(ylabel="Acceleration (m/s²)"))), None),
+            ("a label of the other sensor, and no time", drawn(_then(_says(1, ylabel="Acceleration (m/s²)", xlabel=""))), (0.6667, ["no-axis-labels"])),
+            ("one panel without a label for the time", drawn(_then(lambda s: s.says(axes=s.panels[:1]))), None),
+            ("time without a unit", _panel(1, xlabel="Time"), (0.6667, ["no-units"])),
+            ("a unit of time on one of them", drawn(_then(_says(0, xlabel="Time (s)"), _says(1, xlabel="Time"))), None),
+            ("milliseconds on one of them", drawn(_then(_says(0, xlabel="Time (s)"), _says(1, xlabel="Time (ms)"))), None),
+            ("milliseconds that are milliseconds", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel="Time (ms)"))), None),
+            ("milliseconds over seconds from the start", drawn(_then(_times(lambda t: t - t[0]), _says(1, xlabel="Time (ms)"))), (0.6667, ["no-units"])),
+            ("milliseconds with own numbers", drawn(_then(_says(1, xlabel="Time (ms)", own_ticks=True))), None),
             ("milliseconds over seconds", _panel(1, xlabel="Time (ms)"), (0.6667, ["no-units"])),
             ("samples", drawn(_then(_times(lambda t: np.arange(len(t))), _says(1, xlabel="Sample"))), None),
             ("a label of the other sensor", _panel(1, ylabel="Acceleration (m/s²)"), None),
@@ -363,6 +526,7 @@ CASES = [
     }.items()
     for name, student, marked in rows
 ]  # fmt: skip
+CASES += misfits(SAVES, drawn(), "plot_imu_data", 0.0)
 
 
 @pytest.mark.quick

@@ -62,6 +62,7 @@ _MORE_TESTS = {
     "handling": ("tests/test_unforeseen_reader_collect.py",),
     "collection": ("tests/test_unforeseen_reader_collect.py",),
 }
+_MORE_TESTS["fitting"] = tuple(f"tests/judging/test_check_{part}.py" for part in ("sensor_access", "filtering"))
 _MORE_TESTS |= dict.fromkeys(
     ("check_complementary_filter", "tilting", "check_allan_variance", "allan", "check_multiple_imus",
      "check_realtime_visualization", "liveplot"),

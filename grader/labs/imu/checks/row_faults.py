@@ -120,7 +120,7 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     n = min(len(series.acceleration), len(accel))
     if not (np.isfinite(series.acceleration).all() and np.isfinite(series.angular_velocity).all()):
         raise Lost("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
-    in_accel, in_gyro = deviation(series.acceleration[:n], accel[:n]), deviation(series.angular_velocity[:n], gyro[:n])
+    in_accel, in_gyro = deviation(series.acceleration, accel), deviation(series.angular_velocity[:n], gyro)
     right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
     if all(right):
         broken_off(n, worlds)
