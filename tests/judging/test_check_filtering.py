@@ -219,12 +219,17 @@ class AsksForTime(Sound):
         return super().update(measurement)
 
 
+def _without_a_default(self: Any, alpha: float, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha, initial_value)
+
+
 def _other_names(self: Any, smoothing: float = 0.1, start: Any = None) -> None:
     Sound.__init__(self, smoothing, start)
 
 
 FITTING = [
     *misfits(RECURSION, lambda: Made(LowPassFilter=type("Fresh", (Sound,), {})), "LowPassFilter", 0.5),
+    Case("has to be given alpha", RECURSION, lambda: Made(LowPassFilter=of(__init__=_without_a_default)), (0.5, [])),
     Case("asks for the time", RECURSION, lambda: Made(LowPassFilter=AsksForTime), (0.5, ["other-parameters"])),
     Case("other names", RECURSION, lambda: Made(LowPassFilter=of(__init__=_other_names)), (0.5, ["other-parameters"])),
 ]
