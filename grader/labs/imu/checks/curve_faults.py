@@ -59,10 +59,12 @@ def _outside(cut_off: Mapping[Channel, Sight]) -> str:
     if not inside.any():
         return f"{_named(cut_off)} outside the limits of the axes"
     first, last = np.flatnonzero(inside)[[0, -1]]
-    share = round(100 * float(np.mean(~inside)))
-    ends = f"the last {99 - last} % of the time" if first < 5 and last < 95 else f"{share} % of the time"
-    ends = f"the first {first} % of the time" if first >= 5 and last >= 95 else ends
-    return f"{ends} of {_named(cut_off)} outside the limits of the axes"
+    part = f"{round(100 * float(np.mean(~inside)))} % of the time"
+    if inside[first : last + 1].all() and first < 5 and last < 95:
+        part = f"the last {99 - last} % of the time"
+    elif inside[first : last + 1].all() and first >= 5 and last >= 95:
+        part = f"the first {first} % of the time"
+    return f"{part} of {_named(cut_off)} outside the limits of the axes"
 
 
 def against_no_time(plot: Plot) -> None:
@@ -84,13 +86,14 @@ def in_another_unit(plot: Plot) -> None:
     """Charge numbers in another unit than the label's; without one, than that of the data."""
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
-        said = next(filter(None, map(labels.unit_of, texts)), None)
+        label = next(filter(labels.unit_of, texts), panel.axes.ylabel)
+        said = labels.unit_of(label)
         for shown in panel.shown:
             family = plots.UNITS[shown.sensor]
             wrong = said in family and said != shown.unit
             unsaid = said is None and shown.unit != family[0]
             if wrong or unsaid:
-                got = f"numbers in {shown.unit} under the label {quoted(panel.axes.ylabel)}"
+                got = f"numbers in {shown.unit} under {f'the label {quoted(label)}' if label else 'no label'}"
                 hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
                 raise Lost(
                     "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=hint
