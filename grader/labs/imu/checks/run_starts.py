@@ -11,6 +11,9 @@ from grader.labs.imu.diagnosis.collection import Claim, Story, Worlds
 
 PUSH = "data.qvel[0] = 0.5 after the reset"
 _SAME = 1e-9
+"""A claim is told in full precision and has been borne out: whatever differs by more was set to another number."""
+_GRAVITY_ATOL = 1e-3
+"""m/s². Whoever writes the model's own gravity again with three decimals has not changed it."""
 
 
 def _claim_of(story: Story | None, worlds: Worlds) -> Claim | None:
@@ -52,7 +55,7 @@ def in_another_model(story: Story, worlds: Worlds, series: Collection, gravity: 
         raise Lost(
             f"a simulation with the model's time step of {worlds.timestep:g} s", got, mistakes=["modifies-model"]
         )
-    if np.abs(claim.gravity - gravity).max() > 1e-3:
+    if np.abs(claim.gravity - gravity).max() > _GRAVITY_ATOL:
         raise Lost(
             "a simulation with the model's gravity",
             f"rows of one with {vector(claim.gravity)} m/s²",
