@@ -482,6 +482,12 @@ def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_
     assert re.search(r"−6\s*Not reached\s*1 check, 6 points could not be asked\.", alone)
 
 
+def test_where_nothing_came_the_mistake_says_what_it_was() -> None:
+    late = lost(misconceptions=("never-returns",), message="Expected  an answer within the time limit\nGot       none")
+    told = losses(report_page(Standing("x", result(late)), (), catalogue(LAB)))
+    assert re.search(r"−6\s*The code does not come back within its time\s*The limit is many times", told)
+
+
 def test_what_was_earned_or_not_reached_is_folded() -> None:
     page = report(result(check(), lost(), check("skipped", 0.0, id="sensor_access.b", message="Needs a reader.")))
     folded = re.findall(r"<details class=\"folded\">.*?<summary>(.*?)</summary>(.*?)</details>", page, re.DOTALL)
