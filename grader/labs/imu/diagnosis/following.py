@@ -159,9 +159,9 @@ def places(ink: Ink, first: int, last: int, curves: Curves) -> Iterator[tuple[tu
             size = _HEIGHTS * len(columns) / ink.near.shape[1]
             liked = np.where(lively, score + _LARGE * np.log(size), -np.inf)
             start, number = np.unravel_index(int(liked.argmax()), liked.shape)
-            top, height = float(start * _STEP + _STEP / 2), float(_HEIGHTS[number] * len(seen) * _STEP)
+            top, height = start * _STEP + _STEP / 2, _HEIGHTS[number] * len(seen) * _STEP
             shown = replace(curves, values=curves.values[list(which)])
-            yield which, Place(shown, ink, top, height, float(first), float(last), float(liked[start, number]))
+            yield which, Place(shown, ink, top, height, first, last, liked[start, number])
 
 
 def _telling(values: Array) -> NDArray[np.intp]:
@@ -247,9 +247,9 @@ def weighed(place: Place) -> Weight:
     for aside in _ASIDE:
         clear = np.all(np.abs(every - (down + aside)) > _OWN_ROWS, axis=0)
         if np.count_nonzero(clear) > _OWN_ROWS:
-            chances.append(float(place.ink.at(down[clear] + aside, across[clear]).mean()))
-    chance = max(_LEAST_CHANCE, float(np.mean(chances)) if chances else 0.0)
-    evidence = len(down) / _TOGETHER * _surprise(float(there.mean()) if len(there) else 0.0, chance)
+            chances.append(place.ink.at(down[clear] + aside, across[clear]).mean())
+    chance = float(np.mean(chances)) if chances else 0.0
+    evidence = len(down) / _TOGETHER * _surprise(float(there.mean()), max(_LEAST_CHANCE, chance))
     return Weight(float(place.ink.at(rows, columns).mean(axis=1).min()), evidence)
 
 

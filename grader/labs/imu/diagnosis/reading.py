@@ -48,13 +48,10 @@ class Scene:
 
     @classmethod
     def of(cls, scenario: Scenario, pairs: slice = slice(None)) -> Scene:
-        address = np.asarray(scenario["sensor_adr"], int)
-        chosen = np.asarray(scenario["pairs"], int)[pairs]
-        data = np.asarray(scenario["sensordata"])
+        address, chosen, data = scenario["sensor_adr"], scenario["pairs"][pairs], scenario["sensordata"]
         accel, gyro = (np.array([data[:, address[i] : address[i] + 3] for i in column]) for column in chosen.T)
-        turn, cvel, cacc = (np.asarray(scenario[key])[:, pairs].swapaxes(0, 1) for key in ("site_xmat", "cvel", "cacc"))
-        states = np.asarray(scenario["qvel"]), np.asarray(scenario["qacc"])
-        return cls(accel, gyro, data, address, chosen, turn, *states, cvel, cacc)
+        turn, cvel, cacc = (scenario[key][:, pairs].swapaxes(0, 1) for key in ("site_xmat", "cvel", "cacc"))
+        return cls(accel, gyro, data, address, chosen, turn, scenario["qvel"], scenario["qacc"], cvel, cacc)
 
 
 Two = tuple[Array, Array]
@@ -116,10 +113,10 @@ def treated(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
     Their numbers, magnitudes or directions are. Four numbers an axis are fitted to a dozen states and more, which no other
     reading obeys by chance.
     """
-    changes = [_treatment(got[0], true[0]) for got, true in ((accel, scene.accel), (gyro, scene.gyro))]
-    if any(change is None for change in changes):
+    of_accel, of_gyro = _treatment(accel[0], scene.accel[0]), _treatment(gyro[0], scene.gyro[0])
+    if of_accel is None or of_gyro is None:
         return None
-    return Explanation(None, (), _at(0, 0), lambda _, a, g: tuple(c(x) for c, x in zip(changes, (a, g), strict=True)))  # type: ignore[arg-type, misc, return-value]
+    return Explanation(None, (), _at(0, 0), lambda _, a, g: (of_accel(a), of_gyro(g)))
 
 
 def _treatment(got: Array, true: Array) -> Change | None:
@@ -131,7 +128,8 @@ def _treatment(got: Array, true: Array) -> Change | None:
 
 
 def _direction(x: Array) -> Array:
-    return np.asarray(x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), 1e-300))
+    unit: Array = x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), 1e-300)
+    return unit
 
 
 def at_fixed_places(accel: Array, gyro: Array, scene: Scene) -> Explanation | None:
@@ -145,9 +143,7 @@ def at_fixed_places(accel: Array, gyro: Array, scene: Scene) -> Explanation | No
         return None
     own = [int(scene.address[sensor]) for sensor in scene.pairs[0]]
     # Numbers that never move stand anywhere: they tell of a place only beside others that stand where they should not.
-    elsewhere = [
-        start != at and bool(np.ptp(its, axis=0).any()) for start, at, its in zip(starts, own, got, strict=True)
-    ]
+    elsewhere = [start != at and np.ptp(its, axis=0).any() for start, at, its in zip(starts, own, got, strict=True)]
     return always_reads(starts[0], starts[1]) if any(elsewhere) else None
 
 
@@ -164,7 +160,7 @@ def _affine(got: Array, true: Array) -> Array | None:
     if not np.isfinite(got).all() or not np.ptp(got, axis=0).all():
         return None
     columns = np.column_stack([true, np.ones(len(true))])
-    weights = np.asarray(np.linalg.lstsq(columns, got, rcond=None)[0], np.float64)
+    weights: np.ndarray = np.linalg.lstsq(columns, got, rcond=None)[0]
     return weights if np.abs(columns @ weights - got).max() <= ATOL else None
 
 
@@ -186,8 +182,8 @@ def _hypotheses() -> Iterator[Explanation]:
     ]
     for (place_mistake, place), (names, value) in itertools.product(_PLACES, values):
         yield Explanation(place_mistake, names, place, value)
-    for (names, value), decimals in itertools.product(values, range(4)):
-        if names and names != ("precision-lost",):
+    for (names, value), decimals in itertools.product(values, _DECIMALS):
+        if names != ("precision-lost",):
             yield Explanation(None, (*names, "precision-lost"), _at(0, 0), _rounded(value, decimals))
 
 
@@ -221,7 +217,7 @@ def _ids_as_addresses(factor: int, *sensors: int) -> Place:
     """Of the accelerometer (0), the gyroscope (1) or both."""
 
     def place(scene: Scene) -> Two:
-        first = list(scene.address[scene.pairs.T])
+        first = scene.address[scene.pairs.T]
         for sensor in sensors:
             first[sensor] = factor * scene.pairs[:, sensor]
         return slices(scene, *first)
@@ -270,6 +266,8 @@ def always_reads(accel_at: int, gyro_at: int) -> Explanation:
 # --- values --------------------------------------------------------------------------------------------------------------
 
 _G = 9.81
+_DECIMALS = range(5)
+"""More of them are lost within the tolerance."""
 
 
 def _as_is(scene: Scene, accel: Array, gyro: Array) -> Two:
@@ -283,14 +281,14 @@ Change = Callable[[Array], Array]
 def alterations() -> Iterator[tuple[str, Change]]:
     """What readers do to the numbers (…, 3) of either sensor, by the name of the mistake."""
     for signs in itertools.product((1.0, -1.0), repeat=3):
-        if min(signs) < 0:
+        if -1.0 in signs:
             yield "sign-flipped", lambda x, s=signs: x * np.array(s)  # type: ignore[misc]
     for order in itertools.permutations(range(3)):
         if order != (0, 1, 2):
             yield "axes-permuted", lambda x, o=order: x[..., list(o)]  # type: ignore[misc]
-    for decimals in range(5):
-        yield "precision-lost", lambda x, d=decimals: np.asarray(np.round(x, d))  # type: ignore[misc]
-    yield "precision-lost", lambda x: np.asarray(np.trunc(x))
+    for decimals in _DECIMALS:
+        yield "precision-lost", lambda x, d=decimals: x.round(d)  # type: ignore[misc]
+    yield "precision-lost", np.trunc
     yield "precision-lost", lambda x: x.astype(np.float16).astype(np.float64)
 
 
@@ -336,7 +334,7 @@ def _rounded(value: Value, decimals: int) -> Value:
 
     def rounded(scene: Scene, accel: Array, gyro: Array) -> Two:
         a, g = value(scene, accel, gyro)
-        return np.asarray(np.round(a, decimals)), np.asarray(np.round(g, decimals))
+        return a.round(decimals), g.round(decimals)
 
     return rounded
 
@@ -349,7 +347,8 @@ def _first_only(x: Array) -> Array:
 def _turned(turning: str, accel_too: bool, gyro_too: bool) -> Value:
     def value(scene: Scene, accel: Array, gyro: Array) -> Two:
         def turn(x: Array) -> Array:
-            return np.asarray(np.einsum(turning, scene.world_from_site, x))
+            turned: Array = np.einsum(turning, scene.world_from_site, x)
+            return turned
 
         return (turn(accel) if accel_too else accel), (turn(gyro) if gyro_too else gyro)
 
