@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from grader.engine.figures import Curve, Sight
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.marking import Marker
 from grader.engine.results import Result
@@ -23,7 +22,6 @@ from grader.harness.pictures import decode
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
-from grader.labs.imu.diagnosis.resembling import sensors_of
 from grader.labs.imu.student import Student
 from reference.imu_reader import MODEL_PATH, simulate_and_collect
 from tests import handed_pictures
@@ -197,30 +195,6 @@ def test_a_comparison_of_two_panels_of_any_name_is_not_the_plot(recording: dict[
 
 
 # --- held against what the code draws ------------------------------------------------------------------------------------
-
-HANDED_ON = {
-    "as it is": (1.0, 0.0, 1.0, 0.0, {1}),
-    "in other units, without an offset, over milliseconds": (-57.3, 4.0, 1000.0, 0.0, {1}),
-    "over an axis of its own": (1.0, 0.0, 1 / 60, 0.0, {1}),
-    "with noise, so that it may be the other one": (1.0, 0.0, 1.0, 0.5, {0, 1}),
-    "of noise alone": (0.0, 0.0, 1.0, 1.0, set()),
-    "at rest": (0.0, 9.81, 1.0, 0.0, set()),
-    "beyond all numbers": (1e308, 0.0, 1e308, 0.0, {1}),
-}
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("changed", HANDED_ON)
-def test_a_curve_is_taken_for_whatever_sensor_it_may_show(changed: str) -> None:
-    scale, offset, per_s, noise, sensors = HANDED_ON[changed]
-    run = bundles.shipped()["tumbling"]
-    series = {key: run[key] for key in ("time", "acceleration", "angular_velocity")}
-    rate = series["angular_velocity"][:, 1] / 10
-    y = scale * rate + offset + noise * np.random.default_rng(3).normal(0, 0.2, size=len(rate))
-    seen = Sight(np.ones(100, bool), np.ones(100, bool))
-    curve = Curve("", "#000000", "line", len(y), per_s * series["time"], y, "-", "None", "", 1.0, (), 1.5, seen)
-    assert sensors_of(curve, [series]) == sensors
-
 
 GYROSCOPE = 'imu_data["angular_velocity"][:, k]'
 OTHER_CODE = {

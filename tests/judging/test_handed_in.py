@@ -1,167 +1,211 @@
-"""Which sensors a picture shows, by pictures that are painted pixel by pixel: any dress is recognised, and nothing else is."""
+"""When a picture that was handed in counts, and when it is told that code does not draw it: by made-up students and pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
 
-from grader.labs.imu.answers import KEYS, Array
-from grader.labs.imu.diagnosis.handed_in import sensors_shown
+from grader.engine.figures import Figure, Picture, Stray
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Fault, Missing
+from grader.labs.imu.answers import KEYS, Drawing
+from grader.labs.imu.checks import handed_in
 from tests.judging.made import truth
+from tests.judging.test_check_visualization import Plotted, Sheet, _compared, _curve, _figure, _with_curves
 
 pytestmark = pytest.mark.quick
-PUSH = {key: truth()["push"][key] for key in KEYS}
-WHITE, BLACK, RED, GREEN, BLUE, DARK, GREY, LIGHT = range(8)
-PALETTE = np.array(
-    [[255] * 3, [0] * 3, [214, 39, 40], [44, 160, 44], [31, 119, 180], [40, 44, 52], [150] * 3, [215] * 3], np.uint8
+PREVIEW, PALETTE = np.zeros((60, 80), np.uint8), np.full((256, 3), 255, np.uint8)
+SEEN = Picture((800, 600), 0.2, PREVIEW, PALETTE)
+FAULT = Fault("ValueError", "broken", "imu_reader.py", 7, None)
+NOTHING = Drawing(())
+
+
+class Handing(Plotted):
+    """One that hands in a picture of that name beside its code."""
+
+    def __init__(self, drawing: Drawing = NOTHING, *scripts: Drawing, picture: Picture | None = SEEN, raises: bool = False) -> None:  # fmt: skip
+        super().__init__(drawing, scripts, {"imu_data.png": picture})
+        self.files, self._raises = {"imu_data.png": b""}, raises
+
+    def plot(self, *given: Any, **more: Any) -> Drawing:
+        if self._raises:
+            raise Missing("plot_imu_data", "name-missing", "nobody made it")
+        return super().plot(*given, **more)
+
+
+@pytest.fixture
+def shown() -> Iterator[set[int]]:
+    """The sensors that the picture shows: both, unless a test says otherwise."""
+    sensors = {0, 1}
+
+    def looked(preview: np.ndarray, palette: np.ndarray, series: Mapping[str, np.ndarray]) -> set[int]:
+        assert (preview is PREVIEW, palette is PALETTE) == (True, True)
+        assert all(np.array_equal(series[key], truth()["push"][key]) for key in KEYS)
+        return sensors
+
+    with mock.patch.object(handed_in, "sensors_shown", looked):
+        yield sensors
+
+
+@pytest.mark.parametrize(
+    ("picture", "something"),
+    [
+        (SEEN, True),
+        (None, False),
+        (replace(SEEN, ink=0.005), False),
+        (replace(SEEN, ink=0.006), True),
+        (replace(SEEN, ink=0.59), True),
+        (replace(SEEN, ink=0.6), False),
+        (replace(SEEN, size_px=(149, 600)), False),
+        (replace(SEEN, size_px=(600, 149)), False),
+        (replace(SEEN, size_px=(150, 150)), True),
+    ],
 )
-COLOURS = (RED, GREEN, BLUE)
-ACCEL, GYRO, BOTH = PUSH["acceleration"], PUSH["angular_velocity"], {0, 1}
+def test_a_picture_that_may_be_a_plot_shows_something(picture: Picture | None, something: bool) -> None:
+    assert handed_in.shows_something(Handing(picture=picture), "imu_data.png") is something
+    assert not handed_in.shows_something(Handing(picture=picture), "another.png")
 
 
-@dataclass
-class Picture:
-    """Pixels, and the colours that they are of."""
-
-    ground: int = WHITE
-    height: int = 400
-    width: int = 520
-    palette: np.ndarray = field(default_factory=PALETTE.copy)
-
-    def __post_init__(self) -> None:
-        self.pixels = np.full((self.height, self.width), self.ground, np.uint8)
-
-    def panel(
-        self, low: float, high: float, curves: Array, inks: Sequence[int] = COLOURS, *, left: float = 0.1, right: float = 0.95,
-        seconds: float = 1.2, frame: int | None = BLACK, ground: int | None = None,
-    ) -> Picture:  # fmt: skip
-        """Curves (m, k) on one scale, between these parts of the height and of the width; after 1.2 s they go back."""
-        top, bottom = round(low * self.height), round(high * self.height)
-        first, last = round(left * self.width), round(right * self.width)
-        if ground is not None:
-            self.pixels[top:bottom, first:last] = ground
-        if frame is not None:
-            self.pixels[[top, bottom], first : last + 1] = frame
-            self.pixels[top : bottom + 1, [first, last]] = frame
-        margin = (last - first) / 22
-        stamps = np.arange(0, seconds, seconds / 4000)
-        back = np.abs((stamps + 1.2) % 2.4 - 1.2)
-        columns = np.rint(first + margin + stamps / seconds * (last - first - 2 * margin)).astype(int)
-        for channel, ink in zip(curves.T, inks, strict=False):
-            share = (curves.max() - np.interp(back, PUSH["time"] - PUSH["time"][0], channel)) / np.ptp(curves)
-            rows = np.rint(top + (bottom - top) * (0.05 + 0.9 * share)).astype(int)
-            for thick in (0, 1):
-                self.pixels[rows + thick, columns] = ink
-        return self
-
-    def shown(self) -> set[int]:
-        return sensors_shown(self.pixels, self.palette, PUSH)
+# --- which counts --------------------------------------------------------------------------------------------------------
 
 
-def two(**drawn: object) -> Picture:
-    return Picture().panel(0.05, 0.45, ACCEL, **drawn).panel(0.55, 0.95, GYRO, **drawn)  # type: ignore[arg-type]
+def drawing(*figures: Figure, **more: Any) -> Drawing:
+    """Of figures whose pixels came along."""
+    pixels = np.zeros((2, 2, 3), np.uint8)
+    return Drawing(tuple(replace(figure, pixels=pixels) for figure in figures), **more)
 
 
-def aside(**second: float) -> Picture:
-    """Both panels abreast."""
-    left, right = {"left": 0.05, "right": 0.48}, {"left": 0.55, "right": 0.98} | second
-    return Picture(width=640).panel(0.1, 0.9, ACCEL, **left).panel(0.1, 0.9, GYRO, **right)  # type: ignore[arg-type]
+def _named(figure: Figure, name: str) -> Figure:
+    return replace(figure, path=f"plots/{name}")
 
 
-def six(channels: Array, ink: int = BLUE) -> Picture:
-    """A panel for each channel: three rows, two columns."""
-    picture = Picture(height=480, width=640)
-    for number, channel in enumerate(channels.T):
-        low, left = 0.05 + 0.32 * (number % 3), 0.06 + 0.48 * (number // 3)
-        picture.panel(low, low + 0.25, channel[:, None], (ink,), left=left, right=left + 0.42)
-    return picture
+def _upper(figure: Figure) -> Figure:
+    return replace(figure, axes=figure.axes[:1])
 
 
-def in_a_window(figure: Picture, ground: int) -> Picture:
-    window = Picture(ground, height=640, width=640)
-    window.pixels[:40] = RED
-    window.pixels[140:540, 60:580] = figure.pixels
-    return window
+def _twice(figure: Figure) -> Figure:
+    return replace(figure, axes=figure.axes * 2)
 
 
-def gridded() -> Picture:
-    """A grid below the curves, and a legend over them."""
-    picture = two()
-    lines = np.zeros_like(picture.pixels, bool)
-    lines[30:180:30, 52:494] = lines[230:380:30, 52:494] = lines[20:180, 52:494:60] = lines[220:380, 52:494:60] = True
-    picture.pixels[lines & (picture.pixels == WHITE)] = LIGHT
-    picture.pixels[25:65, 430:490] = WHITE
-    picture.pixels[[30, 45, 60], 440:455] = np.array(COLOURS)[:, None]
-    return picture
-
-
-def faint(ink: int) -> Picture:
-    """Curves that are hardly darker than their ground, 255."""
-    picture = two(inks=(LIGHT,) * 3, frame=LIGHT)
-    picture.palette[LIGHT] = ink
-    return picture
-
-
-def dashed(gap: int) -> Picture:
-    picture = two(inks=(BLACK,) * 3)
-    for columns in range(60, 490, 3 * gap):
-        picture.pixels[25:175, columns : columns + gap] = WHITE
-        picture.pixels[225:375, columns : columns + gap] = WHITE
-    return picture
-
-
-SIX = np.hstack([ACCEL, GYRO])
-RECOGNISED = {
-    "as the sheet draws it": two(),
-    "of two seconds": two(seconds=2.0),
-    "of five seconds": two(seconds=5.0),
-    "without frames": two(frame=None),
-    "in one colour": two(inks=(BLACK,) * 3),
-    "in light grey": two(inks=(LIGHT,) * 3, frame=LIGHT),
-    "in the lightest grey": faint(234),
-    "on a dark ground": Picture(DARK).panel(0.05, 0.45, ACCEL, frame=WHITE).panel(0.55, 0.95, GYRO, frame=WHITE),
-    "on grounds of their own": two(ground=LIGHT, frame=WHITE),
-    "beneath a grid": gridded(),
-    "in strokes": dashed(4),
-    "abreast": aside(),
-    "in six panels": six(SIX),
-    "in six panels, in black": six(SIX, BLACK),
-    "in a window": in_a_window(two(), DARK),
-    "dark in a light window": in_a_window(Picture(DARK).panel(0.05, 0.45, ACCEL).panel(0.55, 0.95, GYRO), WHITE),
-    "one within the other's frame": Picture().panel(0.05, 0.45, GYRO).panel(0.55, 0.95, ACCEL),
-}
-MIRRORED = ACCEL[::-1], GYRO[::-1]
-OTHERS = {
-    "blank": (Picture(), set()),
-    "black": (Picture(BLACK), set()),
-    "hardly to be seen": (faint(240), set()),
-    "frames alone": (two(inks=()), set()),
-    "one sensor alone": (Picture().panel(0.05, 0.95, GYRO), {1}),
-    "one sensor twice": (Picture().panel(0.05, 0.45, ACCEL).panel(0.55, 0.95, ACCEL), {0}),
-    "another motion": (Picture().panel(0.05, 0.45, MIRRORED[0]).panel(0.55, 0.95, MIRRORED[1]), set()),
-    "upside down": (Picture().panel(0.05, 0.45, -ACCEL).panel(0.55, 0.95, -GYRO), set()),
-    "of other durations": (Picture().panel(0.05, 0.45, ACCEL).panel(0.55, 0.95, GYRO, seconds=2.0), {1}),
-    "of other widths": (Picture().panel(0.05, 0.45, ACCEL).panel(0.55, 0.95, GYRO, right=0.8), {0}),
-    "four of six panels": (six(np.hstack([ACCEL, GYRO[:, :1]])), {0}),
-    "narrow": (Picture().panel(0.05, 0.45, ACCEL, right=0.2).panel(0.55, 0.95, GYRO, right=0.2), set()),
-    "half hidden": (dashed(60), set()),
+SHEET, EMPTY, COMPARED = Sheet().figure, replace(Sheet().figure, axes=()), _compared().figures[0]
+UNLIKE, BY_NAME = (
+    _compared("one", "two", other=np.array).figures[0],
+    _compared("raw", "filtered", other=np.cos).figures[0],
+)
+BESIDE_CODE: dict[str, tuple[Handing, bool]] = {
+    "no code": (Handing(), True),
+    "code that is missing": (Handing(raises=True), True),
+    "axes without curves": (Handing(drawing(EMPTY)), True),
+    "a plot": (Handing(drawing(SHEET)), False),
+    "a plot of something else": (Handing(drawing(UNLIKE)), False),
+    "a plot by a script": (Handing(NOTHING, drawing(SHEET)), False),
+    "a plot by a second script": (Handing(NOTHING, drawing(EMPTY), drawing(EMPTY, SHEET)), False),
+    "one panel by a script under another name": (Handing(NOTHING, drawing(_named(_upper(SHEET), "a.png"))), True),
+    "one panel by a script under its name": (Handing(NOTHING, drawing(_named(_upper(SHEET), "imu_data.png"))), False),
+    "axes without curves by a script under its name": (Handing(NOTHING, drawing(EMPTY)), True),
+    "a comparison by a script": (Handing(NOTHING, drawing(_named(COMPARED, "a.png"))), True),
+    "a comparison in two panels": (Handing(NOTHING, drawing(_named(_twice(COMPARED), "a.png"))), True),
+    "a comparison by its words alone": (Handing(NOTHING, drawing(_named(_twice(BY_NAME), "a.png"))), True),
+    "a comparison by its file alone": (Handing(NOTHING, drawing(_named(_twice(UNLIKE), "filtered.png"))), True),
+    "something else in two panels": (Handing(NOTHING, drawing(_named(_twice(UNLIKE), "a.png"))), False),
+    "a tiny picture": (Handing(picture=replace(SEEN, size_px=(149, 600))), False),
+    "a small picture": (Handing(picture=replace(SEEN, size_px=(150, 600))), True),
+    "no picture": (Handing(picture=None), False),
 }
 
 
-@pytest.mark.parametrize("picture", RECOGNISED.values(), ids=RECOGNISED)
-def test_the_recording_is_recognised_in_any_dress(picture: Picture) -> None:
-    assert picture.shown() == BOTH
+@pytest.mark.usefixtures("shown")
+@pytest.mark.parametrize(("student", "counts"), BESIDE_CODE.values(), ids=BESIDE_CODE)
+def test_a_picture_counts_where_no_code_draws_a_plot(student: Handing, counts: bool) -> None:
+    student.notes.clear()
+    assert handed_in.counts(student, truth()) is counts
+    told = f"imu_data.png was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
+    assert student.notes == ([told] if counts else [])
 
 
-@pytest.mark.parametrize(("picture", "shown"), OTHERS.values(), ids=OTHERS)
-def test_nothing_else_is_taken_for_it(picture: Picture, shown: set[int]) -> None:
-    assert picture.shown() == shown
+@pytest.mark.parametrize("sensors", [set(), {0}, {1}])
+def test_a_picture_that_does_not_show_both_sensors_does_not_count(shown: set[int], sensors: set[int]) -> None:
+    shown.intersection_update(sensors)
+    student = Handing()
+    assert not handed_in.counts(student, truth())
+    assert student.notes == []
 
 
-def test_noise_shows_nothing() -> None:
-    picture = Picture()
-    picture.pixels[:] = np.random.default_rng(3).integers(0, len(PALETTE), picture.pixels.shape)
-    assert picture.shown() == set()
+# --- which is another one than the code draws ---------------------------------------------------------------------------
+
+TIME = truth()["tumbling"]["time"]
+
+
+def _of(*rows: np.ndarray, **words: Any) -> Figure:
+    curves = [_curve(TIME, row, "x", "#ff0000") for row in rows]
+    return replace(_figure(_with_curves(Sheet().panels[0], *curves)), **words)
+
+
+REST = np.full(len(TIME), 9.81)
+ACCEL, RATE = (truth()["tumbling"][key].T for key in ("acceleration", "angular_velocity"))
+RESTING, ACCELERATED, TURNED = _of(REST), _of(*ACCEL), _of(*RATE)
+AGAINST_CODE: dict[str, tuple[Handing, str]] = {
+    "the plot": (Handing(drawing(SHEET)), ""),
+    "the acceleration": (Handing(drawing(ACCELERATED)), "angular velocity"),
+    "the angular velocity": (Handing(drawing(TURNED)), "acceleration"),
+    "nothing that moves": (Handing(drawing(RESTING)), "acceleration and angular velocity"),
+    "both in other units": (Handing(drawing(_of(*(3 + 7 * ACCEL), *(5 * RATE)))), ""),
+    "nothing at all": (Handing(), ""),
+    "axes without curves": (Handing(drawing(EMPTY)), ""),
+    "code that is missing": (Handing(raises=True), ""),
+    "one sensor, and then an exception": (Handing(drawing(ACCELERATED, fault=FAULT)), ""),
+    "one sensor, and a picture of it": (Handing(drawing(ACCELERATED, strange=(Stray("a.png", ""),))), ""),
+    "one sensor, and a picture that is broken": (Handing(drawing(ACCELERATED, strange=(Stray("a.png", "OSError"),))), "angular velocity"),
+    "one sensor, and a figure that cannot be read": (Handing(Drawing((*drawing(ACCELERATED).figures, EMPTY))), ""),
+    "one sensor, and the other by a script": (Handing(drawing(ACCELERATED), drawing(_named(TURNED, "imu_data.png"))), ""),
+    "one sensor, and again by a script": (Handing(drawing(ACCELERATED), drawing(ACCELERATED)), "angular velocity"),
+    "one sensor, and a script that broke": (Handing(drawing(ACCELERATED), drawing(ACCELERATED, fault=FAULT)), ""),
+    "the rate, and a comparison of the acceleration by a script": (Handing(drawing(TURNED), drawing(_named(COMPARED, "b.png"))), "acceleration"),
+    "the rate, and a comparison under the name of the plot": (Handing(drawing(TURNED), drawing(_named(COMPARED, "imu_data.png"))), ""),
+    "a hundred curves": (Handing(drawing(_of(*[REST] * 99, REST + 1))), "acceleration and angular velocity"),
+    "more than a hundred curves": (Handing(drawing(_of(*[REST] * 101))), ""),
+    "a tiny picture": (Handing(drawing(ACCELERATED), picture=replace(SEEN, size_px=(600, 149))), ""),
+    "no picture that can be read": (Handing(drawing(ACCELERATED), picture=None), ""),
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("shown")
+@pytest.mark.parametrize(("student", "missing"), AGAINST_CODE.values(), ids=AGAINST_CODE)
+def test_a_picture_of_what_no_code_draws_is_told_to_whoever_looks(student: Handing, missing: str) -> None:
+    student.notes.clear()
+    handed_in.hold_against_code(student, truth())
+    told = (
+        "imu_data.png was handed in and shows both sensors as they are recorded; what the code draws shows no "
+        f"{missing}: {ANOTHER_VERSION}"
+    )
+    assert student.notes == ([told] if missing else [])
+
+
+def test_a_picture_that_does_not_show_both_sensors_is_not_held_against_the_code(shown: set[int]) -> None:
+    shown.remove(0)
+    student = Handing(drawing(ACCELERATED))
+    handed_in.hold_against_code(student, truth())
+    assert student.notes == []
+
+
+@pytest.mark.usefixtures("shown")
+def test_without_a_picture_nothing_is_looked_at() -> None:
+    student = Handing(drawing(ACCELERATED))
+    student.files = {}
+    handed_in.hold_against_code(student, truth())
+    assert student.notes == []
+
+
+@pytest.mark.parametrize("run", ["tumbling", "push"])
+@pytest.mark.usefixtures("shown")
+def test_curves_of_either_run_are_of_their_sensor(run: str) -> None:
+    recorded = truth()[run]
+    curves = [_curve(recorded["time"], row, "x", "#ff0000") for row in recorded["acceleration"].T]
+    student = Handing(drawing(_figure(_with_curves(Sheet().panels[0], *curves))))
+    handed_in.hold_against_code(student, truth())
+    assert len(student.notes) == 1
+    assert "shows no angular velocity" in student.notes[0]

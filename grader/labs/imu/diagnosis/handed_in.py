@@ -123,10 +123,10 @@ def _spans(mask: Mask, colours: Sequence[Mask]) -> list[tuple[int, int]]:
                 its = colour[:, left:right]
                 columns = np.flatnonzero(its.any(axis=0))
                 if len(columns) >= _SPANNED * (right - left) and its.mean() <= _DENSEST:
-                    found.append((left + int(columns[0]), left + int(columns[-1]) + 1))
+                    found.append((left + columns[0], left + columns[-1] + 1))
             between = borders[(borders >= left) & (borders < right)]
             if len(between):
-                first, last = int(between[0]), int(between[-1]) + 1
+                first, last = between[0], between[-1] + 1
                 margin = round((last - first) * _MARGIN)
                 found += [(first + margin, last - margin), (first, last)]
     spans: list[tuple[int, int]] = []

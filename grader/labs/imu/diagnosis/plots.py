@@ -66,7 +66,7 @@ class Panel:
     @property
     def area(self) -> float:
         left, low, right, high = self.axes.position
-        return float((right - left) * (high - low))
+        return (right - left) * (high - low)
 
     def is_inset_of(self, other: Panel) -> bool:
         """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
@@ -173,14 +173,16 @@ def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array
 def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, Array]) -> Array:
     if value.ndim == 0:
         return value
-    alike = [(true, recorded) for recorded, true in _derived(name, own, series) if recorded.shape == value.shape]
+    derived = _derived(name, own, series)
+    alike = [(true, rows) for rows, true in derived if rows.shape == value.shape and rows.any() == value.any()]
     for true, recorded in alike:
-        scale = float(np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300))
-        if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, float(np.abs(value).max())):
-            return np.asarray(scale * true if recorded.any() else true)
+        scale = np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300)
+        if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, np.abs(value).max()):
+            return scale * true if recorded.any() else true
     if own.time is None or len(value) != len(own.time):
         return value
-    return np.asarray(value[np.linspace(0, len(value) - 1, len(series["time"])).round().astype(int)])
+    stretched: Array = value[np.linspace(0, len(value) - 1, len(series["time"])).round().astype(int)]
+    return stretched
 
 
 def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:

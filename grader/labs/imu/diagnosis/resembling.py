@@ -40,19 +40,19 @@ def sensors_of(curve: Curve, recordings: Sequence[Mapping[str, Array]]) -> set[i
 
 def _abscissae(x: Array, time: Array) -> Iterator[Array]:
     """The moments that x may stand for: seconds, milliseconds, samples, or parts of a recording of a usual length."""
-    if len(x) < _FEWEST or not np.isfinite(span := float(np.ptp(x))) or not span:
+    if len(x) < _FEWEST or not (span := np.ptp(x)):
         return
     yield x
     yield x / 1000
     yield x + time[0]
     yield np.interp(x, np.arange(len(time)), time, right=np.inf)
-    for duration in {*DURATIONS, float(time[-1] - time[0])}:
+    for duration in {*DURATIONS, time[-1] - time[0]}:
         yield time[0] + (x - x.min()) / span * duration
 
 
 def _correlation(y: Array, stamps: Array, time: Array, channels: Array) -> float:
     """The largest, whatever its sign, with any of the channels (m, 3)."""
-    largest = float(np.abs(y).max())
+    largest = np.abs(y).max()
     if not largest:
         return 0.0
     curve = _normal(y / largest)
@@ -60,9 +60,8 @@ def _correlation(y: Array, stamps: Array, time: Array, channels: Array) -> float
 
 
 def _normal(values: Array) -> Array:
-    """Without its mean, of length 1; zero where it rests."""
+    """Without its mean, of length 1; next to nothing where it rests."""
     off = values - values.mean()
-    length = float(np.linalg.norm(off))
-    return (
-        off / length if length > 1e-9 * np.abs(values).max(initial=0.0) * np.sqrt(len(values)) else np.zeros_like(off)
-    )
+    length = np.linalg.norm(off)
+    rests = length <= 1e-9 * np.abs(values).max() * np.sqrt(len(values))
+    return off if rests else off / length

@@ -1,0 +1,145 @@
+"""What the curves of a live plot show, by curves that are made of a recording by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from grader.labs.imu.compare import Array
+from grader.labs.imu.diagnosis import liveplot
+
+pytestmark = pytest.mark.quick
+DT, COUNT = 0.002, 600
+STAMPS = DT * (np.arange(COUNT) + 1)
+CHANNELS = np.column_stack(
+    [
+        *(3 + 20 * STAMPS + 5 * np.sin((5 + axis) * STAMPS) for axis in range(3)),
+        *(1 + 4 * STAMPS + np.sin((7 + axis) * STAMPS) for axis in range(3)),
+    ]
+)
+"""Three of an accelerometer and three of a gyroscope, which never come back to where they were."""
+RATE, ACCEL = CHANNELS[:, 4], CHANNELS[:, 0]
+SECOND = np.hstack([-50 - CHANNELS, CHANNELS])
+"""They are those of a second IMU, on which no noise is."""
+RNG = np.random.default_rng(5)
+
+
+@pytest.mark.parametrize(
+    ("events", "updates", "after", "span"),
+    [
+        ([], 0, 0, 0.0),
+        ([(0.0, 0, 1)], 0, 1, 0.0),
+        ([(0.0, 0, 1), (0.5, 10, 2), (0.5, 11, 3), (1.0, 20, 4)], 2, 1, 1.0),
+        ([(0.2, 3, 1), (1.0, 20, 2), (1.0, 20, 3)], 2, 2, 0.8),
+        ([(-1.0, 3, 1), (1.0, 20, 2)], 1, 1, 2.0),
+    ],
+)
+def test_changes_are_counted_by_the_moments_of_the_simulation(
+    events: list[tuple[float, int, int]], updates: int, after: int, span: float
+) -> None:
+    table = np.array(events, float).reshape(-1, 3)
+    assert liveplot.updates(table) == updates
+    assert liveplot.changes_after(table) == after
+    assert liveplot.span(table) == pytest.approx(span)
+
+
+def noisy(channel: Array, size: float, bias: float = 0.0) -> Array:
+    return channel + bias + RNG.uniform(-size, size, len(channel))
+
+
+LAST = slice(COUNT - 100, COUNT)
+MIXED = [500, 20, 300, 410, 100]
+GAPS = np.where(np.arange(COUNT) % 5 == 0, np.nan, RATE)
+SHOWN: dict[str, tuple[Array, Array]] = {
+    "over the time after each step": (STAMPS, RATE),
+    "over the time before each step": (STAMPS - DT, RATE),
+    "over milliseconds": (1000 * STAMPS, RATE),
+    "in degrees": (STAMPS, np.degrees(RATE)),
+    "the acceleration": (STAMPS, CHANNELS[:, 2]),
+    "the rate about z": (STAMPS, CHANNELS[:, 5]),
+    "three readings": (STAMPS[100:400:100], RATE[100:400:100]),
+    "three readings from the first": (STAMPS[:201:100], RATE[:201:100]),
+    "three readings before each step, from the first": (STAMPS[:201:100] - DT, RATE[:201:100]),
+    "three readings to the last": (STAMPS[399::100], RATE[399::100]),
+    "five readings in any order": (STAMPS[MIXED], RATE[MIXED]),
+    "five readings in degrees": (STAMPS[MIXED] - DT, np.degrees(RATE[MIXED])),
+    "five readings over milliseconds": (1000 * STAMPS[MIXED], RATE[MIXED]),
+    "its last part": (STAMPS[LAST], RATE[LAST]),
+    "with gaps": (STAMPS, GAPS),
+    "off by less than two machines differ": (STAMPS, RATE + 0.9e-3),
+    "below by less than two machines differ": (STAMPS, RATE - 0.9e-3),
+    "with the sheet's noise": (STAMPS, noisy(RATE, 0.05, 0.04)),
+    "with the sheet's noise on the acceleration": (STAMPS, noisy(ACCEL, 0.5, -0.3)),
+    "nine tenths of it in the run": (np.concatenate([STAMPS[:90], 50 + STAMPS[:10]]), RATE[:100]),
+    "over anything else": (np.zeros(100), RATE[450:550]),
+    "over anything else, every third": (np.arange(100.0) ** 2, RATE[20:320:3]),
+    "over anything else, every sixtieth": (-np.arange(9.0), RATE[60::60][:9]),
+    "over anything else, in degrees": (-np.arange(100.0), np.degrees(RATE[450:550])),
+    "over anything else, after what was filled in": (np.zeros(130), np.concatenate([np.zeros(30), RATE[:100]])),
+    "over anything else, from the first reading": (np.zeros(8), RATE[:71:10]),
+    "over anything else, from the first reading, after what was filled in": (np.zeros(9), np.append(0.0, RATE[:71:10])),
+    "over anything else, to the last reading": (np.zeros(8), RATE[529::10]),
+    "over anything else, eight readings": (np.zeros(8), RATE[450:530:10]),
+}
+REST = np.zeros((COUNT, 6))
+OTHERS: dict[str, tuple[Array, Array]] = {
+    "zeros": (STAMPS, np.zeros(COUNT)),
+    "another motion": (STAMPS, np.sin(7 * STAMPS)),
+    "backwards": (STAMPS, RATE[::-1].copy()),
+    "twice as much": (STAMPS, 2 * RATE),
+    "accelerations in degrees per second": (STAMPS, np.degrees(ACCEL) + 1),
+    "off by more than noise": (STAMPS, noisy(RATE, 0.05, 0.3)),
+    "rather too far off": (STAMPS, RATE + 0.13),
+    "the acceleration rather too far off": (STAMPS, ACCEL + 1.1),
+    "five readings, one of them wrong": (STAMPS[MIXED], RATE[MIXED] + np.array([0, 0.3, 0, 0, 0])),
+    "over anything else, an old one wrong": (np.zeros(100), RATE[450:550] - 0.01 * (np.arange(100) == 4)),
+    "over anything else, one of the last wrong": (np.zeros(100), RATE[450:550] - 0.01 * (np.arange(100) == 96)),
+    "much noise on the acceleration": (STAMPS, noisy(ACCEL, 2.0)),
+    "two readings": (STAMPS[100:300:100], np.array([5.0, 6.0])),
+    "nothing that is a number": (STAMPS, np.full(COUNT, np.nan)),
+    "nothing": (np.zeros(0), np.zeros(0)),
+    "seven readings over anything else": (np.zeros(7), RATE[450:520:10]),
+    "over anything else, every sixty-first": (-np.arange(9.0), RATE[61::61][:9]),
+    "over anything else, at rest": (np.zeros(100), np.full(100, RATE[450])),
+    "over anything else, in another order": (np.zeros(100), RNG.permutation(RATE[450:550])),
+    "over anything else, one of them wrong": (np.zeros(100), RATE[450:550] + 0.01 * (np.arange(100) == 40)),
+    "over anything else, the first of the last eight wrong": (
+        np.zeros(8),
+        RATE[450:530:10] + 0.01 * (np.arange(8) == 0),
+    ),
+    "half of it in the run": (
+        np.concatenate([STAMPS[:50], 50 + STAMPS[:50]]),
+        np.concatenate([RATE[:50], np.ones(50)]),
+    ),
+    "over times beyond the simulation": (1e30 * STAMPS, np.sin(7 * STAMPS)),
+}
+
+
+@pytest.mark.parametrize(("x", "y"), SHOWN.values(), ids=SHOWN)
+def test_a_curve_that_follows_a_channel_shows_it(x: Array, y: Array) -> None:
+    assert liveplot.shows(x, y, CHANNELS, DT)
+
+
+@pytest.mark.parametrize(("x", "y"), OTHERS.values(), ids=OTHERS)
+def test_a_curve_that_follows_no_channel_shows_none(x: Array, y: Array) -> None:
+    assert not liveplot.shows(x, y, CHANNELS, DT)
+
+
+@pytest.mark.parametrize(("x", "y"), [SHOWN[name] for name in SHOWN if "noise" not in name])
+def test_a_curve_may_show_a_channel_of_a_second_imu(x: Array, y: Array) -> None:
+    assert liveplot.shows(x, y, SECOND, DT)
+
+
+@pytest.mark.parametrize(("x", "y"), [*OTHERS.values(), *(SHOWN[name] for name in SHOWN if "noise" in name)])
+def test_on_a_second_imu_no_noise_is(x: Array, y: Array) -> None:
+    assert not liveplot.shows(x, y, SECOND, DT)
+
+
+@pytest.mark.parametrize(("size", "off", "shown"), [(0.08, 0.0, True), (0.001, 0.08, False), (0.08, 1.0, False)])
+def test_noise_is_to_be_seen_on_a_channel_that_rests(size: float, off: float, shown: bool) -> None:
+    assert liveplot.shows(STAMPS, RNG.uniform(-size, size, COUNT) + off, REST, DT) is shown
+
+
+def test_noise_is_to_be_seen_on_a_channel_that_rests_beside_lively_ones() -> None:
+    channels = np.column_stack([CHANNELS[:, :5], np.zeros(COUNT)])
+    assert liveplot.shows(STAMPS, RNG.uniform(-0.08, 0.08, COUNT), channels, DT)

@@ -1,0 +1,333 @@
+"""Which channel a curve shows, and under which name: by figures that are made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from grader.engine.figures import Axes, Curve, Entry, Figure, Placed, Sight
+from grader.labs.imu.answers import KEYS, Array, Collection
+from grader.labs.imu.diagnosis import plots
+from grader.labs.imu.diagnosis.plots import Panel, Shown
+from tests.judging.made import truth
+from tests.judging.test_check_visualization import Sheet, _curve, _figure, _with_curves
+
+pytestmark = pytest.mark.quick
+SERIES = {key: truth()["tumbling"][key] for key in KEYS}
+TIME, ACCEL, RATE = (SERIES[key] for key in KEYS)
+UNSEEN = Sight(np.ones(100, bool), np.zeros(100, bool))
+Change = Callable[[Array], Array]
+
+
+def panel_of(*curves: Curve, **words: object) -> Panel | None:
+    found = plots.panels(_figure(replace(_with_curves(Sheet().panels[0], *curves), **words)), SERIES)  # type: ignore[arg-type]
+    return found[0] if found else None
+
+
+def shown(x: Array, y: Array) -> Shown | None:
+    panel = panel_of(_curve(x, y, "a", "#ff0000"))
+    return panel.shown[0] if panel is not None and panel.shown else None
+
+
+# --- channels ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize(
+    ("sensor", "unit", "scale"),
+    [
+        (0, "m/s²", 1.0), (0, "cm/s²", 100.0), (0, "g", 1 / 9.81), (0, "g", 1 / 9.80665), (0, "mg", 1000 / 9.81),
+        (0, "mg", 1000 / 9.80665), (1, "rad/s", 1.0), (1, "mrad/s", 1000.0), (1, "deg/s", 180 / np.pi),
+    ],
+)  # fmt: skip
+def test_a_channel_is_known_in_any_of_its_units(sensor: int, unit: str, scale: float, axis: int) -> None:
+    found = shown(TIME, scale * (ACCEL, RATE)[sensor][:, axis])
+    assert found is not None
+    assert (found.channel, found.unit, found.x) == ((sensor, axis), unit, "s")
+    assert unit in plots.UNITS[sensor]
+
+
+@pytest.mark.parametrize("gravity", [9.81, 9.80665])
+@pytest.mark.parametrize(("unit", "scale"), [("g", 1.0), ("mg", 1000.0)])
+def test_of_a_robot_that_hardly_moves_gravity_may_be_any_of_two_numbers(
+    gravity: float, unit: str, scale: float
+) -> None:
+    resting = SERIES | {"acceleration": ACCEL / 50 + np.array([0, 0, 9.81])}
+    drawn = _curve(TIME, resting["acceleration"][:, 2] / gravity * scale, "z", "#ff0000")
+    (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn)), resting)
+    assert [(found.channel, found.unit) for found in panel.shown] == [((0, 2), unit)]
+
+
+def test_the_units_of_the_recorded_numbers_come_first() -> None:
+    assert [units[0] for units in plots.UNITS] == ["m/s²", "rad/s"]
+
+
+ROWS = np.arange(float(len(TIME)))
+ABSCISSAE: dict[str, tuple[Array, Array, str | None]] = {
+    "milliseconds": (1000 * TIME, ACCEL, "ms"),
+    "from the start": (TIME - TIME[0], ACCEL, "s from start"),
+    "rows": (ROWS, ACCEL, "index"),
+    "rows from one": (ROWS + 1, ACCEL, "index"),
+    "every third row, by its number": (ROWS[::3], ACCEL[::3], "index"),
+    "some rows, counted": (
+        ROWS[:200],
+        np.repeat(np.interp(np.linspace(0, ROWS[-1], 200), ROWS, ACCEL[:, 2])[:, None], 3, 1),
+        "index",
+    ),
+    "every third moment": (TIME[::3], ACCEL[::3], "s"),
+    "fifty moments": (TIME[:: len(TIME) // 50][:50], ACCEL[:: len(TIME) // 50][:50], "s"),
+    "most of the time": (TIME[:550], ACCEL[:550], "s"),
+    "half of the time": (TIME[:300], ACCEL[:300], None),
+    "minutes": (TIME / 60, ACCEL, None),
+    "from another moment": (TIME + 1, ACCEL, None),
+    "late by ten steps": (TIME + 0.02, ACCEL, None),
+    "no numbers": (np.where(ROWS == 3, np.inf, TIME), ACCEL, None),
+    "forty-nine moments": (TIME[:: len(TIME) // 49][:49], ACCEL[:: len(TIME) // 49][:49], None),
+}
+
+
+@pytest.mark.parametrize(("x", "y", "kind"), ABSCISSAE.values(), ids=ABSCISSAE)
+def test_a_channel_is_known_over_any_measure_of_the_recorded_time(x: Array, y: Array, kind: str | None) -> None:
+    found = shown(x, y[:, 2])
+    assert (found and found.x) == kind
+
+
+@pytest.mark.parametrize(
+    ("change", "known"),
+    [
+        (lambda y: y + 0.9e-3 * np.ptp(y), True),
+        (lambda y: y - 0.9e-3 * np.ptp(y), True),
+        (lambda y: y + 1.1e-3 * np.ptp(y), False),
+        (lambda y: y - 1.1e-3 * np.ptp(y), False),
+        (lambda y: y + np.where(np.arange(len(y)) == 9, 0.1, 0), False),
+        (np.negative, False),
+        (lambda y: y.astype(np.float32).astype(float), True),
+    ],
+)
+def test_a_curve_is_a_channel_within_a_thousandth_of_its_range(change: Change, known: bool) -> None:
+    assert (shown(TIME, change(RATE[:, 1])) is not None) is known
+    assert (shown(TIME, np.degrees(change(RATE[:, 1]))) is not None) is known
+
+
+# --- panels --------------------------------------------------------------------------------------------------------------
+
+X, Y, RATE_X = (_curve(TIME, y, name, colour) for y, name, colour in (
+    (ACCEL[:, 0], "x", "#ff0000"), (ACCEL[:, 1], "y", "#00ff00"), (RATE[:, 0], "wx", "#0000ff"),
+))  # fmt: skip
+ODD = _curve(TIME, np.cos(TIME), "odd", "#888888")
+FLAT = _curve(TIME, np.full(len(TIME), 9.81), "g", "#888888")
+
+
+def test_a_panel_holds_channels_strange_curves_and_hidden_channels() -> None:
+    hidden = replace(Y, sight=UNSEEN)
+    panel = panel_of(X, ODD, hidden, FLAT, replace(ODD, sight=UNSEEN), replace(RATE_X, kind="nothing"))
+    assert panel is not None
+    assert [s.curve for s in panel.shown] == [X]
+    assert [s.curve for s in panel.hidden] == [hidden]
+    assert panel.strange == (ODD,)
+    assert (panel.channels, panel.sensors, panel.mainly) == ({(0, 0)}, {0}, {0})
+
+
+def test_a_channel_that_hides_itself_is_shown() -> None:
+    panel = panel_of(X, replace(X, sight=UNSEEN))
+    assert panel is not None
+    assert (len(panel.shown), panel.hidden) == (2, ())
+
+
+@pytest.mark.parametrize(
+    ("curves", "there"), [((FLAT,), False), ((), False), ((ODD,), True), ((replace(X, sight=UNSEEN),), True), ((X,), True)]
+)  # fmt: skip
+def test_axes_with_no_curve_of_data_are_no_panel(curves: tuple[Curve, ...], there: bool) -> None:
+    assert (panel_of(*curves) is not None) is there
+    assert panel_of(*curves, visible=False) is None
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "reference"),
+    [
+        ([0, 1, 2, 3], [5, 5, 5, 5], True),
+        ([1, 1, 1, 1], [0, 1, 2, 3], True),
+        ([0, 1, 2], [4, 2, 7], True),
+        ([0, 1, 2, 3], [4, 2, 7, 1], False),
+    ],
+)
+def test_a_line_at_a_fixed_value_or_moment_is_no_data(x: list[float], y: list[float], reference: bool) -> None:
+    assert plots.is_reference(_curve(np.array(x, float), np.array(y, float), "", "#000000")) is reference
+
+
+@pytest.mark.parametrize(
+    ("curves", "mainly"),
+    [((X, Y, RATE_X), {0}), ((X, RATE_X), {0, 1}), ((RATE_X,), {1}), ((ODD,), set())],
+)
+def test_a_panel_is_of_the_sensor_that_most_of_its_curves_show(curves: tuple[Curve, ...], mainly: set[int]) -> None:
+    panel = panel_of(*curves)
+    assert panel is not None
+    assert panel.mainly == mainly
+
+
+@pytest.mark.parametrize(
+    ("curves", "position", "inset"),
+    [
+        ((X,), (0.5, 0.5, 0.8, 0.7), True),
+        ((X, Y), (0.5, 0.5, 0.8, 0.7), True),
+        ((X, RATE_X), (0.5, 0.5, 0.8, 0.7), False),
+        ((ODD,), (0.5, 0.5, 0.8, 0.7), False),
+        ((X,), (0.1, 0.5, 0.9, 0.69), True),
+        ((X,), (0.1, 0.5, 0.9, 0.71), False),
+        ((X,), (0.1, 0.5, 0.9, 0.9), False),
+    ],
+)
+def test_what_shows_the_same_and_is_less_than_half_as_large_is_an_inset(
+    curves: tuple[Curve, ...], position: tuple[float, float, float, float], inset: bool
+) -> None:
+    large, small = panel_of(X, Y, position=(0.1, 0.5, 0.9, 0.9)), panel_of(*curves, position=position)
+    assert large is not None
+    assert small is not None
+    assert large.area == pytest.approx(0.32)
+    assert small.is_inset_of(large) is inset
+
+
+def test_the_words_of_a_panel_are_its_title_and_its_label() -> None:
+    panel = panel_of(X, title="Above", ylabel="m/s²", xlabel="s")
+    assert panel is not None
+    assert panel.words == "Above | m/s²"
+
+
+def test_figures_that_are_joined_keep_their_words_and_their_places() -> None:
+    first, second = Sheet(), Sheet()
+    entry = Entry("x", "#ff0000", "-", "None", "")
+    first.says(title="Upper", xlabel="t", ylabel="a", texts=("one",), legend=(entry,))
+    second.says(texts=("two",), title="Lower")
+    second.panel_says(0, title="", ylabel="", xlabel="")
+    joined = plots.joined([first.figure, second.figure])
+    assert [axes.title for axes in joined.axes] == ["Accelerometer", "Gyroscope", "Lower", "Gyroscope"]
+    assert [axes.xlabel for axes in joined.axes] == ["t", "Time (s)", "", "Time (s)"]
+    assert joined.axes[2].ylabel == ""
+    assert (joined.title, joined.xlabel, joined.ylabel, joined.legend) == ("", "", "", ())
+    assert joined.texts == ("one", "two")
+    assert [axes.legend[-1] == entry for axes in joined.axes] == [True, True, False, False]
+    assert len(joined.axes[0].legend) == 4
+    own = [axes.position for axes in first.panels]
+    assert [axes.position for axes in joined.axes] == [*own, *(tuple(1 + share for share in place) for place in own)]
+
+
+def test_of_a_label_that_is_missing_the_figure_has_one() -> None:
+    sheet = Sheet()
+    sheet.says(ylabel="a (m/s²)", xlabel="t")
+    sheet.panel_says(0, ylabel="", xlabel="")
+    upper, lower = plots.joined([sheet.figure]).axes
+    assert (upper.ylabel, lower.ylabel) == ("a (m/s²)", "Angular velocity (rad/s)")
+    assert (upper.xlabel, lower.xlabel) == ("t", "Time (s)")
+
+
+# --- what else was recorded ----------------------------------------------------------------------------------------------
+
+RNG = np.random.default_rng(2)
+OWN = Collection(0.01 * np.arange(1, 11), RNG.normal(size=(10, 3)), RNG.normal(size=(10, 3)))
+RESTING = Collection(0.01 * np.arange(1, 11), np.zeros((10, 3)), np.zeros((10, 3)))
+assert OWN.time is not None
+assert OWN.acceleration is not None
+assert OWN.angular_velocity is not None
+STRETCHED = np.linspace(0, 9, len(TIME)).round().astype(int)
+EXTRAS: dict[str, tuple[Collection, str, Array, Array]] = {
+    "a number": (OWN, "dt", np.array(0.01), np.array(0.01)),
+    "the time": (OWN, "t", OWN.time, TIME),
+    "milliseconds": (OWN, "ms", 1000 * OWN.time, 1000 * TIME),
+    "a column": (OWN, "ay", OWN.acceleration[:, 1], ACCEL[:, 1]),
+    "the other way round": (OWN, "down", -OWN.acceleration[:, 2], -ACCEL[:, 2]),
+    "degrees": (OWN, "gyro_deg", np.degrees(OWN.angular_velocity), np.degrees(RATE)),
+    "a series twice": (OWN, "accel", OWN.acceleration, ACCEL),
+    "a magnitude": (OWN, "length", np.linalg.norm(OWN.angular_velocity, axis=1), np.linalg.norm(RATE, axis=1)),
+    "a magnitude in g": (OWN, "g", np.linalg.norm(OWN.acceleration, axis=1) / 9.81, np.linalg.norm(ACCEL, axis=1) / 9.81),
+    "steps": (OWN, "steps", np.arange(10.0) ** 2, (np.arange(10.0) ** 2)[STRETCHED]),
+    "rows of something else": (OWN, "joints", RNG.normal(size=(10, 4)), None),  # type: ignore[dict-item]
+    "another length": (OWN, "names", np.arange(7.0), np.arange(7.0)),
+    "nearly a column": (OWN, "ay", OWN.acceleration[:, 1] + 1e-6, None),  # type: ignore[dict-item]
+    "nothing beside it": (Collection(None, None, None), "t", OWN.time, OWN.time),
+    "one sensor alone": (replace(OWN, acceleration=None), "gz", OWN.angular_velocity[:, 2], RATE[:, 2]),
+    "zeros of the named axis": (RESTING, "gyro_y", np.zeros(10), RATE[:, 1]),
+    "zeros of the other sensor": (RESTING, "az", np.zeros(10), ACCEL[:, 2]),
+    "zeros of a series": (RESTING, "gyro_z", np.zeros((10, 3)), RATE),
+    "huge numbers": (OWN, "big", 1e200 * OWN.acceleration[:, 0], 1e200 * ACCEL[:, 0]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("own", "name", "value", "wanted"), EXTRAS.values(), ids=EXTRAS)
+def test_what_was_recorded_besides_is_made_of_the_true_series(
+    own: Collection, name: str, value: Array, wanted: Array | None
+) -> None:
+    (found,) = plots.as_recorded(replace(own, extras={name: value}), SERIES).values()
+    assert found == pytest.approx(value[STRETCHED] if wanted is None else wanted, rel=1e-9)
+
+
+# --- names ---------------------------------------------------------------------------------------------------------------
+
+
+def sample(text: str, curve: Curve, **other: str) -> Entry:
+    return replace(Entry(text, curve.colour, curve.style, curve.marker, curve.stroke), **other)  # type: ignore[arg-type]
+
+
+SAMPLES: dict[str, tuple[list[Entry], list[Placed], str | None]] = {
+    "its own": ([sample("y", Y), sample("x", X)], [], "x"),
+    "of another colour": ([sample("y", Y)], [], None),
+    "the first of two alike": ([sample("x", X), sample("again", X)], [], "x"),
+    "by its style": ([sample("dashed", X, style="--"), sample("x", X)], [], "x"),
+    "by its marker": ([sample("dots", X, marker="o"), sample("x", X)], [], "x"),
+    "by its stroke": ([sample("thick", X, stroke="3"), sample("x", X)], [], "x"),
+    "by its style before its stroke": ([sample("dashed", X, style="--"), sample("x", X, stroke="3")], [], "x"),
+    "the likest, though it is not alike": ([sample("dashed", X, style="--", stroke="3")], [], "dashed"),
+    "one without words": ([sample(" ", X), sample("_line0", X), sample("x", X)], [], "x"),
+    "no words": ([sample(" ", X), sample("_line0", X)], [], None),
+    "a text of its colour": ([], [Placed(" ", (0, 0), X.colour), Placed("red", (0, 0), X.colour)], "red"),
+    "a text of another colour": ([], [Placed("green", (0, 0), Y.colour)], None),
+    "a sample before a text": ([sample("x", X)], [Placed("red", (0, 0), X.colour)], "x"),
+}
+
+
+@pytest.mark.parametrize(("entries", "texts", "name"), SAMPLES.values(), ids=SAMPLES)
+def test_a_curve_is_named_by_what_looks_like_it(entries: list[Entry], texts: list[Placed], name: str | None) -> None:
+    assert plots.name_of(X, entries, texts) == name
+
+
+def named(*texts: Placed, legend: tuple[Entry, ...] = (), beside: Axes | None = None, figures: tuple[Entry, ...] = ()) -> list[str | None]:  # fmt: skip
+    axes = replace(_with_curves(Sheet().panels[0], X, Y), legend=legend, texts=texts)
+    figure: Figure = replace(_figure(axes, *([beside] if beside else [])), legend=figures)
+    return plots.names_of(plots.panels(figure, SERIES)[0], figure)
+
+
+def test_legends_of_the_panel_of_the_figure_and_of_a_twin_name_curves() -> None:
+    lower, twin = Sheet().panels[1], replace(Sheet().panels[0], legend=(sample("why", Y),), curves=())
+    assert named(legend=(sample("ex", X), sample("why", Y))) == ["ex", "why"]
+    assert named(legend=(sample("ex", X),), figures=(sample("why", Y),)) == ["ex", "why"]
+    assert named(legend=(sample("ex", X),), beside=twin) == ["ex", "why"]
+    assert named(legend=(sample("ex", X),), beside=replace(lower, legend=twin.legend)) == ["ex", None]
+
+
+MIDDLE, TOP_OF_X, END = float(np.mean(TIME)), float(ACCEL[:, 0].max()), float(TIME[-1])
+WIDE, LOW_OF_X = float(np.ptp(TIME)), float(ACCEL[:, 0].min())
+
+
+@pytest.mark.parametrize(
+    ("text", "at", "height", "found"),
+    [
+        ("x", MIDDLE, TOP_OF_X, True),
+        ("x axis", MIDDLE, TOP_OF_X, True),
+        ("y", MIDDLE, TOP_OF_X, False),
+        ("gravity", MIDDLE, TOP_OF_X, False),
+        ("x", END + 0.19 * WIDE, TOP_OF_X, True),
+        ("x", END + 0.21 * WIDE, TOP_OF_X, False),
+        ("x", TIME[0] - 0.19 * WIDE, TOP_OF_X, True),
+        ("x", TIME[0] - 0.21 * WIDE, TOP_OF_X, False),
+        ("x", MIDDLE, TOP_OF_X + 7.9, True),
+        ("x", MIDDLE, TOP_OF_X + 8.1, False),
+        ("x", MIDDLE, LOW_OF_X - 7.9, True),
+        ("x", MIDDLE, LOW_OF_X - 8.1, False),
+    ],
+)
+def test_a_text_beside_a_curve_names_it_by_its_axis(text: str, at: float, height: float, found: bool) -> None:
+    names = named(Placed("nothing", (MIDDLE, TOP_OF_X), "#000000"), Placed(text, (at, height), "#000000"))
+    assert names[0] == (text if found else None)
+    assert named(Placed(text, (at, height), Y.colour))[0] is None
