@@ -445,6 +445,7 @@ CASES = [
             ("figures that show as much, and hide one channel or two", _more_shown(_then(_without(*_ALL[2:]), _unseen((0, 1))), _then(_without(*_ALL[3:]), _unseen((0, 0), (0, 2)))), (0.1667, ["curves-missing", "curves-not-seen"])),
             ("degrees that the figure names", drawn(_then(_values(1, np.degrees), _says(1, ylabel=""), lambda s: s.says(ylabel="deg/s"))), None),
             ("radians where the figure says degrees", drawn(_then(_says(1, ylabel=""), lambda s: s.says(ylabel="deg/s"))), (0.5, ["wrong-data-plotted"])),
+            ("seconds that are abbreviated twice", _panel(0, ylabel="Acceleration (m/sec/sec)"), None),
             ("all wrong", drawn(_then(_values(0, np.cos), _values(1, np.sin))), (0.0, ["wrong-data-plotted"])),
             ("against the index", drawn(_times(lambda t: np.arange(len(t)))), (0.5, ["x-not-time"])),
             ("against milliseconds", drawn(_times(lambda t: 1000 * t)), (0.5, ["x-not-time"])),

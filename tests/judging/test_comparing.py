@@ -74,6 +74,23 @@ def test_a_smoother_version_is_one(smooth: Array) -> None:
     assert comparing.comparisons(figure(curve(NOISY, "raw"), curve(smooth, "filtered"))) == [Compared("raw", "filtered", True)]  # fmt: skip
 
 
+@pytest.mark.parametrize("scale", [1e-3, 0.1, 9.81, 1e4])
+@pytest.mark.parametrize(
+    ("smooth", "found"), [(FILTERED, True), (NO_SMOOTHER["far below"], False), (NO_SMOOTHER["much smaller"], False)]
+)
+def test_a_unit_does_not_matter(scale: float, smooth: Array, found: bool) -> None:
+    assert bool(comparing.comparisons(figure(curve(scale * NOISY, "raw"), curve(scale * smooth, "filtered")))) is found
+
+
+def test_of_a_long_recording_the_last_points_are_compared() -> None:
+    odd, many = np.arange(3.0) % 2, np.tile(NOISY, 34)
+    times = np.arange(len(many) + 3.0)
+    raw, smooth = (
+        curve(np.concatenate([odd, y]), name, times) for y, name in ((many, "raw"), (_smooth(many), "filtered"))
+    )
+    assert comparing.comparisons(figure(raw, smooth)) == [Compared("raw", "filtered", True)]
+
+
 @pytest.mark.parametrize("smooth", NO_SMOOTHER.values(), ids=NO_SMOOTHER)
 def test_anything_else_is_none(smooth: Array) -> None:
     assert comparing.comparisons(figure(curve(NOISY, "raw"), curve(smooth, "filtered"))) == []

@@ -135,6 +135,13 @@ def test_a_picture_that_does_not_show_both_sensors_does_not_count(shown: set[int
     assert student.notes == []
 
 
+def test_of_the_labs_robot_the_public_run_is_looked_for_and_of_another_its_own() -> None:
+    secret = replace(truth(), name="secret")
+    assert handed_in._public(secret).name == truth().name
+    with mock.patch.object(handed_in, "is_of", lambda _, traces: traces is not secret):
+        assert handed_in._public(secret) is secret
+
+
 # --- which is another one than the code draws ---------------------------------------------------------------------------
 
 TIME = truth()["tumbling"]["time"]

@@ -100,7 +100,7 @@ def unit_of(text: str) -> str | None:
             return "deg/s"
         return "mrad/s" if "mrad" in words else "rad/s"
     if _ACCELERATION_UNIT.search(words):
-        if re.search(rf"s2|s-2|/s/s|{_SQUARED}|米", words):
+        if re.search(rf"s2|s-2|/s(?:ec)?/s|{_SQUARED}|米", words):
             return "cm/s²" if "cm/" in words else "m/s²"
         return "mg" if re.search(r"[\[(/,]mg", words) else "g"
     return None

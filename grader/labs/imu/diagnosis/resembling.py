@@ -61,7 +61,7 @@ def _correlation(y: Array, stamps: Array, time: Array, channels: Array) -> float
 
 def _normal(values: Array) -> Array:
     """Without its mean, of length 1; next to nothing where it rests."""
-    off = values - values.mean()
+    off: Array = values - values.mean()
     length = np.linalg.norm(off)
     rests = length <= 1e-9 * np.abs(values).max() * np.sqrt(len(values))
     return off if rests else off / length

@@ -54,10 +54,10 @@ def looked_at(figure: Figure, patience: Patience) -> Figure:
     """The figure with what is seen of each curve."""
     if not figure.axes:
         return figure
-    axes = [
+    axes = (
         replace(panel, curves=tuple(replace(c, sight=s) for c, s in zip(panel.curves, its, strict=True)))
         for panel, its in zip(figure.axes, _sights(figure, patience), strict=True)
-    ]
+    )
     return replace(figure, axes=tuple(axes))
 
 
@@ -118,17 +118,17 @@ def _shares(values: Array, limits: Sequence[float], scale: str) -> tuple[Array, 
 
 
 def _taken(places: Sequence[_Places], shape: tuple[int, ...]) -> Mask:
-    """Where some curve is said to stand, a pixel around it included."""
-    taken = np.zeros((shape[0] + 4, shape[1] + 4), bool)
+    """Where some curve is said to stand, two pixels around it included."""
+    taken = np.zeros(shape, bool)
     for place in places:
-        rows, columns = place.rows[place.inside] + 2, place.columns[place.inside] + 2
-        fits = (rows >= 2) & (columns >= 2) & (rows < shape[0] + 2) & (columns < shape[1] + 2)
-        taken[rows[fits], columns[fits]] = True
-    wide = np.zeros_like(taken)
-    for down in (-2, -1, 0, 1, 2):
-        for right in (-2, -1, 0, 1, 2):
-            wide |= np.roll(taken, (down, right), (0, 1))
-    return wide[2:-2, 2:-2]
+        fits = place.inside & _are_in(shape, place.rows, place.columns)
+        taken[place.rows[fits], place.columns[fits]] = True
+    return _widened(taken, 2)
+
+
+def _are_in(shape: tuple[int, ...], rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Mask:
+    fits: Mask = (rows >= 0) & (columns >= 0) & (rows < shape[0]) & (columns < shape[1])
+    return fits
 
 
 # --- what stands there ---------------------------------------------------------------------------------------------------
@@ -265,7 +265,7 @@ def _near(stands_out: Mask, place: _Places, window: _Window, reach: int) -> Mask
         return np.full(len(place.rows), np.count_nonzero(stands_out) >= _SOME)
     near = _widened(stands_out, reach)
     rows, columns = place.rows - window.at[0], place.columns - window.at[1]
-    fits = place.inside & (rows >= 0) & (columns >= 0) & (rows < near.shape[0]) & (columns < near.shape[1])
+    fits = place.inside & _are_in(near.shape, rows, columns)
     found = np.zeros(len(rows), bool)
     found[fits] = near[rows[fits], columns[fits]]
     return found

@@ -1,0 +1,143 @@
+"""What a label says, by symbols that are the same in every language; words stand in `languages.yaml`, with samples of their own."""
+
+from __future__ import annotations
+
+import pytest
+
+from grader.labs.imu.diagnosis import labels
+
+pytestmark = pytest.mark.quick
+UNITS: dict[str | None, list[str]] = {
+    "m/s²": [
+        "Acceleration (m/s²)", "a [m/s^2]", "m/s**2", "$m/s^2$", r"$\mathrm{m/s^2}$", r"$\frac{m}{s^2}$", r"$\dfrac{m}{s^{2}}$", "m s^-2",
+        r"m$\cdot$s$^{-2}$", "m/s/s", "mps2", "m/sec²", "m/sec/sec", "meters per second squared", "ms⁻²", "м/с²", "m⁄s²", "m/(s^2)",
+        r"$\mathit{m}/\text{s}^2$", "Accel, m/s2", "m·s−2", r"\left(m/s^2\right)",
+    ],
+    "cm/s²": ["Acceleration (cm/s²)"],
+    "g": ["Acceleration (g)", "a [g]", "accel / g", "Accel, g", "Beschleunigung in g"],
+    "mg": ["Acceleration (mg)", "a [mg]"],
+    "rad/s": [
+        "Angular velocity (rad/s)", "rad s^-1", r"$\frac{rad}{s}$", "rad⁄s", "radians per second", "rad·s⁻¹", "1/s", "rad/sec", "RAD/S",
+        r"$\omega$ [rad/s]",
+    ],
+    "mrad/s": ["mrad/s"],
+    "deg/s": ["°/s", "º/s", "deg/s", "(dps)", r"$^\circ/s$", r"$\degree$/s", "degrees per second", "°s⁻¹", "Angular velocity in deg/s"],
+    None: ["rad/s²", "Acceleration", "Gyro", "deg", "°/s²", "m", "", "Time (s)", "x"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "text"), [(unit, text) for unit, texts in UNITS.items() for text in texts])
+def test_a_unit_is_known_however_it_is_written(unit: str | None, text: str) -> None:
+    assert labels.unit_of(text) == unit
+    assert labels.has_unit_of(0, text) is (unit in ("m/s²", "cm/s²", "g", "mg"))
+    assert labels.has_unit_of(1, text) is (unit in ("rad/s", "mrad/s", "deg/s"))
+
+
+def test_a_label_of_both_units_has_both() -> None:
+    assert labels.has_unit_of(0, "m/s² and rad/s")
+    assert labels.has_unit_of(1, "m/s² and rad/s")
+
+
+TIMES = {
+    "s": [
+        "Time (s)",
+        "Time [s]",
+        "t / s",
+        "time_s",
+        "Time in s",
+        "Time, s",
+        "seconds",
+        "t [sec]",
+        "Time (s.)",
+        r"$t\,[s]$",
+    ],
+    "ms": ["Time (ms)", "t / ms", "time_ms", "milliseconds", "Time [ms]", "Time in ms"],
+    "": ["Time", "x", "Angular velocity (rad)", ""],
+}
+
+
+@pytest.mark.parametrize(("unit", "text"), [(unit, text) for unit, texts in TIMES.items() for text in texts])
+def test_a_unit_of_time_is_known_however_it_is_written(unit: str, text: str) -> None:
+    assert labels.has_time_unit(text) is bool(unit)
+    assert labels.in_milliseconds(text) is (unit == "ms")
+
+
+@pytest.mark.parametrize(
+    ("text", "counted"), [("Sample", True), ("Samples", True), ("n", True), ("step n", True), ("Time (s)", False), ("", False)]
+)  # fmt: skip
+def test_samples_are_counted_by_their_name_or_by_n(text: str, counted: bool) -> None:
+    assert labels.counts_samples(text) is counted
+
+
+@pytest.mark.parametrize(
+    ("text", "sensors"),
+    [
+        ("Accelerometer", {0}), ("Gyroscope", {1}), ("Acceleration and angular velocity", {0, 1}), ("x (m/s²)", {0}), ("x (rad/s)", {1}),
+        ("Top", set()), ("Gyroscope (m/s²)", {1}), ("Accelerometer [°/s]", {0}), ("", set()),
+    ],
+)  # fmt: skip
+def test_a_text_speaks_of_a_sensor_by_its_words_or_else_by_its_unit(text: str, sensors: set[int]) -> None:
+    assert labels.claims(text) == sensors
+
+
+@pytest.mark.parametrize(
+    ("sensor", "text", "only"),
+    [
+        (0, "Accelerometer", True), (1, "Accelerometer", False), (1, "Angular velocity", True), (0, "Acceleration and gyroscope", False),
+        (0, "m/s²", False), (0, "", False),
+    ],
+)  # fmt: skip
+def test_a_name_of_one_sensor_is_a_word_for_it_alone(sensor: int, text: str, only: bool) -> None:
+    assert labels.names_only(sensor, text) is only
+
+
+AXES: dict[int | None, list[str]] = {
+    0: [
+        "x",
+        "X",
+        "ax",
+        "a_x",
+        "accel x",
+        "gyro_x",
+        "x-axis",
+        "wx",
+        "X axis (raw)",
+        "Acc-X",
+        "lin x",
+        "rate x",
+        r"$a_x$",
+        "$\\omega_x$",
+    ],
+    1: ["y", "ay", "omega_y", "GyrY", "filtered y", "fy"],
+    2: ["z", "gz", "ang z", "Achse Z", "f z"],
+    None: ["", "x and y", "xyz", "exact", "magnitude", "a", "max"],
+}
+
+
+@pytest.mark.parametrize(("axis", "text"), [(axis, text) for axis, texts in AXES.items() for text in texts])
+def test_an_axis_is_known_by_its_letter(axis: int | None, text: str) -> None:
+    assert labels.axis_of(text) == axis
+
+
+@pytest.mark.parametrize(
+    ("name", "raw", "smooth"),
+    [
+        ("raw", True, False), ("Raw x", True, False), ("filtered", False, True), ("unfiltered", True, False), ("low-pass", False, True),
+        ("denoised", False, True), ("x", False, False), ("raw and filtered", True, False), ("", False, False),
+    ],
+)  # fmt: skip
+def test_raw_and_filtered_are_told_by_their_names(name: str, raw: bool, smooth: bool) -> None:
+    assert (labels.says_raw(name), labels.says_smooth(name)) == (raw, smooth)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("  Time [s] ", "time[s]"), (r"$\mathrm{rad}/\mathrm{s}$", "rad/s"), (r"$\frac{m}{s^{2}}$", "m/s2"), (r"\tfrac{a}{b}", "a/b"),
+        (r"$\omega$ × 2", "ω2"), (r"\circ\degree", "°°"), ("−1", "-1"), ("a·b ⋅ c ~ d*e_f", "abcdef"), ("rad per s", "rad/s"),
+        ("Zeit in s", "zeit/s"), ("time_ms", "time/ms"), ("ｍ／ｓ²", "m/s2"), ("Straße", "straße"), (r"\left[ m \right]", "[m]"),
+        (r"\text{x}\,\mathit{y}\;\textrm{z}\!\rm{w}", "xyzw"), ("m\\cdot s", "ms"), ("min s", "mins"),
+    ],
+)  # fmt: skip
+def test_a_label_is_read_without_its_dress(text: str, plain: str) -> None:
+    assert labels.plain(text) == plain

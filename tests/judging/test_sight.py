@@ -1,0 +1,411 @@
+"""What is seen of a curve in a picture, by pictures that are painted pixel by pixel."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from grader.engine.figures import Axes, Curve, Figure, Sight
+from grader.labs.imu.answers import Array
+from grader.labs.imu.diagnosis import sight
+from grader.labs.imu.diagnosis.sight import Patience
+
+pytestmark = pytest.mark.quick
+WIDTH, HEIGHT = 300, 200
+LEFT, LOW, RIGHT, HIGH = 0.1, 0.2, 0.9, 0.95
+X = np.linspace(0, 1, 400)
+Y = 0.5 + 0.4 * np.sin(9 * X)
+LOWER = 0.05 + 0.1 * X
+RED, BLUE, WHITE, DARK = (255, 0, 0), (0, 0, 255), (255, 255, 255), (40, 44, 52)
+
+
+def code(colour: tuple[int, ...]) -> str:
+    return "#" + "".join(f"{channel:02x}" for channel in colour)
+
+
+def curve(y: Array = Y, colour: tuple[int, ...] = RED, x: Array = X, **words: object) -> Curve:
+    nothing = Sight(np.ones(100, bool), np.zeros(100, bool))
+    made = Curve("", code(colour), "line", len(y), x, y, "-", "None", "", 1.0, (code(colour) + "ff",), 1.5, nothing)
+    return replace(made, **words)  # type: ignore[arg-type]
+
+
+class Canvas:
+    """A picture of one panel, from 0 to 1 in both directions."""
+
+    def __init__(self, ground: tuple[int, ...] = WHITE, *, log: bool = False) -> None:
+        self.pixels = np.full((HEIGHT, WIDTH, 3), ground, np.uint8)
+        self.log = log
+
+    def place(self, x: Array, y: Array) -> tuple[np.ndarray, np.ndarray]:
+        if self.log:
+            x, y = (1 + np.log10(values) / 3 for values in (x, y))
+        rows = HEIGHT - (LOW + y * (HIGH - LOW)) * HEIGHT
+        return rows.astype(int), ((LEFT + x * (RIGHT - LEFT)) * WIDTH).astype(int)
+
+    def draw(self, y: Array = Y, colour: tuple[int, ...] = RED, x: Array = X, opacity: float = 1.0, thick: int = 2) -> Canvas:  # fmt: skip
+        fine = np.linspace(0, len(x) - 1, 20 * len(x))
+        way = (np.interp(fine, np.arange(len(x)), values) for values in (x, y))
+        mask = np.zeros((HEIGHT, WIDTH), bool)
+        rows, columns = self.place(*way)
+        for down in range(thick):
+            mask[rows - down, columns] = True
+        self.pixels[mask] = np.rint(opacity * np.array(colour) + (1 - opacity) * self.pixels[mask])
+        return self
+
+    def fill(self, colour: tuple[int, ...], left: float = 0.0, right: float = 1.0, low: float = 0.0, high: float = 1.0) -> Canvas:  # fmt: skip
+        (bottom, top), (first, last) = self.place(np.array([left, right]), np.array([low, high]))
+        self.pixels[top : bottom + 1, first : last + 1] = colour
+        return self
+
+    def figure(self, *curves: Curve, **words: object) -> Figure:
+        limits = ((1e-3, 1.0),) * 2 if self.log else ((0.0, 1.0),) * 2
+        scales = ("log", "log") if self.log else ("linear", "linear")
+        axes = Axes(True, (LEFT, LOW, RIGHT, HIGH), "", "", "", (), (), curves, *limits, scales, own_ticks=False)  # type: ignore[arg-type]
+        size = (float(WIDTH), float(HEIGHT))
+        return Figure("saved", None, "png", (WIDTH, HEIGHT), (replace(axes, **words),), extent=size, dots=72, pixels=self.pixels)  # type: ignore[arg-type] # fmt: skip
+
+
+def looked(figure: Figure, pixels: int = 60_000_000) -> list[Sight]:
+    axes = sight.looked_at(figure, Patience(pixels)).axes
+    assert len(axes) == 1
+    return [each.sight for each in axes[0].curves]
+
+
+def seen(figure: Figure) -> float:
+    """Share of the first curve that is seen."""
+    return float(looked(figure)[0].seen.mean())
+
+
+# --- in the open ---------------------------------------------------------------------------------------------------------
+
+GREY = (128, 128, 128)
+IN_THE_OPEN: dict[str, Figure] = {
+    "on white": Canvas().draw().figure(curve()),
+    "on a dark ground": Canvas(DARK).draw().figure(curve()),
+    "on a panel of its own colour": Canvas(DARK).fill(WHITE).draw().figure(curve()),
+    "grey": Canvas().draw(colour=GREY).figure(curve(colour=GREY)),
+    "in light grey": Canvas().draw(colour=(225, 225, 225)).figure(curve(colour=(225, 225, 225))),
+    "faint": Canvas().draw(colour=(244, 244, 244)).figure(curve(colour=(244, 244, 244))),
+    "on a half that is tinted": Canvas().fill((255, 140, 140), 0.55).draw().figure(curve()),
+    "as points": Canvas().draw().figure(curve(kind="points", style="None", marker="o", width=4.0)),
+    "half through": Canvas().draw(opacity=0.5).figure(curve(alpha=0.5)),
+    "half through by its colour": Canvas().draw(opacity=0.5).figure(curve(inks=("#ff000080",))),
+    "half covered by the smoothing": Canvas().draw(opacity=0.45).figure(curve()),
+    "of a thin stroke": Canvas().draw(opacity=0.2, thick=1).figure(curve(width=0.5)),
+    "of too many colours to tell": Canvas().draw().figure(curve(inks=())),
+    "of a colour that is none": Canvas().draw().figure(curve(inks=("red",))),
+    "of two colours": Canvas().draw(colour=BLUE).figure(curve(inks=("#00ff00ff", "#0000ffff"))),
+    "on logarithmic scales": Canvas(log=True).draw(0.01 + X**2 * 0.9, x=0.002 + 0.9 * X).figure(curve(0.01 + X**2 * 0.9, x=0.002 + 0.9 * X)),
+    "upside down": Canvas().draw(1 - Y).figure(curve(), y_limits=(1.0, 0.0)),
+    "from the right": Canvas().draw(x=1 - X).figure(curve(), x_limits=(1.0, 0.0)),
+    "a pixel beside": Canvas().draw(Y + 1 / 150).figure(curve()),
+    "with gaps in its numbers": Canvas().draw().figure(curve(np.where(np.arange(400) % 9 == 0, np.nan, Y))),
+    "in any order": Canvas().draw().figure(curve(Y[::-1].copy(), x=X[::-1].copy())),
+    "beside another": Canvas().draw().draw(LOWER, BLUE).figure(curve(), curve(LOWER, BLUE)),
+    "beside grid lines": Canvas().draw(np.full(400, 0.3), (200, 200, 200)).draw().figure(curve()),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("figure", IN_THE_OPEN.values(), ids=IN_THE_OPEN)
+def test_a_curve_in_the_open_is_seen(figure: Figure) -> None:
+    assert looked(figure)[0].inside.all()
+    assert seen(figure) > 0.93
+
+
+NOT_THERE: dict[str, Figure] = {
+    "elsewhere on logarithmic scales": Canvas(log=True)
+    .draw(0.01 + 0 * X, x=0.002 + 0.9 * X)
+    .figure(curve(0.2 + 0.7 * X, x=0.002 + 0.9 * X)),
+    "on a blank picture": Canvas().figure(curve()),
+    "of another colour": Canvas().draw(colour=BLUE).figure(curve()),
+    "of another shade": Canvas().draw(colour=(255, 90, 90)).draw(LOWER, (90, 0, 0)).figure(curve(colour=(0, 160, 0))),
+    "elsewhere": Canvas().draw(LOWER).figure(curve(0.3 + Y / 2)),
+    "behind a sheet of its colour": Canvas().draw().fill(RED).figure(curve()),
+    "behind a sheet of another": Canvas().draw().fill(BLUE).figure(curve()),
+    "behind another curve": Canvas().draw().draw(colour=BLUE, thick=4).figure(curve(), curve(colour=BLUE)),
+    "in the colour of its ground": Canvas().draw(colour=(250, 250, 250)).figure(curve(colour=(250, 250, 250))),
+    "all but through": Canvas().draw(opacity=0.02).figure(curve(alpha=0.02)),
+    "too faint for its stroke": Canvas().draw(opacity=0.2).figure(curve()),
+    "behind a tint of its colour": Canvas().draw().fill(WHITE).fill((255, 140, 140), 0.55).figure(curve()),
+    "behind a picture of its colours": Canvas()
+    .draw()
+    .fill(WHITE)
+    .fill((255, 200, 200), 0.4, 0.9, 0.2, 0.7)
+    .figure(curve()),
+    "in a panel that is switched off": Canvas().draw().figure(curve(), visible=False),
+    "in a panel that is no wider than a stroke": Canvas()
+    .draw()
+    .figure(curve(), position=(LEFT, LOW, LEFT + 0.029, HIGH)),
+    "in a panel that is no higher than a stroke": Canvas()
+    .draw()
+    .figure(curve(), position=(LEFT, LOW, RIGHT, LOW + 0.029)),
+    "in a panel beyond the picture": Canvas().draw().figure(curve(), position=(1.1, LOW, 1.9, HIGH)),
+    "of no numbers": Canvas().draw().figure(curve(np.full(400, np.nan))),
+    "of no points": Canvas().draw().figure(curve(Y[:0], x=X[:0])),
+    "of too many colours to tell, on a blank picture": Canvas().figure(curve(inks=())),
+}
+
+
+@pytest.mark.parametrize("figure", NOT_THERE.values(), ids=NOT_THERE)
+def test_a_curve_that_is_not_in_the_picture_is_not_seen(figure: Figure) -> None:
+    assert seen(figure) < 0.12
+
+
+@pytest.mark.parametrize(("half", "parts"), [((0.0, 0.5), slice(52, 100)), ((0.5, 1.0), slice(0, 48))])
+def test_of_a_curve_half_of_which_is_covered_half_is_seen(half: tuple[float, float], parts: slice) -> None:
+    (found,) = looked(Canvas().draw().fill(WHITE, *half).figure(curve()))
+    assert found.inside.all()
+    assert found.seen[parts].all()
+    assert found.seen.mean() == pytest.approx(0.5, abs=0.04)
+
+
+def test_another_curve_over_a_part_hides_it() -> None:
+    over = X[200:]
+    first, second = looked(
+        Canvas().draw().draw(Y[200:], BLUE, over, thick=4).figure(curve(), curve(Y[200:], BLUE, over))
+    )
+    assert first.seen.mean() == pytest.approx(0.5, abs=0.05)
+    assert second.seen.mean() > 0.95
+
+
+def test_a_curve_is_seen_through_another_one_that_lets_it_through() -> None:
+    through = Canvas().draw(thick=3).draw(colour=BLUE, opacity=0.5, thick=5)
+    first, second = looked(through.figure(curve(), curve(colour=BLUE, inks=("#0000ff80",), alpha=0.5)))
+    assert first.seen.mean() > 0.9
+    assert second.seen.mean() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("limits", "inside"),
+    [
+        ({"x_limits": (0.0, 2.0)}, slice(0, 100)),
+        ({"x_limits": (0.5, 1.0)}, slice(50, 100)),
+        ({"x_limits": (-1.0, 0.3)}, slice(0, 30)),
+        ({"x_limits": (7.0, 8.0)}, slice(0, 0)),
+    ],
+)
+def test_a_part_beyond_the_limits_is_outside(limits: dict[str, tuple[float, float]], inside: slice) -> None:
+    (found,) = looked(Canvas().figure(curve(), **limits))
+    wanted = np.zeros(100, bool)
+    wanted[inside] = True
+    assert np.count_nonzero(found.inside != wanted) <= 1
+
+
+@pytest.mark.parametrize(("y", "share"), [(2 * X, 0.5), (2 * X - 1, 0.5), (X, 1.0), (X + 1.001, 0.0), (X - 1.001, 0.0)])
+def test_what_is_above_or_below_the_limits_is_outside(y: Array, share: float) -> None:
+    (found,) = looked(Canvas().figure(curve(y)))
+    assert found.inside.mean() == pytest.approx(share, abs=0.02)
+    assert not found.seen.any()
+
+
+def test_what_has_no_logarithm_is_outside() -> None:
+    (found,) = looked(Canvas(log=True).figure(curve(np.where(X < 0.5, 0.1, -0.1), x=0.002 + 0.9 * X)))
+    assert found.inside[:49].all()
+    assert not found.inside[51:].any()
+
+
+@pytest.mark.parametrize(("marks", "shown"), [(3, 1.0), (2, 0.0)])
+def test_on_scales_that_are_not_foreseen_three_pixels_of_a_colour_are_the_curve(marks: int, shown: float) -> None:
+    canvas = Canvas()
+    canvas.pixels[100, 100 : 100 + marks] = RED
+    (found,) = looked(canvas.figure(curve(), scales=("linear", "symlog")))
+    assert (found.inside.mean(), found.seen.mean()) == (1.0, shown)
+
+
+@pytest.mark.parametrize(
+    ("words", "off", "shown"),
+    [
+        ({}, 1, True), ({}, 2, False), ({"marker": "o"}, 2, True), ({"kind": "points", "width": 1.5}, 3, False),
+        ({"marker": "o", "width": 6.0}, 5, True), ({"marker": "o", "width": 6.0}, 6, False),
+        ({"marker": "o", "width": 60.0}, 6, False), ({"marker": ""}, 2, False),
+    ],
+)  # fmt: skip
+def test_a_marker_leaves_its_colour_around_its_point(words: dict[str, object], off: int, shown: bool) -> None:
+    canvas = Canvas()
+    rows, columns = canvas.place(X, Y)
+    canvas.pixels[rows[200], columns[200] + off] = RED
+    canvas.pixels[rows[200] - 1, columns[200] + off] = RED
+    (found,) = looked(canvas.figure(curve(Y[200:201], x=X[200:201], **words)))
+    assert bool(found.seen.any()) is shown
+
+
+# --- how long is looked --------------------------------------------------------------------------------------------------
+
+
+def test_patience_lasts_for_so_many_pixels() -> None:
+    patience = Patience(10)
+    assert patience.lasts_for(4)
+    assert patience.lasts_for(6)
+    assert not patience.lasts_for(1)
+
+
+def test_who_sends_too_much_is_not_believed() -> None:
+    figure = Canvas().draw().figure(curve(), curve(LOWER, BLUE))
+    panel = round((RIGHT - LEFT) * WIDTH) * round((HIGH - LOW) * HEIGHT)
+    assert looked(figure, panel)[0].seen.all()
+    assert not looked(figure, panel - 1)[0].seen.any()
+
+
+def test_a_figure_without_axes_is_as_it_was() -> None:
+    figure = replace(Canvas().figure(), axes=())
+    assert sight.looked_at(figure, Patience()) is figure
+
+
+# --- parts of it ---------------------------------------------------------------------------------------------------------
+
+
+def test_what_several_curves_show_is_shown_together() -> None:
+    parts = np.arange(4)
+    both = sight.together(iter([Sight(parts < 2, parts < 1), Sight(parts == 3, parts == 3)]))
+    assert both.inside.tolist() == [True, True, False, True]
+    assert both.seen.tolist() == [True, False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("colour", "values"),
+    [
+        ("#ff8000", [1, 128 / 255, 0, 1]), ("#ff800080", [1, 128 / 255, 0, 128 / 255]), ("ff8000", None), ("#ff80", None),
+        ("#gg8000", None), ("", None), ("red", None), ("#ff80008000", None),
+    ],
+)  # fmt: skip
+def test_a_colour_is_three_or_four_numbers_behind_a_hash(colour: str, values: list[float] | None) -> None:
+    found = sight._rgba(colour)
+    assert found is None if values is None else found is not None and found.tolist() == values
+
+
+OFF = -np.array([0.0, 0.8, 0.8])
+
+
+@pytest.mark.parametrize(
+    ("off", "share"),
+    [
+        (OFF, 1.0), (OFF / 2, 0.5), (0 * OFF, 0.0), (2 * OFF, 1.0), (-OFF, 0.0), (OFF / 2 + np.array([0.09, 0, 0]), 0.5),
+        (OFF / 2 + np.array([0.11, 0, 0]), 0.0), (OFF + np.array([0.14, 0, 0]), 1.0), (OFF + np.array([0.16, 0, 0]), 0.0),
+    ],
+)  # fmt: skip
+def test_a_pixel_is_on_the_way_to_a_colour_or_beside_it(off: Array, share: float) -> None:
+    assert sight.share_of_way(off[None].astype(np.float32), OFF).tolist() == pytest.approx([share])
+
+
+OTHER = -np.array([0.8, 0.8, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("off", "other", "share"),
+    [
+        (0.5 * OFF + 0.4 * OTHER, OTHER, 0.5),
+        (0.5 * OFF + 0.7 * OTHER, OTHER, 0.0),
+        (0.9 * OTHER, OTHER, 0.0),
+        (0.05 * OFF + 0.9 * OTHER, OTHER, 0.0),
+        (0.6 * OFF - 0.2 * OTHER, OTHER, 0.0),
+        (0.5 * OFF + 0.4 * OTHER + np.array([0.07, -0.07, 0.07]), OTHER, 0.0),
+        (0.5 * OFF, 1.01 * OFF, 0.0),
+    ],
+)
+def test_of_a_mixture_with_another_curves_colour_the_share_is_known(off: Array, other: Array, share: float) -> None:
+    assert sight._share_beside(off[None].astype(np.float32), OFF, other).tolist() == pytest.approx([share], abs=1e-6)
+
+
+def test_the_commonest_colour_is_that_of_most_pixels() -> None:
+    assert sight.commonest(np.zeros(0, np.int32)) == 0xFFFFFF
+    assert sight.commonest(np.array([5, 7, 7, 9], np.int32)) == 7
+    striped = np.where(np.arange(310) % 31 == 0, 1, 2).astype(np.int32)
+    assert sight.commonest(striped) == 2
+    assert sight.commonest(np.repeat([3, 4], [60, 40]).astype(np.int32)) == 3
+
+
+@pytest.mark.parametrize("ground", [WHITE, DARK, (1, 254, 129)])
+def test_the_ground_of_a_panel_is_what_is_behind_its_curves(ground: tuple[int, int, int]) -> None:
+    figure = Canvas(BLUE).fill(ground).draw(thick=3).figure(curve())
+    window = sight._window(figure.axes[0], sight._codes(figure.pixels), np.ones((HEIGHT, WIDTH), bool))
+    assert window is not None
+    assert window.at == (10, 30)
+    assert window.free.shape == (150, 240)
+    assert window.ground == pytest.approx(np.array(ground) / 255)
+    red = figure.pixels[10:160, 30:270].reshape(-1, 3)[window.marked]
+    assert window.off == pytest.approx(red / 255 - np.array(ground) / 255, abs=1e-6)
+
+
+def test_around_each_pixel_is_what_the_curves_leave_free() -> None:
+    """A stripe of strength 0.4 from column 20 on, of which the curves take three rows."""
+    free = np.ones((40, 40), bool)
+    free[19:22] = False
+    marked = np.flatnonzero((np.arange(40) >= 20)[None, :] & np.ones((40, 1), bool))
+    window = sight._Window(
+        free, np.zeros(3), marked, np.zeros((len(marked), 3), np.float32), sight._boxed(free, marked), (0, 0)
+    )
+    strength = np.where(free.ravel()[marked], 0.4, 1.0).astype(np.float32)
+    around = np.zeros((40, 40))
+    around.ravel()[marked] = window.around(strength)
+    assert around[20, 30] == pytest.approx(0.4)
+    assert around[20, 20] == pytest.approx(0.4 * 9 / 17)
+    assert around[0, 39] == pytest.approx(0.4)
+    assert not window.around(np.where(free.ravel()[marked], 0.0, 1.0).astype(np.float32)).any()
+    taken = replace(window, free=np.zeros_like(free), room=np.zeros(len(marked)))
+    assert not taken.around(strength).any()
+    crowded = replace(window, room=np.full(len(marked), 3.0))
+    assert crowded.around(strength) == pytest.approx(np.full(len(marked), 0.2))
+
+
+@pytest.mark.parametrize(
+    ("x", "seen_points", "parts"),
+    [
+        ([0.0, 0.5, 1.0], [True, False, True], [0, *range(50, 100)]),
+        ([1.0, 0.0, 0.5], [True, True, False], [0, *range(50, 100)]),
+        ([0.0, 0.5, 1.0], [False, True, False], range(51)),
+        ([0.0, 0.999, 1.0], [False, True, False], range(100)),
+        ([3.0], [True], range(100)),
+        ([3.0, 3.0], [False, True], range(1)),
+        ([-1e308, 1e308], [False, True], range(100)),
+        (np.linspace(-5, 5, 1000), np.arange(1000) % 100 == 50, range(5, 100, 10)),
+    ],
+)
+def test_a_part_is_seen_where_a_point_in_it_or_the_next_one_is(
+    x: list[float], seen_points: list[bool], parts: list[int]
+) -> None:
+    points = np.array(x), np.ones(len(x), bool), np.array(seen_points)
+    with np.errstate(all="ignore"):
+        found = sight._by_parts(*points)
+        nothing = sight._by_parts(points[0], ~points[1], points[2])
+    assert found.inside.all()
+    assert np.flatnonzero(found.seen).tolist() == list(parts)
+    assert not nothing.inside.any()
+    assert not nothing.seen.any()
+
+
+def test_curves_take_two_pixels_around_them() -> None:
+    inside, known = np.array([True, True, False, True]), True
+    place = sight._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
+    below = sight._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
+    wanted = np.zeros((12, 12), bool)
+    wanted[3:8, 4:9] = wanted[:3, 9:] = True
+    assert np.array_equal(sight._taken([place, below], (12, 12)), wanted)
+
+
+def test_sums_are_of_the_square_around_each_pixel() -> None:
+    values = np.random.default_rng(1).random((40, 50))
+    at = np.array([0, 17, 49, 20 * 50 + 25, 39 * 50, 40 * 50 - 1])
+    wanted = [
+        values[max(0, r - 8) : r + 9, max(0, c - 8) : c + 9].sum() for r, c in zip(*np.divmod(at, 50), strict=True)
+    ]
+    assert sight._boxed(values, at) == pytest.approx(np.array(wanted))
+
+
+@pytest.mark.parametrize("reach", [1, 2, 4])
+def test_a_mask_is_widened_in_all_directions(reach: int) -> None:
+    mask = np.zeros((12, 15), bool)
+    mask[5, 7] = mask[0, 0] = mask[11, 14] = True
+    wide = np.zeros_like(mask)
+    wide[5 - reach : 6 + reach, 7 - reach : 8 + reach] = True
+    wide[: reach + 1, : reach + 1] = wide[11 - reach :, 14 - reach :] = True
+    assert np.array_equal(sight._widened(mask, reach), wide)
+
+
+def test_colours_are_numbers_and_back() -> None:
+    colours = np.array([[1, 2, 3], [255, 128, 0]], np.uint8)
+    codes = sight._codes(colours)
+    assert codes.tolist() == [0x010203, 0xFF8000]
+    assert sight._colours(codes) == pytest.approx(colours / 255)
+    assert sight._largest(np.array([[1, -5, 2], [-3, 2, 1], [0, 1, 4]], np.float32)).tolist() == [5, 3, 4]
