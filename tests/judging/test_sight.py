@@ -87,6 +87,7 @@ IN_THE_OPEN: dict[str, Figure] = {
     "on a panel of its own colour": Canvas(DARK).fill(WHITE).draw().figure(curve()),
     "grey": Canvas().draw(colour=GREY).figure(curve(colour=GREY)),
     "in light grey": Canvas().draw(colour=(225, 225, 225)).figure(curve(colour=(225, 225, 225))),
+    "more than opaque": Canvas().draw().figure(curve(alpha=5.0)),
     "faint": Canvas().draw(colour=(244, 244, 244)).figure(curve(colour=(244, 244, 244))),
     "on a half that is tinted": Canvas().fill((255, 140, 140), 0.55).draw().figure(curve()),
     "as points": Canvas().draw().figure(curve(kind="points", style="None", marker="o", width=4.0)),
@@ -172,9 +173,13 @@ def test_another_curve_over_a_part_hides_it() -> None:
 
 def test_a_curve_is_seen_through_another_one_that_lets_it_through() -> None:
     through = Canvas().draw(thick=3).draw(colour=BLUE, opacity=0.5, thick=5)
-    first, second = looked(through.figure(curve(), curve(colour=BLUE, inks=("#0000ff80",), alpha=0.5)))
+    figure = through.figure(curve(), curve(colour=BLUE, inks=("#0000ff80",), alpha=0.5))
+    first, second = looked(figure)
     assert first.seen.mean() > 0.9
     assert second.seen.mean() > 0.9
+    panel = round((RIGHT - LEFT) * WIDTH) * round((HIGH - LOW) * HEIGHT)
+    assert looked(figure, 4 * panel)[0].seen.mean() > 0.9
+    assert not looked(figure, 4 * panel - 1)[0].seen.any()
 
 
 @pytest.mark.parametrize(
@@ -380,8 +385,9 @@ def test_curves_take_two_pixels_around_them() -> None:
     place = sight._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
     below = sight._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
     wanted = np.zeros((12, 12), bool)
-    wanted[3:8, 4:9] = wanted[:3, 9:] = True
-    assert np.array_equal(sight._taken([place, below], (12, 12)), wanted)
+    wanted[3:8, 4:9] = wanted[:3, 9:] = wanted[8:, :3] = True
+    aside = sight._Places(np.array([10]), np.array([0]), inside[:1], known)
+    assert np.array_equal(sight._taken([place, below, aside], (12, 12)), wanted)
 
 
 def test_sums_are_of_the_square_around_each_pixel() -> None:
