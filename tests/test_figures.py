@@ -108,3 +108,8 @@ def test_a_picture_has_its_size_and_its_pixels() -> None:
     )
     assert isinstance(picture, Picture)
     assert (picture.size_px, picture.ink, picture.preview, picture.palette) == ((8, 6), 0.1, "p", "q")
+
+
+@pytest.mark.parametrize(("path", "name"), [("plots/a.png", "a.png"), ("a.png", "a.png"), (None, "")])
+def test_a_figure_is_called_by_its_file_without_the_folder(path: str | None, name: str) -> None:
+    assert Figure("saved", path, "png", (640, 480)).file_name == name

@@ -93,6 +93,10 @@ OTHERS: dict[str, tuple[Array, Array]] = {
     "the acceleration rather too far off": (STAMPS, ACCEL + 1.1),
     "five readings, one of them wrong": (STAMPS[MIXED], RATE[MIXED] + np.array([0, 0.3, 0, 0, 0])),
     "over anything else, an old one wrong": (np.zeros(100), RATE[450:550] - 0.01 * (np.arange(100) == 4)),
+    "over anything else, from the first reading, the second wrong": (
+        np.zeros(10),
+        RATE[:91:10] + 0.01 * (np.arange(10) == 1),
+    ),
     "over anything else, one of the last wrong": (np.zeros(100), RATE[450:550] - 0.01 * (np.arange(100) == 96)),
     "much noise on the acceleration": (STAMPS, noisy(ACCEL, 2.0)),
     "two readings": (STAMPS[100:300:100], np.array([5.0, 6.0])),
@@ -143,3 +147,12 @@ def test_noise_is_to_be_seen_on_a_channel_that_rests(size: float, off: float, sh
 def test_noise_is_to_be_seen_on_a_channel_that_rests_beside_lively_ones() -> None:
     channels = np.column_stack([CHANNELS[:, :5], np.zeros(COUNT)])
     assert liveplot.shows(STAMPS, RNG.uniform(-0.08, 0.08, COUNT), channels, DT)
+
+
+def test_noise_alone_is_no_channel_that_moves_a_little() -> None:
+    """Both begin with a jolt, so that the first reading is like no other one."""
+    jolt = 0.5 * (np.arange(COUNT) < 2)
+    moving, noise = 0.08 * np.sin(20 * STAMPS) + jolt, RNG.uniform(-0.02, 0.02, COUNT)
+    channels = np.column_stack([CHANNELS[:, :5], moving])
+    assert liveplot.shows(STAMPS, moving + noise, channels, DT)
+    assert not liveplot.shows(STAMPS, jolt + noise, channels, DT)
