@@ -39,8 +39,8 @@ def languages() -> Mapping[str, Mapping[str, Any]]:
 
 
 def _any_of(stems: Iterable[str]) -> str:
-    """A pattern for one of these stems; the longest goes first, and none matches nothing."""
-    listed = sorted({re.escape(_spelt(stem)) for stem in stems}, key=lambda stem: (-len(stem), stem))
+    """A pattern for one of these stems; none matches nothing."""
+    listed = sorted({re.escape(_spelt(stem)) for stem in stems})
     return f"(?:{'|'.join(listed)})" if listed else r"(?!)"
 
 
@@ -158,7 +158,7 @@ def axis_of(text: str) -> int | None:
     """The axis (0, 1, 2) that a curve's name speaks of; None where it is not certain."""
     words = plain(text)
     named = {axis for axis, pattern in enumerate(_AXES) if pattern.search(words)}
-    spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower().replace("_", " "))
+    spaced = re.sub(r"[^a-z0-9]+", " ", unicodedata.normalize("NFKC", text).lower())
     for axis, letter in enumerate(_AXIS_LETTERS):
         if re.search(rf"(^|\s)(a|g|w|f|acc|accel|gyro|gyr|omega|lin|ang|rate|achse)?\s?{letter}(\s|$)", spaced):
             named.add(axis)
