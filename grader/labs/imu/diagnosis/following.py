@@ -167,7 +167,7 @@ def places(ink: Ink, first: int, last: int, curves: Curves) -> Iterator[tuple[tu
 def _telling(values: Array) -> NDArray[np.intp]:
     """The columns that the search looks at: half of them evenly over the time, half of them over the rises and falls."""
     n = values.shape[1]
-    risen = np.cumsum(np.abs(np.diff(values, axis=1, prepend=values[:, :1])).sum(axis=0))
+    risen = np.cumsum(np.abs(np.diff(values, prepend=values[:, :1])).sum(axis=0))
     way = risen / risen[-1] + np.arange(n) / n
     few: NDArray[np.intp] = np.rint(np.interp(np.linspace(0, way[-1], min(_COLUMNS, n)), way, np.arange(n))).astype(
         np.intp
