@@ -66,11 +66,21 @@ def _on_axes(*axes: int, others: Answers = lambda _, x: x) -> Answers:
     return answer
 
 
+def _below_now_and_then(alpha: float, x: Array) -> Array:
+    y = _restarting(20)(alpha, x)
+    return np.where(np.arange(len(x))[:, None] % 20 == 19, x - 1, y)
+
+
+def _late_and_again(alpha: float, x: Array) -> Array:
+    return np.vstack([_starting_late(alpha, x[:60]), _starting_late(alpha, x[60:])])
+
+
 _CROSSED = np.array([[1.0, 0.1, 0], [0, 0.9, 0], [0, 0, 1]])
+_LESS = np.array([[1.0, -0.1, 0], [0, 1, 0], [0, 0, 1]])
 
 
-def _from(constant: float) -> Answers:
-    return lambda alpha, x: alpha * x + constant
+def _from(constant: float | list[float]) -> Answers:
+    return lambda alpha, x: np.asarray(alpha * x + constant)
 
 
 _TOLD: dict[str, tuple[Answers, list[str]]] = {
@@ -80,8 +90,10 @@ _TOLD: dict[str, tuple[Answers, list[str]]] = {
     "the measurement but for the first": (lambda _, x: np.vstack([0 * x[:1], x[1:]]), ["no-filtering"]),
     "the first": (lambda _, x: np.tile(x[0], (len(x), 1)), ["output-stuck"]),
     "zeros": (lambda _, x: 0 * x, ["output-stuck"]),
+    "the first, then zeros": (lambda _, x: np.vstack([x[:1], 0 * x[1:]]), ["output-stuck"]),
     "hardly anything moves": (lambda _, x: 0 * x + 0.7 * _ATOL * np.eye(len(x), 3), ["output-stuck"]),
     "from the same value": (_from(3), ["state-not-kept"]),
+    "from the same three values": (_from([3, 4, 5]), ["state-not-kept"]),
     "from the same value, weights exchanged": (lambda alpha, x: (1 - alpha) * x - 2, ["state-not-kept"]),
     "of two measurements": (lambda c, x: c * x + (1 - c) * np.roll(x, 1, axis=0), ["filters-input-history"]),
     "of two, exchanged": (lambda c, x: (1 - c) * x + c * np.roll(x, 1, axis=0), ["filters-input-history"]),
@@ -93,6 +105,9 @@ _TOLD: dict[str, tuple[Answers, list[str]]] = {
     "starts again each sixth": (_restarting(6), ["filter-restarts"]),
     "starts again each fifth": (_restarting(4), []),
     "starts late": (_starting_late, []),
+    "starts late, and starts again late": (_late_and_again, ["filter-restarts"]),
+    "below the measurement now and then": (_below_now_and_then, []),
+    "mean of so many that one or three are": (lambda alpha, x: _averaged(int(1 / alpha))(alpha, x), ["moving-average"]),
     "mean of two": (_averaged(2), ["moving-average"]),
     "mean of twenty": (_averaged(20), ["moving-average"]),
     "a gain without memory": (lambda _, x: 0.5 * x, ["does-not-filter"]),
@@ -105,8 +120,10 @@ _TOLD: dict[str, tuple[Answers, list[str]]] = {
     "two axes": (_on_axes(0, 1), ["axes-mixed"]),
     "one axis": (_on_axes(2), ["axes-mixed"]),
     "two axes, one stuck": (_on_axes(0, 2, others=lambda _, x: 0 * x + 1), ["axes-mixed"]),
+    "two axes, one stuck after the first": (_on_axes(1, 2, others=lambda _, x: np.vstack([x[:1], 0 * x[1:]])), ["axes-mixed"]),
     "two axes, one of noise": (_on_axes(0, 2, others=lambda _, x: np.cos(9 * x)), []),
     "crossed": (lambda alpha, x: _sheet(alpha, x @ _CROSSED), ["axes-mixed"]),
+    "taken off another one": (lambda alpha, x: _sheet(alpha, x @ _LESS), ["axes-mixed"]),
     "squared": (lambda _, x: x**2, []),
     "another recursion an axis": (lambda alpha, x: np.stack([_of(a, 1 - a, x)[:, i] for i, a in enumerate((alpha, 0.2, 0.9))], axis=1), []),
 }  # fmt: skip
@@ -151,6 +168,11 @@ def test_the_coefficients_of_a_recursion_are_found_until_it_runs_away(
     assert filtering.recursion_of(_X, y) == (None if found is None else pytest.approx(found, abs=1e-5))
 
 
+def test_a_recursion_runs_away_below_zero_as_above() -> None:
+    below = -np.abs(_X)
+    assert filtering.recursion_of(below, _of(0.3, 2, below)) == pytest.approx((0.3, 2))
+
+
 def test_six_outputs_tell_two_coefficients() -> None:
     y = _of(0.3, 0.7)
     assert filtering.recursion_of(_X[:6], y[:6]) == pytest.approx((0.3, 0.7))
@@ -175,7 +197,8 @@ def test_what_grows_by_itself_runs_away(y: Array, away: bool) -> None:
         (_X, -2 * _X + 7, True),
         (_X, _X * [1, 0, 3], True),
         (_X, np.vstack([0 * _X[:1], 2 * _X[1:]]), True),
-        (_X, 0 * _X + 3, False),
+        (_X, 0 * _X + [1, 2, 3], False),
+        (_X, np.vstack([_X[:1], 0 * _X[1:]]), False),
         (_X, _of(1 - 1e-3, 1e-3), False),
         (_X, _X + 0.7 * _ATOL * _ONE, True),
         (_X, _X + 3 * _ATOL * _ONE, False),
