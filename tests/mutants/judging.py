@@ -11,6 +11,7 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import os
+import re
 import resource
 import signal
 import sys
@@ -106,9 +107,7 @@ def judging_mutants(chosen: Sequence[str]) -> list[Mutant]:
         for file in chosen
         for mutant in mutants(file, (ROOT / file).read_text("utf-8"), frozenset(unjudged.get(file, ())))
     ]
-    return [
-        mutant for mutant in made if not (_drops_a_proof(mutant) or _says_no_less(mutant) or _converts_less(mutant))
-    ]
+    return [mutant for mutant in made if not (_drops_a_proof(mutant) or _says_no_less(mutant) or _drops_a_type(mutant))]
 
 
 def _drops_a_proof(mutant: Mutant) -> bool:
@@ -123,9 +122,12 @@ def _says_no_less(mutant: Mutant) -> bool:
     return mutant.change.startswith("return None → return")
 
 
-def _converts_less(mutant: Mutant) -> bool:
-    """Whether it leaves a number or a truth to numpy that was made Python's own for mypy."""
-    return mutant.operator == "copy" and mutant.change.startswith(("float(", "bool("))
+def _drops_a_type(mutant: Mutant) -> bool:
+    """Whether it leaves NumPy's own truth value, number or array where mypy wants the type named: nothing is judged by it."""
+    return mutant.operator == "copy" and _TYPE.fullmatch(mutant.change) is not None
+
+
+_TYPE = re.compile(r"(?:bool|float|np\.asarray)\((.*)\) → \1(?: \(\d+\))?")
 
 
 def is_python(mutant: Mutant) -> bool:

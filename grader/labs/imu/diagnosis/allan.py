@@ -60,8 +60,7 @@ def spread_of_averages(samples: Array, m: int) -> float:
 
 
 def _spread_unbiased(samples: Array, m: int) -> float:
-    averages = _clusters(samples, m).mean(axis=1)
-    return float(np.std(averages, ddof=1)) if len(averages) > 1 else float("nan")
+    return float(np.std(_clusters(samples, m).mean(axis=1), ddof=1))
 
 
 def fits(sizes: Sizes, curve: Array, samples: Array, *, factor: float = 1.0) -> bool:

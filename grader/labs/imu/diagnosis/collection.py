@@ -270,7 +270,7 @@ def _strides(series: Collection, worlds: Worlds) -> set[int]:
 
 def _steps_by_stamps(series: Collection, worlds: Worlds) -> tuple[int, ...]:
     """After which step each row was stored if its stamp is right; nothing where no step is left out."""
-    if series.time is None or len(series.time) < FEWEST_ROWS or not np.isfinite(series.time).all():
+    if series.time is None or len(series.time) < FEWEST_ROWS:
         return ()
     steps = np.round(series.time / worlds.timestep) - 1
     thinned = steps[0] >= 0 and np.diff(steps).min() >= 1 and steps[-1] < 1e6 and np.diff(steps).mean() > _THINNED
@@ -336,7 +336,7 @@ def nearest(series: Collection, worlds: Worlds) -> str | None:
     first, *others = sorted(
         (_distance(series.acceleration, series.angular_velocity, *rows), name) for name, rows in known.items()
     )
-    return first[1] if all(3 * first[0] <= far for far, _ in others) else None
+    return first[1] if all(3 * first[0] < far for far, _ in others) else None
 
 
 def _distance(acceleration: Array, angular_velocity: Array, accel: Array, gyro: Array) -> float:

@@ -31,7 +31,7 @@ def handled(got: tuple[Array, Array], true: tuple[Array, Array], world_from_site
     ----------
     world_from_site : (n, 3, 3) ndarray, the sensors' own axes in the world
     """
-    if not all(np.isfinite(g).all() and np.abs(g).max() < _ABSURD for g in got):
+    if not all(np.abs(g).max() < _ABSURD for g in got):
         return None
     wrong = [(g, t, atol) for g, t in zip(got, true, strict=True) if not same(g, t, atol)]
     found = explain(
@@ -52,21 +52,24 @@ def _of_each(name: str, fits: Fits) -> Named[list[tuple[Array, Array, float]]]:
 
 
 def clipped(got: Array, true: Array, atol: float) -> bool:
-    """Whether (n, 3) readings are the true ones within limits: one for all axes, or one for each, at which two stand or more."""
+    """Whether (n, 3) readings are the true ones within limits: one for all axes, or one for each, at which two stand or more.
+
+    What never moves is a constant, of which no limit makes anything.
+    """
     return any(_within_limits(got, true, axis, atol) for axis in (None, 0))
 
 
 def _within_limits(got: Array, true: Array, axis: int | None, atol: float) -> bool:
     low, high = got.min(axis=axis), got.max(axis=axis)
     beyond = [np.count_nonzero(true < low - atol), np.count_nonzero(true > high + atol)]
-    return bool(max(beyond) > 1) and same(got, np.clip(true, low, high), atol)
+    return bool(np.any(low < high) and max(beyond) > 1) and same(got, np.clip(true, low, high), atol)
 
 
 def kept(got: Array, true: Array, atol: float) -> bool:
     """Whether each reading is either its own or the one that was given before, and some of both."""
     own = np.abs(got - true).max(axis=1) <= atol
-    again = np.concatenate([[True, False], np.abs(np.diff(got[1:], axis=0)).max(axis=1) <= atol])
-    return bool((own | again)[2:].all() and own.sum() > 2 and (~own).sum() > 2)
+    again = np.abs(np.diff(got[1:], axis=0)).max(axis=1) <= atol
+    return bool((own[2:] | again).all() and own.sum() > 2 and (~own).sum() > 2)
 
 
 def smoothed(got: Array, true: Array, atol: float) -> bool:
@@ -76,15 +79,14 @@ def smoothed(got: Array, true: Array, atol: float) -> bool:
     """
     for memory in range(2, _LONGEST_MEMORY + 1):
         rows = range(memory, len(got))
-        if _weighs(got, [np.concatenate([true[n - lag] for n in rows]) for lag in range(memory)], rows, atol):
+        if _weighs(got[memory:], [np.concatenate([true[n - lag] for n in rows]) for lag in range(memory)], atol):
             return True
-    rows = range(2, len(got))
-    return _weighs(got, [true[2:].ravel(), got[1:-1].ravel()], rows, atol)
+    return _weighs(got[2:], [true[2:].ravel(), got[1:-1].ravel()], atol)
 
 
-def _weighs(got: Array, parts: list[Array], rows: range, atol: float) -> bool:
-    """Whether these rows are a mean of the parts with weights that add up to one, and not the first part alone."""
-    wanted, columns = got[rows.start : rows.stop].ravel(), np.column_stack(parts)
+def _weighs(got: Array, parts: list[Array], atol: float) -> bool:
+    """Whether these readings are a mean of the parts with weights that add up to one, and not the first part alone."""
+    wanted, columns = got.ravel(), np.column_stack(parts)
     if len(wanted) < 2 * columns.shape[1]:
         return False
     weights = np.linalg.lstsq(columns, wanted, rcond=None)[0]

@@ -91,16 +91,15 @@ class Facts:
 
 def accumulates(facts: Facts) -> bool:
     """Whether each read carries the noise of the reads before: successive ones hardly differ from each other."""
-    columns = facts.centred.reshape(len(facts.residual), -1, 3)
-    return bool(min(st.autocorrelation(c, 1).min() for c in columns) > 0.9) and not facts.still
+    return not facts.still and bool(min(st.autocorrelation(state, 1).min() for state in facts.centred) > 0.9)
 
 
 def one_signed(facts: Facts) -> bool:
     """Whether, on every axis, the reads begin at truth plus bias and go to one side of it, as absolute values do."""
     if facts.still:
         return False
-    beside, edge = (facts.residual - facts.bias).reshape(-1, 3), 0.05 * facts.pooled_spread
-    least, most = beside.min(axis=0), beside.max(axis=0)
+    beside, edge = facts.residual - facts.bias, 0.05 * facts.pooled_spread
+    least, most = beside.min(axis=(0, 1)), beside.max(axis=(0, 1))
     return bool(np.all((least >= -TRUTH_ATOL) & (least < edge)) or np.all((most <= TRUTH_ATOL) & (most > -edge)))
 
 

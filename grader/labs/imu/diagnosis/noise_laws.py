@@ -77,7 +77,7 @@ def correlated(facts: Facts) -> bool:
 def innovation(facts: Facts) -> float:
     """The spread of what is new in a read, if it keeps a share of the read before: sqrt(1 - r^2) of the whole."""
     r = float(np.mean([st.autocorrelation(state, 1) for state in facts.centred]))
-    return facts.pooled_spread * float(np.sqrt(max(1 - r**2, 0.0)))
+    return facts.pooled_spread * float(np.sqrt(1 - r**2))
 
 
 def clipped(facts: Facts) -> bool:
@@ -116,7 +116,7 @@ def living(facts: Facts) -> Array:
 def is_normal(facts: Facts) -> bool:
     """Whether mean deviation and standard deviation are as far apart as a normal law has them; still axes aside."""
     values = living(facts)
-    if facts.still or not values.size:
+    if not values.size:
         return True
     low, high = st.geary_bounds(values.size)
     return bool(low <= st.geary(values) <= high)

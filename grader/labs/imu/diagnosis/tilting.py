@@ -96,10 +96,6 @@ def _follows_gyroscope(seen: Response) -> bool:
     return bool(np.abs(seen.turn).max() > 1e-3)
 
 
-def _blends(seen: Response) -> bool:
-    return seen.moved and _follows_gyroscope(seen)
-
-
 def _degrees(seen: Response) -> bool:
     own = np.diag(seen.turn)
     scale = np.degrees(1.0)
@@ -144,7 +140,7 @@ def _near(got: Array, wanted: Array, atol: float = 0.02) -> bool:
 _HYPOTHESES: list[Named[Response]] = [
     Named(1, "gyro-only", lambda seen: _follows_gyroscope(seen) and not seen.moved),
     Named(1, "accel-only", lambda seen: seen.moved and not _follows_gyroscope(seen)),
-    Named(2, "weights-swapped", lambda seen: _blends(seen) and _swapped(seen)),
-    Named(3, "degrees-not-radians", lambda seen: _blends(seen) and _degrees(seen)),
-    Named(4, "tilt-sign-wrong", lambda seen: _blends(seen) and _sign(seen)),
+    Named(2, "weights-swapped", lambda seen: seen.moved and _swapped(seen)),
+    Named(3, "degrees-not-radians", lambda seen: seen.moved and _degrees(seen)),
+    Named(4, "tilt-sign-wrong", lambda seen: seen.moved and _sign(seen)),
 ]

@@ -1,0 +1,209 @@
+"""Which curves over averaging times are Allan deviations, by curves that are computed by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from grader.labs.imu.compare import Array
+from grader.labs.imu.diagnosis import allan
+
+pytestmark = pytest.mark.quick
+_N, _RATE = 1200, 100.0
+_RECORDS = [np.random.default_rng(3).normal(size=_N), np.cumsum(np.random.default_rng(4).normal(size=_N))]
+_WHITE = _RECORDS[0]
+_SIZES = np.array([1, 2, 3, 5, 8, 13, 20, 30, 40, 100, 300])
+
+
+def _overlapping(x: Array, m: int) -> float:
+    means = np.array([x[i : i + m].mean() for i in range(len(x) - m + 1)])
+    return float(np.sqrt(np.mean((means[m:] - means[:-m]) ** 2) / 2))
+
+
+def _separate(x: Array, m: int) -> float:
+    means = np.array([x[i : i + m].mean() for i in range(0, len(x) - m + 1, m)])
+    return float(np.sqrt(np.mean(np.diff(means) ** 2) / 2))
+
+
+def _spread(ddof: int) -> Callable[[Array, int], float]:
+    return lambda x, m: float(np.std([x[i : i + m].mean() for i in range(0, len(x) - m + 1, m)], ddof=ddof))
+
+
+def _curve(form: Callable[[Array, int], float] = _overlapping, x: Array = _WHITE, sizes: Array = _SIZES) -> Array:
+    return np.array([form(x, int(m)) for m in sizes])
+
+
+def test_both_estimates_are_the_handbooks() -> None:
+    for m in (1, 2, 7, 600):
+        assert allan.overlapping(_WHITE, m) == pytest.approx(_overlapping(_WHITE, m))
+        assert allan.separate(_WHITE, m) == pytest.approx(_separate(_WHITE, m))
+    assert np.isnan(allan.overlapping(_WHITE[:3], 2))
+    assert np.isnan(allan.separate(_WHITE[:3], 2))
+    assert allan.spread_of_averages(_WHITE, 7) == pytest.approx(_spread(0)(_WHITE, 7))
+
+
+_SWAY = np.resize([1.0, -1.0], len(_SIZES))
+_TRUE = _curve()
+_ROOTS = np.sqrt(_N / _SIZES)
+_EVEN = _SIZES % 2 == 0
+
+
+@pytest.mark.parametrize(
+    ("sizes", "curve", "fits"),
+    [
+        (_SIZES, _TRUE, True),
+        (_SIZES, _curve(_separate), True),
+        (_SIZES, np.where(_EVEN, _TRUE, _curve(_separate)), True),
+        (_SIZES, _curve(x=_WHITE[1:]), True),
+        (_SIZES, _curve(_separate, x=_WHITE[:-1]), True),
+        (_SIZES, np.array([_separate(_WHITE[_N % m :], m) for m in _SIZES]), True),
+        (_SIZES, 2**0.5 * _TRUE, False),
+        (_SIZES, _TRUE**2, False),
+        (_SIZES, 1.09 * _TRUE, True),
+        (_SIZES, 1.12 * _TRUE, False),
+        (_SIZES, _TRUE / 1.12, False),
+        (_SIZES, _TRUE * np.exp(4.9 * _SWAY / _ROOTS * (_SIZES >= 20)), True),
+        (_SIZES, _TRUE * np.exp(5.1 * _SWAY / _ROOTS * (_SIZES == 20)), False),
+        (_SIZES, _TRUE * np.exp(-5.1 / _ROOTS * (_SIZES == 40)), False),
+        (_SIZES, _TRUE * np.where(_SIZES > 40, 3, 1), True),
+        (_SIZES, _TRUE * np.where(_SIZES == 40, 3, 1), False),
+        (_SIZES, 1.05 * _TRUE * np.where(_SIZES == 300, 0, 1), False),
+        (_SIZES, 1.05 * _TRUE * np.where(_SIZES == 300, -1, 1), False),
+        (_SIZES[:3], _TRUE[:3], True),
+        (_SIZES[:2], _TRUE[:2], False),
+        (_SIZES[-4:], 1.05 * _TRUE[-4:], False),
+        (_SIZES[-4:], _TRUE[-4:], True),
+        (_SIZES[-4:], _curve(_separate)[-4:], True),
+        (_SIZES[-4:], (1 + 0.9e-6) * _TRUE[-4:], True),
+        (_SIZES[-4:], (1 - 1.5e-6) * _TRUE[-4:], False),
+        (_SIZES, _TRUE * np.where((_SIZES > 10) & (_SIZES < 50), 1.3, 1), True),
+        (np.array([500, 550, 600]), _curve(sizes=np.array([500, 550, 600])), True),
+        (_SIZES[-5:], 1.01 * _TRUE[-5:], True),
+        (np.array([1, 2, 3, 600]), _curve(sizes=np.array([1, 2, 3, 600])), True),
+        (np.array([1, 2, 3, 0, 601, 700]), np.append(_TRUE[:3], [1, 1, 1]), True),
+        (np.array([1, 2, 3, 0, 601, 700, 701, 900]), np.append(_TRUE[:3], [1] * 5), False),
+    ],
+)  # fmt: skip
+def test_a_curve_is_an_allan_deviation_by_rounding_or_as_an_estimate(sizes: Array, curve: Array, fits: bool) -> None:
+    assert allan.fits(sizes, curve, _WHITE) == fits
+    assert allan.fits(sizes, 2 * curve, _WHITE, factor=2.0) == fits
+
+
+_UNEVEN = np.array([350, 410, 550, 590])
+
+
+@pytest.mark.parametrize("form", [_overlapping, _separate])
+def test_an_estimate_may_lose_a_sample_at_either_end_or_what_is_left_over_at_the_start(
+    form: Callable[[Array, int], float],
+) -> None:
+    for part in (_WHITE, _WHITE[1:], _WHITE[:-1]):
+        assert allan.fits(_UNEVEN, _curve(form, part, _UNEVEN), _WHITE)
+    assert allan.fits(_UNEVEN, np.array([form(_WHITE[_N % m :], m) for m in _UNEVEN]), _WHITE)
+    assert not allan.fits(_UNEVEN, _curve(form, _WHITE[2:], _UNEVEN), _WHITE)
+
+
+def _records(taus: Callable[[Array], Array], sizes: Array = _SIZES, rate: float = _RATE) -> list[allan.Record]:
+    return [(taus(sizes / rate), _curve(x=x, sizes=sizes), x) for x in _RECORDS]
+
+
+@pytest.mark.parametrize(
+    ("taus", "seconds"),
+    [
+        (lambda t: t, True),
+        (lambda t: t + 0.4 / _RATE, True),
+        (lambda t: t - 0.4 / _RATE, True),
+        (lambda t: t + 0.8 / _RATE, True),
+        (lambda t: t - 0.8 / _RATE, True),
+        (lambda t: t * _RATE, False),
+        (lambda t: t * _RATE**2, False),
+        (lambda t: t / _RATE, False),
+        (lambda t: t / 2, False),
+        (lambda t: t * 2, False),
+        (lambda t: t * 3, None),
+    ],
+)  # fmt: skip
+def test_averaging_times_are_seconds_or_something_else_that_fits_all_records(
+    taus: Callable[[Array], Array], seconds: bool | None
+) -> None:
+    found = allan.unit_of_times(_records(taus), _RATE)
+    assert (None if found is None else found[0]) == seconds
+    if found is not None:
+        times, curve, samples = _records(taus)[1]
+        assert allan.fits(found[1](times, _RATE), curve, samples)
+
+
+def test_one_record_that_fits_otherwise_tells_no_unit() -> None:
+    sound, other = _records(lambda t: t)
+    assert allan.unit_of_times([sound, (other[0], 3 * other[1], other[2])], _RATE) is None
+
+
+def test_cluster_sizes_are_seconds_times_the_rate() -> None:
+    assert allan.in_seconds(np.array([0.01, 0.0249, 0.0251]), 100.0).tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(("points", "left"), [(1, 1), (5, 5), (200, 200), (201, 200), (5000, 200)])
+def test_of_a_long_curve_two_hundred_points_are_looked_at_the_first_and_last_among_them(points: int, left: int) -> None:
+    taus, curve = allan.thinned(np.arange(points) + 1.0, -np.arange(points) - 1.0)
+    assert len(taus) == left
+    assert (taus[0], taus[-1]) == (1, points)
+    assert (curve == -taus).all()
+    assert (np.diff(taus) > 0).all()
+
+
+_TAUS = np.array([1.0, 2, 4, 8, 16])
+_FALLING = 3 * _TAUS**-0.5
+
+
+@pytest.mark.parametrize(
+    ("taus", "curve", "clusters", "slope"),
+    [
+        (_TAUS, _FALLING, np.full(5, 30), -0.5),
+        (_TAUS, _FALLING, np.array([100, 60, 30, 29, 2]), -0.5),
+        (_TAUS, np.array([*_FALLING[:3], 9, 9]), np.array([100, 60, 30, 29, 29]), -0.5),
+        (_TAUS, np.array([*_FALLING[:3], 9, 9]), np.array([100, 60, 30, 30, 29]), 0.43),
+        (_TAUS, _FALLING, np.array([100, 60, 29, 29, 2]), None),
+        (_TAUS, np.array([*_FALLING[:3], 0, np.nan]), np.full(5, 30), -0.5),
+        (_TAUS, np.array([*_FALLING[:3], -1, np.inf]), np.full(5, 30), -0.5),
+        (np.array([0.0, 0, 4, 8, 16]), _FALLING, np.full(5, 30), -0.5),
+        (np.array([-1.0, 2, 4, 8, 16]), _FALLING, np.full(5, 30), -0.5),
+        (np.array([0.0, 0, 0, 8, 16]), _FALLING, np.full(5, 30), None),
+        (np.array([1.0, 1, 1, 2, 2]), _FALLING, np.full(5, 30), None),
+        (np.array([1.0, 1, 1, 2, 4]), np.array([3.0, 3, 3, 6, 12]), np.full(5, 30), 1),
+    ],
+)
+def test_the_slope_rests_on_thirty_clusters_and_three_times(
+    taus: Array, curve: Array, clusters: Array, slope: float | None
+) -> None:
+    assert allan.slope(taus, curve, clusters) == (None if slope is None else pytest.approx(slope, abs=0.01))
+
+
+def _mistaken(
+    form: Callable[[Array, int], float], factor: float = 1.0, per: float = _RATE, sizes: Array = _SIZES
+) -> list[allan.Record]:
+    return [(sizes / per, factor * _curve(form, x, sizes), x) for x in _RECORDS]
+
+
+@pytest.mark.parametrize(
+    ("records", "told"),
+    [
+        (_records(lambda t: t), []),
+        (_mistaken(_overlapping, 2**0.5), ["allan-factor-missing"]),
+        (_mistaken(_separate, 2**0.5), ["allan-factor-missing"]),
+        (_mistaken(_overlapping, 2**0.5, 1.0), ["allan-factor-missing"]),
+        (_mistaken(_overlapping, 3), []),
+        (_mistaken(_spread(0)), ["std-not-allan"]),
+        (_mistaken(_spread(1)), ["std-not-allan"]),
+        (_mistaken(_spread(0), 1.015), ["std-not-allan"]),
+        (_mistaken(_spread(0), 1.03), []),
+        (_mistaken(_spread(0), 0.95), []),
+        (_mistaken(_spread(0), per=1.0), ["std-not-allan"]),
+        (_mistaken(_spread(0), sizes=_SIZES[4:7]), ["std-not-allan"]),
+        (_mistaken(_spread(0), sizes=_SIZES[5:7]), []),
+        (_mistaken(_spread(0), sizes=np.array([1, 2, 600])), ["std-not-allan"]),
+        ([_mistaken(_spread(0))[0], _mistaken(_overlapping, 2**0.5)[1]], []),
+    ],
+)
+def test_the_one_mistake_that_predicts_every_curve_is_told(records: list[allan.Record], told: list[str]) -> None:
+    assert allan.mistakes(records, _RATE) == told
