@@ -124,11 +124,7 @@ def _taken(places: Sequence[_Places], shape: tuple[int, ...]) -> Mask:
         rows, columns = place.rows[place.inside] + 2, place.columns[place.inside] + 2
         fits = (rows >= 2) & (columns >= 2) & (rows < shape[0] + 2) & (columns < shape[1] + 2)
         taken[rows[fits], columns[fits]] = True
-    wide = np.zeros_like(taken)
-    for down in (-2, -1, 0, 1, 2):
-        for right in (-2, -1, 0, 1, 2):
-            wide |= np.roll(taken, (down, right), (0, 1))
-    return wide[2:-2, 2:-2]
+    return _widened(taken, 2)[2:-2, 2:-2]
 
 
 # --- what stands there ---------------------------------------------------------------------------------------------------
@@ -331,12 +327,12 @@ def _boxed(values: NDArray[Any], at: NDArray[np.intp]) -> Array:
 
 
 def _widened(mask: Mask, reach: int) -> Mask:
-    padded = np.pad(mask, reach)
-    wide = np.zeros_like(mask)
-    for down in range(2 * reach + 1):
-        for right in range(2 * reach + 1):
-            wide |= padded[down : down + mask.shape[0], right : right + mask.shape[1]]
-    return wide
+    """Each pixel with those around it, first along the columns, then along the rows."""
+    for _ in range(2):
+        padded = np.pad(mask, ((reach, reach), (0, 0)))
+        shifted = [padded[down : down + len(mask)] for down in range(2 * reach + 1)]
+        mask = np.logical_or.reduce(shifted).T
+    return mask
 
 
 def commonest(codes: Codes) -> int:
