@@ -317,7 +317,7 @@ def _largest(off: Pixels) -> Pixels:
 
 
 def _squares(shape: tuple[int, int], at: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The corners of the square around each of these pixels, as flat indices of sums with a row and a column of zeros before them."""
+    """The corners of the square around each pixel, as flat indices of sums with a row and a column of zeros before them."""
     height, width = shape
     rows, columns = np.divmod(at, width)
     top, bottom = np.maximum(rows - _AROUND, 0), np.minimum(rows + _AROUND + 1, height)
