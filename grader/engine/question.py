@@ -39,9 +39,12 @@ class Question(Generic[T]):
         return key_of(self.op, {"": self.about, **self.fields}, self.arrays)
 
 
+_SORTED = json.JSONEncoder(sort_keys=True)
+
+
 def key_of(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
     """A digest of all that is asked: every field, and the type, shape and numbers of every array."""
-    digest = hashlib.sha256(json.dumps([op, fields], sort_keys=True).encode("utf-8", "surrogatepass"))
+    digest = hashlib.sha256(_SORTED.encode([op, fields]).encode("utf-8", "surrogatepass"))
     for name, array in sorted(arrays.items()):
         whole = np.ascontiguousarray(array)
         digest.update(f"\0{name}\0{whole.dtype.str}\0{whole.shape}\0".encode())

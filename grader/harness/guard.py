@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 import types
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 
@@ -24,7 +25,7 @@ class Guard:
             module for name, module in sys.modules.items() if name == package or name.startswith(f"{package}.")
         ]
         self._keep_numpy()
-        self._known = [_members(module) for module in self._modules]
+        self._known = [member for module in self._modules for member in _members(module)]
 
     def _keep_numpy(self) -> None:
         """Give each module a numpy whose names nobody else can set."""
@@ -43,23 +44,22 @@ class Guard:
 
     def check(self) -> None:
         """Raise ChangedError where a function or a method was exchanged."""
-        for module, known in zip(self._modules, self._known, strict=True):
-            for owner, name, value, code in known:
-                now = vars(module if owner is None else owner).get(name)
-                if now is not value or getattr(now, "__code__", None) is not code:
-                    raise ChangedError(f"the harness was changed: {name}")
+        for names, name, value, code in self._known:
+            now = names.get(name)
+            if now is not value or (code is not None and now.__code__ is not code):
+                raise ChangedError(f"the harness was changed: {name}")
 
 
-Member = tuple[type | None, str, Any, types.CodeType | None]
+Member = tuple[Mapping[str, Any], str, Any, types.CodeType | None]
+"""Where a name stands, what it stands for, and what that does if it is a function."""
 
 
-def _members(module: types.ModuleType) -> list[Member]:
+def _members(module: types.ModuleType) -> Iterator[Member]:
     """Functions and classes of a module, and the methods of its own classes."""
-    found: list[Member] = []
     for name, value in vars(module).items():
         if isinstance(value, types.FunctionType | type | types.ModuleType):
-            found.append((None, name, value, getattr(value, "__code__", None)))
+            yield vars(module), name, value, getattr(value, "__code__", None)
         if isinstance(value, type) and value.__module__ == module.__name__:
-            methods = [(n, v) for n, v in vars(value).items() if isinstance(v, types.FunctionType)]
-            found += [(value, method, function, function.__code__) for method, function in methods]
-    return found
+            for method, function in vars(value).items():
+                if isinstance(function, types.FunctionType):
+                    yield vars(value), method, function, function.__code__

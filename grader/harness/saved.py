@@ -39,10 +39,11 @@ class Drawn:
 def written_pictures(folder: str) -> list[str]:
     """Names of the picture files below the scratch folder, relative to it."""
     found = []
-    for path in sorted(Path(folder).rglob("*")):
-        if path.suffix.lower() in PICTURES and path.is_file() and not path.is_symlink() and path.stat().st_size:
-            found.append(path.relative_to(folder).as_posix()[:300])
-    return found[:_MOST_FILES]
+    for above, _, names in os.walk(folder):
+        for path in (Path(above, name) for name in names if os.path.splitext(name)[1].lower() in PICTURES):
+            if path.is_file() and not path.is_symlink() and path.stat().st_size:
+                found.append(path.relative_to(folder))
+    return [path.as_posix()[:300] for path in sorted(found)[:_MOST_FILES]]
 
 
 def content_of(target: Any) -> tuple[bytes | None, str | None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 import threading
 import time
@@ -34,14 +35,23 @@ class WallClock:
         self._began = self._now()
 
     def _now(self) -> float:
-        with contextlib.suppress(OSError, ValueError, IndexError), open(self._waits, encoding="ascii") as file:
-            self._waited_s = int(file.read().split()[1]) / 1e9
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            self._waited_s = int(_small_file(self._waits).split()[1]) / 1e9
         return time.monotonic() - self._waited_s
 
     def read(self) -> float:
         """Seconds since it was made; never fewer than it said before, though a wait for a processor is told when it is over."""
         self._read_s = max(self._read_s, self._now() - self._began)
         return self._read_s
+
+
+def _small_file(path: str) -> bytes:
+    """The first bytes of a file that is asked for a hundred times a submission: `open` takes four times as long."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        return os.read(descriptor, 256)
+    finally:
+        os.close(descriptor)
 
 
 class Process(Protocol):

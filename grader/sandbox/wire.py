@@ -151,7 +151,9 @@ def _parse(text: bytes) -> Any:
         )
     except (ValueError, RecursionError) as error:
         raise WireError(f"not strict JSON: {str(error)[:200]}") from None
-    _check_values(value)
+    _check_depth(value)
+    if b"\\u" in text:  # nothing else can write half of a character
+        _check_texts(value)
     return value
 
 
@@ -179,24 +181,23 @@ def _short_integer(digits: str) -> int:
     return int(digits)
 
 
-def _check_values(value: Any) -> None:
-    """Refuse what json accepts and what would fail later: deep nesting and lone surrogates."""
-    waiting: list[tuple[Any, int]] = [(value, 1)]
-    while waiting:
-        item, depth = waiting.pop()
-        if depth > MAX_DEPTH:
-            raise WireError(f"nested deeper than {MAX_DEPTH}")
-        if isinstance(item, str):
-            _check_text(item)
-        elif isinstance(item, list):
-            waiting.extend((child, depth + 1) for child in item)
-        elif isinstance(item, dict):
-            waiting.extend((key, depth + 1) for key in item)
-            waiting.extend((child, depth + 1) for child in item.values())
+def _check_depth(value: Any) -> None:
+    """Refuse what json accepts and what would fail later."""
+    layer = [value]
+    for _ in range(MAX_DEPTH):
+        layer = [
+            child
+            for item in layer
+            if isinstance(item, list | dict)
+            for child in (item if isinstance(item, list) else item.values())
+        ]
+        if not layer:
+            return
+    raise WireError(f"nested deeper than {MAX_DEPTH}")
 
 
-def _check_text(text: str) -> None:
+def _check_texts(value: Any) -> None:
     try:
-        text.encode("utf-8")
+        json.dumps(value, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError:
         raise WireError("a string holds a lone surrogate") from None

@@ -14,7 +14,7 @@ from grader.harness.screen import Screen, open_figures, replaced
 from grader.harness.values import Packer
 
 from . import calls
-from .questions import Reply, examined, provide_ids
+from .questions import Reply, examined, model_of, provide_ids
 
 _MAX_EVENTS = 5000
 _SNAPSHOTS = 8
@@ -41,7 +41,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     del arrays
     function = loading.find("live_plot", fields["path"])
-    model = mujoco.MjModel.from_xml_string(fields["model"])
+    model = model_of(fields["model"])
     model.opt.timestep = fields["timestep"]
     data = mujoco.MjData(model)
     data.qvel[0] = fields["push"]

@@ -166,7 +166,7 @@ def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, A
     answer["departs"] = list(way.departs)
     provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
     names = ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")
-    given = {"model": model, "data": data, **{name: fields[name] for name in names if name in fields}}
+    given = {"model": model, "data": data, **{name: fields[name] for name in names}}
 
     def build(arrays: dict[str, Any], **stds: float) -> Any:
         biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}

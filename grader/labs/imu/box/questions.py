@@ -99,15 +99,23 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     return answer, packer.arrays | {"disturbance": np.array(disturbance).reshape(-1, 4)}
 
 
-_MODELS: dict[str, Any] = {}
+@functools.cache
+def _compiled(xml: str) -> Any:
+    import mujoco
+
+    return mujoco.MjModel.from_xml_string(xml)
+
+
+def model_of(xml: str) -> Any:
+    """A model of its own: what one question does to it, the next does not find."""
+    return _compiled(xml).__copy__()
 
 
 def simulation_of(xml: str) -> tuple[Any, Any]:
     import mujoco
 
-    if xml not in _MODELS:
-        _MODELS[xml] = mujoco.MjModel.from_xml_string(xml)
-    return _MODELS[xml], mujoco.MjData(_MODELS[xml])
+    model = model_of(xml)
+    return model, mujoco.MjData(model)
 
 
 def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
@@ -148,7 +156,7 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     import mujoco
 
     function = loading.find("simulate_and_collect", fields["path"])
-    model = mujoco.MjModel.from_xml_string(fields["model"])
+    model = model_of(fields["model"])
     if fields["timestep"]:
         model.opt.timestep = fields["timestep"]
     if "gravity" in arrays:
@@ -210,7 +218,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 def _run_again(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
     import mujoco
 
-    model = mujoco.MjModel.from_xml_string(fields["model"])
+    model = model_of(fields["model"])
     model.opt.timestep, model.opt.gravity[:] = float(arrays["timestep"][0]), arrays["gravity"]
     data = mujoco.MjData(model)
     starts = {0: tuple(arrays[name] for name in ("qpos", "qvel", "force"))}
