@@ -15,7 +15,7 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -141,11 +141,11 @@ class Examination:
 
     def settle(self) -> None:
         """Charge each fault once: a check that is lost by the fault of another lost one keeps its points, and says so."""
-        judged = dict(self.judgements)
-        for id_, each in judged.items():
-            charging = [judged[other] for other in each.belongs_to if other in judged and judged[other].lost]
-            if each.lost and charging:
-                self.judgements[id_] = replace(each, told=charged_with(charging[0].check.title))
+        self.judgements |= {
+            id_: replace(each, told=charged_with(charging.check.title))
+            for id_, each in self.judgements.items()
+            if (charging := _charging(each, self.judgements)) is not None
+        }
 
     def lost_beside_standins(self, criterion: str) -> bool:
         """Whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
@@ -166,7 +166,7 @@ class Examination:
                 yield
             finally:
                 self._alone = False
-        gains = [_kept(self.judgements[id_]) - _kept(each) for id_, each in beside.items()]
+        gains = [_kept(self.judgements[id_], self.judgements) - _kept(each, beside) for id_, each in beside.items()]
         if min(gains) >= 0 < max(gains):
             self.student.remember(answers)
         else:
@@ -175,8 +175,17 @@ class Examination:
             self._lost.add(criterion)
 
 
-def _kept(judgement: Judgement) -> float:
-    return -1.0 if judgement.told is None else judgement.told.keeps
+def _charging(judgement: Judgement, among: Mapping[str, Judgement]) -> Judgement | None:
+    """The lost one of these that charges the fault of another lost one; None where that is charged for itself."""
+    others = (among[other] for other in judgement.belongs_to if judgement.lost and other in among)
+    return next((other for other in others if other.lost), None)
+
+
+def _kept(judgement: Judgement, among: Mapping[str, Judgement]) -> float:
+    """Which share it keeps once each fault is charged once."""
+    if judgement.told is None:
+        return -1.0
+    return judgement.told.keeps if _charging(judgement, among) is None else 1.0
 
 
 def _turn(lab: Lab, criterion: str) -> int:

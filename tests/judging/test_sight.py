@@ -338,9 +338,9 @@ def test_around_each_pixel_is_what_the_curves_leave_free() -> None:
     free = np.ones((40, 40), bool)
     free[19:22] = False
     marked = np.flatnonzero((np.arange(40) >= 20)[None, :] & np.ones((40, 1), bool))
-    window = sight._Window(
-        free, np.zeros(3), marked, np.zeros((len(marked), 3), np.float32), sight._boxed(free, marked), (0, 0)
-    )
+    squares = sight._squares(free.shape, marked)
+    off, room = np.zeros((len(marked), 3), np.float32), sight._boxed(free, squares)
+    window = sight._Window(free, np.zeros(3), marked, off, squares, room, (0, 0))
     strength = np.where(free.ravel()[marked], 0.4, 1.0).astype(np.float32)
     around = np.zeros((40, 40))
     around.ravel()[marked] = window.around(strength)
@@ -396,7 +396,7 @@ def test_sums_are_of_the_square_around_each_pixel() -> None:
     wanted = [
         values[max(0, r - 8) : r + 9, max(0, c - 8) : c + 9].sum() for r, c in zip(*np.divmod(at, 50), strict=True)
     ]
-    assert sight._boxed(values, at) == pytest.approx(np.array(wanted))
+    assert sight._boxed(values, sight._squares(values.shape, at)) == pytest.approx(np.array(wanted))
 
 
 @pytest.mark.parametrize("reach", [1, 2, 4])

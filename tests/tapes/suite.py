@@ -32,6 +32,7 @@ TESTS = (
     "tests/test_castings.py",
     "tests/test_own_habits.py",
     "tests/test_returned_forms.py",
+    "tests/test_two_faults.py",
     "tests/test_unforeseen_habits.py",
     "tests/test_unforeseen_noise_filter.py",
     "tests/test_unforeseen_plots.py",

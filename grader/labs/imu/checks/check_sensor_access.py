@@ -62,7 +62,8 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     else:
         unaltered = not explained.value_mistakes
     if not unaltered:
-        _values_lost(readings, scene, _value_mistakes(student, truth, explained))
+        meant = explained.place(scene) if explained is not None else (scene.accel, scene.gyro)
+        _values_lost(readings, scene, _value_mistakes(student, truth, explained), meant)
     for name, pairs in _elsewhere_too(truth):
         _mostly_unaltered(_readings(student, truth, name, pairs), Scene.of(truth[name], pairs))
     # whether it is the right place is what follows_address asks
@@ -84,7 +85,7 @@ def _value_mistakes(student: Student, truth: Traces, explained: Explanation | No
 def _mostly_unaltered(readings: Readings, scene: Scene) -> None:
     """Whether the right sensors were read here, and some of their numbers altered."""
     if readings.fault is None and _mostly_right(readings, scene) and _gap(readings, scene)[0].worst > diagnosis.ATOL:
-        _values_lost(readings, scene, ())
+        _values_lost(readings, scene, (), (scene.accel, scene.gyro))
 
 
 def _mostly_right(readings: Readings, scene: Scene) -> bool:
@@ -108,10 +109,11 @@ def _gap(readings: Readings, scene: Scene) -> tuple[Deviation, Array, Array, str
     return gaps[1] if gaps[0][0].worst <= diagnosis.ATOL else gaps[0]
 
 
-def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...]) -> None:
+def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], meant: tuple[Array, Array]) -> None:
+    """Half is kept for a sensor that is as it stands where it is read, which may be the wrong place: that is charged elsewhere."""
     right = [
-        deviation(got.reshape(-1, 3), true.reshape(-1, 3)).worst <= diagnosis.ATOL
-        for got, true in ((readings.accel, scene.accel), (readings.gyro, scene.gyro))
+        deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= diagnosis.ATOL
+        for got, there in zip((readings.accel, readings.gyro), meant, strict=True)
     ]
     if readings.oddities:
         mistakes = ("wrong-length",)  # what is there may be right; the rest is not there
