@@ -201,6 +201,18 @@ STRANGE: list[Reader] = [
 ]
 
 
+def nothing(x: Array) -> Array:
+    return 0 * x
+
+
+@pytest.mark.parametrize("reader", of_either(nothing))
+def test_a_sensor_of_zeros_is_not_read_elsewhere_and_rounded(reader: Reader) -> None:
+    """Whatever place has small numbers in it would explain them."""
+    for scene in (SCENE, TORSO):
+        found = reading.explain(*reader(scene), scene)
+        assert found is None or found.place_mistake is None
+
+
 @pytest.mark.parametrize("reader", STRANGE)
 def test_what_nobody_foresaw_is_not_told_as_anything(reader: Reader) -> None:
     assert reading.explain(*reader(SCENE), SCENE) is None

@@ -34,6 +34,8 @@ def handled(got: tuple[Array, Array], true: tuple[Array, Array], world_from_site
     if not all(np.abs(g).max() < _ABSURD for g in got):
         return None
     wrong = [(g, t, atol) for g, t in zip(got, true, strict=True) if not same(g, t, atol)]
+    if any(np.ptp(g, axis=0).max() <= atol for g, *_ in wrong):
+        return None  # of a constant nothing can be told
     found = explain(
         (
             _of_each("reading-clipped", clipped),
@@ -54,7 +56,7 @@ def _of_each(name: str, fits: Fits) -> Named[list[tuple[Array, Array, float]]]:
 def clipped(got: Array, true: Array, atol: float) -> bool:
     """Whether (n, 3) readings are the true ones within limits: one for all axes, or one for each, at which two stand or more.
 
-    What never moves is a constant, of which no limit makes anything.
+    An axis that is wrong and never moves is a constant, of which no limit makes anything.
     """
     return any(_within_limits(got, true, axis, atol) for axis in (None, 0))
 
@@ -62,7 +64,8 @@ def clipped(got: Array, true: Array, atol: float) -> bool:
 def _within_limits(got: Array, true: Array, axis: int | None, atol: float) -> bool:
     low, high = got.min(axis=axis), got.max(axis=axis)
     beyond = [np.count_nonzero(true < low - atol), np.count_nonzero(true > high + atol)]
-    return bool(np.any(low < high) and max(beyond) > 1) and same(got, np.clip(true, low, high), atol)
+    moves = np.all((low < high) | (np.abs(got - true).max(axis=axis) <= atol))
+    return bool(moves and max(beyond) > 1) and same(got, np.clip(true, low, high), atol)
 
 
 def kept(got: Array, true: Array, atol: float) -> bool:

@@ -87,6 +87,8 @@ class Explanation:
 
     def fits(self, seen: _Returned) -> bool:
         accel, gyro = self.value(seen.scene, *seen.at(self.place))
+        if self.place_mistake and self.value_mistakes and not (accel.any() and gyro.any()):
+            return False  # zeros are what becomes of any place
         return same_where_known(seen.accel, accel, ATOL) and same_where_known(seen.gyro, gyro, ATOL)
 
     @property
