@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 import sqlite3
 import sys
+import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -495,6 +497,30 @@ def test_what_is_kept_is_bounded_and_says_what_it_left_out() -> None:
     assert len(kept.files) == 200
     assert len(kept.others) + kept.more == len(files) - 200
     assert sum(map(len, unpack(pack({f"{k}.py": bytes(900_000) for k in range(9)})).files.values())) <= 4_000_000
+
+
+def test_pictures_are_kept_as_they_are_beside_what_was_handed_in() -> None:
+    """They are compressed already; the order of the files is no matter, and what was kept before this is still read."""
+    files = {
+        "a.png": os.urandom(3000),
+        "imu_reader.py": b"x = 1\n" * 500,
+        "data.csv": b"0,1\n" * 500,
+        "b.JPG": b"",
+        "z.svg": b"<svg/>",
+    }
+    record = pack(files)
+    assert unpack(record).files == files
+    assert len(record) < 3000 + 300
+    assert files["a.png"] in record
+    whole = zlib.decompressobj()
+    before = zlib.compress(whole.decompress(record) + whole.unused_data)
+    assert unpack(before).files == files
+
+
+@pytest.mark.parametrize("kept", [10, 60])
+def test_a_record_of_files_that_is_cut_short_is_refused(kept: int) -> None:
+    with pytest.raises(ValueError, match="too early"):
+        unpack(pack({"imu_reader.py": bytes(range(256)), "a.png": b"picture"})[:kept])
 
 
 def test_a_record_of_the_layout_before_is_read_and_grows(tmp_path: Path) -> None:

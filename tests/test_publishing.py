@@ -15,7 +15,7 @@ from grader import __version__
 from grader.course import publishing
 from grader.course.publishing import Publisher, publish_all
 from grader.course.record import Key, Store
-from grader.engine.evidence import Chart, Curve, Evidence, Panel, packed
+from grader.engine.evidence import Chart, Curve, Evidence, Panel, packed, unpacked
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
@@ -61,6 +61,20 @@ def test_many_files_are_the_same_whoever_writes_them(store: Store, tmp_path: Pat
     assert len(files(here)) == 2 * MANY
     assert files(beside) == files(here)
     assert kept == {each.id: store.page_digest(each.id) for each in standings}
+
+
+def test_charts_that_come_drawn_are_not_drawn_again(
+    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    standing = store.standings()["s000"]
+    figures = publishing.drawn(unpacked(CHARTS))
+    publishing.publish(tmp_path / "own", standing, store, LAB)
+    kept = store.page_digest("s000")
+    store.keep_page_digests({"s000": ""})
+    monkeypatch.setattr(publishing, "drawn", None)
+    publishing.publish(tmp_path / "given", standing, store, LAB, figures)
+    assert files(tmp_path / "given") == files(tmp_path / "own")
+    assert store.page_digest("s000") == kept
 
 
 def test_what_is_current_is_left_alone_and_no_process_starts(store: Store, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from tests.judging.made import truth
 pytestmark = pytest.mark.quick
 
 FIELDS: Mapping[str, Any] = {"reads": 3, "ids": [1, 2]}
+LONG = "x" * 5000
 ARRAYS = {"pairs": np.array([[0, 1]]), "stds": np.array([0.1, 0.2])}
 
 
@@ -43,10 +44,19 @@ def asked(**changed: Any) -> str:
         {"arrays": {**ARRAYS, "stds": ARRAYS["stds"].view(np.int64)}},
         {"arrays": {"pairs": ARRAYS["pairs"]}},
         {"arrays": {"stds": ARRAYS["pairs"], "pairs": ARRAYS["stds"]}},
+        {"fields": {**FIELDS, "model": LONG}},
     ],
 )
 def test_a_question_that_differs_in_anything_is_another(changed: dict[str, Any]) -> None:
     assert asked(**changed) != asked()
+
+
+def test_a_long_text_is_told_from_others_wherever_they_differ() -> None:
+    texts = (LONG, LONG[:-1] + "y", "y" + LONG[1:], LONG + "x", "\ud800" + LONG)
+    keys = {asked(fields={"model": text}) for text in texts}
+    assert len(keys) == len(texts)
+    assert asked(fields={"model": LONG}) in keys
+    assert asked(fields={"other": LONG}) not in keys
 
 
 def test_the_same_question_in_another_order_is_the_same() -> None:

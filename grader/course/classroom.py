@@ -13,12 +13,12 @@ from typing import Protocol
 from grader import __version__
 from grader.course import cluster
 from grader.course.kept import pack
-from grader.course.pool import Bounds, OpenMarker, Stopped, Unmarked, mark_all
+from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
 from grader.course.remarks import forgotten, outdated, remarks
-from grader.engine.evidence import Evidence
+from grader.engine.evidence import Evidence, unpacked
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
 from grader.engine.marks import marked
@@ -34,6 +34,7 @@ from grader.people import lateness, roster
 from grader.people.identity import Meant
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
+from grader.report.pages import drawn
 
 _WALL_PER_CPU = 5
 """Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
@@ -207,7 +208,7 @@ class _Run:
                 result = _result(submission, self._order, marked)
                 self._store.keep(self._key(submission), result)
                 slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
-                self._tell(self._key(submission), slim, resumed=False)
+                self._tell(self._key(submission), slim, result.evidence.figures)
         self._settle()
 
     def _settle(self) -> None:
@@ -245,22 +246,23 @@ class _Run:
                 yield submission
             else:
                 self._outcome.resumed += 1
-                self._tell(key, known, resumed=True)
+                self._tell(key, known)
 
     def _key(self, submission: Submission) -> Key:
         rubric, traces = self._order.rubric.sha256, self._order.traces.sha256
         return Key(submission.id, submission.sha256, rubric, traces, __version__)
 
-    def _tell(self, key: Key, result: Result, *, resumed: bool) -> None:
+    def _tell(self, key: Key, result: Result, figures: Mapping[str, str] | None = None) -> None:
+        """`figures`, drawn already, come with a result of this run; None with one that was on record."""
         attempt = self._attempts[key]
         attempt.result = result
         standing = self._standing(key, attempt)
         self._count(standing)
-        if resumed:
+        if figures is None:
             self._publisher.put(standing)
         else:
-            publish(self._order.out, standing, self._store, self._order.rubric.lab)
-        self._audience.done(key.id, result, resumed=resumed)
+            publish(self._order.out, standing, self._store, self._order.rubric.lab, figures)
+        self._audience.done(key.id, result, resumed=figures is None)
 
     def _standing(self, key: Key, attempt: _Attempt) -> Standing:
         if attempt.result is None:
@@ -290,7 +292,7 @@ def opener(order: Order) -> OpenMarker:
 
 
 @contextmanager
-def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bool) -> Iterator[Marker]:
+def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bool) -> Iterator[Marking]:
     """A marker for other people's code: refused where nothing isolates it."""
     with Marker(rubric, traces, rung=rung) as marker:
         if not marker.isolation.walled and not trusted:
@@ -298,7 +300,18 @@ def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bo
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "
                 "grade on Linux, or add --trust-submissions if you trust every one of them"
             )
-        yield marker
+        yield _Drawing(marker)
+
+
+@dataclass(frozen=True)
+class _Drawing:
+    """A marker that draws the charts, too: there are several of them, and one process that has the pages of all to write."""
+
+    marker: Marking
+
+    def mark(self, submission: Submission) -> Result:
+        result = self.marker.mark(submission)
+        return replace(result, evidence=replace(result.evidence, figures=drawn(unpacked(result.evidence.charts))))
 
 
 def _result(submission: Submission, order: Order, marked: Marked) -> Result:

@@ -46,9 +46,10 @@ def write_class(out: Path, standings: Mapping[str, Standing], store: Store, lab:
     write_whole(out / "index.html", index_page(standings, store.fingerprints(), of_the_sheet(lab)))
 
 
-def publish(out: Path, standing: Standing, store: Store, lab: Lab) -> None:
-    """Write the two files of one submission, unless they are current."""
-    publish_all(out, [standing], store, lab)
+def publish(out: Path, standing: Standing, store: Store, lab: Lab, figures: Drawn | None = None) -> None:
+    """Write the two files of one submission, unless they are current; with its charts, where they are drawn already."""
+    with Publisher(out, store, lab) as publisher:
+        publisher.put(standing, figures)
 
 
 def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab) -> None:
@@ -90,10 +91,10 @@ class Publisher:
             if self._writers is not None:
                 self._writers.shutdown(cancel_futures=True)
 
-    def put(self, standing: Standing) -> None:
+    def put(self, standing: Standing, figures: Drawn | None = None) -> None:
         if standing.id in self._ids:  # its files are those of whoever comes last
             self._finish()
-        source = _Source.of(standing, self._store)
+        source = _Source.of(standing, self._store, figures)
         if source.is_current(self._out):
             return
         self._ids.add(standing.id)
@@ -146,18 +147,22 @@ def _writers(processes: int) -> ProcessPoolExecutor:
 
 @dataclass(frozen=True)
 class _Source:
-    """What the files of a submission are made from; `known` are digests of what those that are there were made from."""
+    """What the files of a submission are made from; `known` are digests of what those that are there were made from.
+
+    `figures` are the charts, where they are drawn already.
+    """
 
     standing: Standing
     known: _Known
     result: str
     charts: bytes
+    figures: Drawn | None
 
     @classmethod
-    def of(cls, standing: Standing, store: Store) -> _Source:
+    def of(cls, standing: Standing, store: Store, figures: Drawn | None = None) -> _Source:
         """`result` is a digest of the result on record."""
         id_ = standing.id
-        return cls(standing, _Known.of(store.page_digest(id_)), store.digest(id_), store.packed_charts(id_))
+        return cls(standing, _Known.of(store.page_digest(id_)), store.digest(id_), store.packed_charts(id_), figures)
 
     def paths(self, out: Path) -> tuple[Path, Path]:
         folder = out / "submissions" / self.standing.id
@@ -198,7 +203,7 @@ def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]
     figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
     drawn_anew = _of_figures(figures, source) != of_figures
     if drawn_anew:  # takes ten times as long as all the rest of a page
-        figures = drawn(charts(source.charts, out / FILE_NAME))
+        figures = source.figures or drawn(charts(source.charts, out / FILE_NAME))
     page = report_around(figures, standing, catalogue(lab))
     if drawn_anew:
         of_figures = _of_figures(drawn_in(page), source)

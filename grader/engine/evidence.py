@@ -10,7 +10,7 @@ import json
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 Role = Literal[
@@ -59,10 +59,14 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Of one submission: its charts, packed, and hashes of its code (see `fingerprint`)."""
+    """Of one submission: its charts, packed, and hashes of its code (see `fingerprint`).
+
+    `figures` are the charts of each part as they stand in a page, where somebody has drawn them already; they are on no record.
+    """
 
     charts: bytes = b""
     fingerprint: tuple[int, ...] = ()
+    figures: Mapping[str, str] = field(default_factory=dict)
 
 
 def packed(charts: tuple[Chart, ...]) -> bytes:

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -40,13 +41,25 @@ class Question(Generic[T]):
 
 
 _SORTED = json.JSONEncoder(sort_keys=True)
+_LONG = 1000
 
 
 def key_of(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
     """A digest of all that is asked: every field, and the type, shape and numbers of every array."""
-    digest = hashlib.sha256(_SORTED.encode([op, fields]).encode("utf-8", "surrogatepass"))
+    short = {name: _digested(value) if _is_long(value) else value for name, value in fields.items()}
+    digest = hashlib.sha256(_SORTED.encode([op, short]).encode("utf-8", "surrogatepass"))
     for name, array in sorted(arrays.items()):
         whole = np.ascontiguousarray(array)
         digest.update(f"\0{name}\0{whole.dtype.str}\0{whole.shape}\0".encode())
         digest.update(whole.tobytes())
     return f"{op} {digest.hexdigest()}"
+
+
+def _is_long(value: object) -> bool:
+    return isinstance(value, str) and len(value) > _LONG
+
+
+@lru_cache(maxsize=64)
+def _digested(text: str) -> dict[str, str]:
+    """What stands for a long text, no text itself: nearly every question has the model, which is the longest part of it by far."""
+    return {"sha256": hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()}

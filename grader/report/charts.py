@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, compress, repeat
 
 from grader.engine.evidence import Chart, Curve, Panel
 
@@ -63,7 +63,7 @@ def views(chart: Chart) -> tuple[View, ...]:
 
 def _view(panel: Panel) -> View:
     curves = [curve for curve in panel.curves if len(curve.x) > 1]
-    x = _Scale.over((v for curve in curves for v in curve.x), log=panel.log)
+    x = _Scale.over(chain.from_iterable(curve.x for curve in curves), log=panel.log)
     y = _Scale.over(_heights(curves), log=panel.log, spread=panel.spread, margin=0.05)
     y_texts = _texts(y.ticks, log=panel.log)
     left = 14 + _DIGIT * max(map(len, y_texts), default=1)
@@ -77,10 +77,8 @@ def _view(panel: Panel) -> View:
         right=WIDTH - _RIGHT,
         top=_TOP,
         bottom=HEIGHT - _BOTTOM,
-        x_ticks=tuple(
-            Tick(round(across(v), 1), text) for v, text in zip(x.ticks, _texts(x.ticks, log=panel.log), strict=True)
-        ),
-        y_ticks=tuple(Tick(round(up(v), 1), text) for v, text in zip(y.ticks, y_texts, strict=True)),
+        x_ticks=_ticks(across(x.ticks), _texts(x.ticks, log=panel.log)),
+        y_ticks=_ticks(up(y.ticks), y_texts),
         strokes=strokes,
         legend=_legend(strokes),
         told=_told(panel, curves, x, y),
@@ -88,11 +86,16 @@ def _view(panel: Panel) -> View:
     )
 
 
+def _ticks(places: Sequence[float], texts: Sequence[str]) -> tuple[Tick, ...]:
+    return tuple(Tick(round(at, 1), text) for at, text in zip(places, texts, strict=True))
+
+
 def _heights(curves: Iterable[Curve]) -> Iterable[float]:
-    for curve in curves:
-        yield from curve.y
-        if curve.role == "bars":
-            yield 0.0
+    return chain.from_iterable((*curve.y, 0.0) if curve.role == "bars" else curve.y for curve in curves)
+
+
+Onto = Callable[[Iterable[float]], list[float]]
+"""Where values stand in a drawing: all at once, as a chart has some thousands."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ class _Scale:
 
     @classmethod
     def over(cls, values: Iterable[float], *, log: bool, spread: float = 0.0, margin: float = 0.0) -> _Scale:
-        known = [v for v in values if not log or v > 0] or [0.1, 1.0]
+        known = ([v for v in values if v > 0] if log else list(values)) or [0.1, 1.0]
         low, high = min(known), max(known)
         if log:
             low, high = (low / 1.2, high * 1.2) if margin or low == high else (low, high)
@@ -115,12 +118,12 @@ class _Scale:
         low, high = low - room / 2, high + room / 2
         return cls(low, high, log, tuple(_even_ticks(low, high)))
 
-    def onto(self, start: float, end: float) -> Callable[[float], float]:
+    def onto(self, start: float, end: float) -> Onto:
         low, high = (math.log10(self.low), math.log10(self.high)) if self.log else (self.low, self.high)
         slope = (end - start) / (high - low)
         if self.log:
-            return lambda value: start + slope * (math.log10(value) - low)
-        return lambda value: start + slope * (value - low)
+            return lambda values: [start + slope * (math.log10(value) - low) for value in values]
+        return lambda values: [start + slope * (value - low) for value in values]
 
 
 def _even_ticks(low: float, high: float) -> list[float]:
@@ -153,19 +156,22 @@ def _texts(ticks: tuple[float, ...], *, log: bool) -> list[str]:
     return [f"{0 if abs(tick) < step / 2 else tick:.{decimals}f}".replace("-", "−") for tick in ticks]
 
 
-def _stroke(curve: Curve, across: Callable[[float], float], up: Callable[[float], float], y: _Scale) -> Stroke:
+def _stroke(curve: Curve, across: Onto, up: Onto, y: _Scale) -> Stroke:
     if curve.role == "bars":
         return Stroke(curve.role, curve.name, "", _bars(curve, across, up))
-    pairs = [(across(a), up(b)) for a, b in zip(curve.x, curve.y, strict=True) if not y.log or b > 0]
-    points = ("%.1f,%.1f " * len(pairs)) % tuple(chain.from_iterable(pairs))  # at once: two thirds of the time
+    shown = [b > 0 for b in curve.y] if y.log else repeat(True)
+    places = zip(across(compress(curve.x, shown)), up(compress(curve.y, shown)), strict=True)
+    flat = tuple(chain.from_iterable(places))
+    points = ("%.1f,%.1f " * (len(flat) // 2)) % flat  # at once: two thirds of the time
     return Stroke(curve.role, curve.name, curve.colour, points.rstrip())
 
 
-def _bars(curve: Curve, across: Callable[[float], float], up: Callable[[float], float]) -> str:
-    half, floor = (curve.x[1] - curve.x[0]) / 2, up(0.0)
+def _bars(curve: Curve, across: Onto, up: Onto) -> str:
+    half, (floor,) = (curve.x[1] - curve.x[0]) / 2, up([0.0])
+    lefts, rights = across(x - half for x in curve.x), across(x + half for x in curve.x)
     return "".join(
-        f"M{across(x - half):.1f},{floor:.1f}V{up(y):.1f}H{across(x + half):.1f}V{floor:.1f}z"
-        for x, y in zip(curve.x, curve.y, strict=True)
+        f"M{left:.1f},{floor:.1f}V{top:.1f}H{right:.1f}V{floor:.1f}z"
+        for left, right, top, y in zip(lefts, rights, up(curve.y), curve.y, strict=True)
         if y
     )
 

@@ -100,7 +100,7 @@ class ByHand:
     author: str
 
 
-Drawn = Mapping[str, Markup]
+Drawn = Mapping[str, str]
 """The charts of each part, by its id, as they stand in a page."""
 _FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<section id="'
 
@@ -108,7 +108,7 @@ _FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<sec
 def drawn(shown: Iterable[Chart]) -> Drawn:
     """Charts, set. By far the most of what a page costs."""
     macros: Any = _environment().get_template("charts.html.j2").module
-    found: dict[str, Markup] = {}
+    found: dict[str, str] = {}
     for chart in shown:
         if (views := charts.views(chart)) or chart.png:
             set_ = Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
@@ -263,7 +263,7 @@ def _criterion(criterion: CriterionResult, standing: Standing, figures: Drawn) -
     rows, folded = _rows(criterion.checks, criterion.id, standing.result.lab)
     told = words.fraction(points, criterion.max_points)
     title = printable(criterion.title, 300)
-    set_ = figures.get(criterion.id, Markup())
+    set_ = Markup(figures.get(criterion.id, ""))
     return Part(criterion.id, title, told, round(share, 1), points is None, rows, folded, set_)
 
 
@@ -271,7 +271,7 @@ def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part
     share = round(100 * extension.points / extension.max_points, 1) if extension.max_points else 0.0
     rows, folded = _rows(extension.checks, extension.id, lab)
     title = printable(extension.id.replace("_", " ").capitalize(), 300)
-    set_ = figures.get(extension.id, Markup())
+    set_ = Markup(figures.get(extension.id, ""))
     return Part(extension.id, title, words.extension_points(extension), share, False, rows, folded, set_)
 
 
