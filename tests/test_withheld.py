@@ -8,16 +8,22 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine.findings import Size
+from grader.engine import withheld
+from grader.engine.findings import Lost, Ours, Size
+from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
 from tests.boxes import Opened
 from tests.corpus.pieces import verbatim
 from tests.scoreboard import Case, handed_in
+
+PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
+MISTAKES = catalogue(LAB)
 
 # Everything that code can choose says the same: seven digits of a state that it was shown.
 TOKEN = """token = str(abs(int(float(data.qpos[7]) * 1e9)))[:7].rjust(7, '7')
@@ -108,6 +114,28 @@ def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Resu
             assert "Error" not in re.sub(r"\b(Value|Type|Key|Index|Name|Attribute)Error\b", "", text)
             plain = re.sub(r'<dd class="mono">[0-9a-f]+</dd>', "", text)  # our own hashes
             assert [digits for digits in re.findall(r"\d{5,}", plain) if set(digits) - {"0", "1"}] == []
+
+
+STEP = "Hold it against Step 6."
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("hint", "mistakes", "said"),
+    [
+        ("", (), PUBLIC),
+        (Ours(STEP), (), f"{STEP} {PUBLIC}"),
+        (STEP, (), PUBLIC),
+        (f"{Ours(STEP)} 1.25", (), PUBLIC),
+        (Ours(STEP) + " 1.25", (), PUBLIC),
+        (Ours(STEP), ("alpha-swapped",), STEP),
+        (STEP, ("alpha-swapped",), MISTAKES["alpha-swapped"].hint),
+        ("", ("alpha-swapped",), MISTAKES["alpha-swapped"].hint),
+    ],
+)
+def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, mistakes: tuple[str, ...], said: str) -> None:
+    finding = Lost("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
+    assert withheld.told(finding, MISTAKES).hint == said
 
 
 @pytest.mark.quick

@@ -88,6 +88,12 @@ def _power(exponent: int) -> str:
     return f"{10.0**exponent:g}"
 
 
+class Ours(str):
+    """Words that stand in our code just so. Put together with any others they are a plain `str`: those may be a student's."""
+
+    __slots__ = ()
+
+
 class Lost(AssertionError):  # noqa: N818 - an outcome
     """Points are lost, all of them or a part.
 
@@ -96,7 +102,8 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
     expected, got : what was expected and what came: number, unit and place
     mistakes : ids of the mistakes that the measurement shows; empty where it shows none
     keeps : share of the points that is earned all the same, 0 to 1
-    hint : words for `Try` where the measurement says more than the names of the mistakes, or names none
+    hint : words for `Try` where the measurement says more than the names of the mistakes, or names none; told of a hidden scenario
+        where they are `Ours`
     off : the size of the error, which is said in place of the data where the scenario is hidden
     belongs_to : id of the check that charges the same fault, or of several: where one is lost, this one keeps its points
     fault : the exception that it came of, which says where

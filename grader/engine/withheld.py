@@ -1,7 +1,7 @@
 """The words of a hidden run: kind and size of an error, and nothing that code could have chosen after it had seen hidden data.
 
-They are made of our own sentences alone: those of this module and the catalogue's, and a power of ten. No text, name, number,
-shape, line, file or exit code of the student's gets here, so there is nothing to scrub.
+They are made of our own sentences alone: those of this module, the catalogue's and those marked as `Ours`, and a power of ten. No
+text, name, number, shape, line, file or exit code of the student's gets here, so there is nothing to scrub.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from grader.engine.feedback import Told, mistake_of, no_answer
-from grader.engine.findings import Lost, Raised, Skipped
+from grader.engine.findings import Lost, Ours, Raised, Skipped
 from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, NoAnswer, TimedOut
@@ -46,13 +46,13 @@ def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [mistakes[id_].means for id_ in finding.mistakes]
     got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or "it does not"
-    hint = " ".join(mistakes[id_].hint for id_ in finding.mistakes) or _PUBLIC
+    own = [finding.hint] if isinstance(finding.hint, Ours) else [mistakes[id_].hint for id_ in finding.mistakes]
     return Told(
         outcome,
         finding.keeps,
         expected="this to hold in the hidden scenarios, too",
         got=got,
-        hint=hint,
+        hint=" ".join(own) if finding.mistakes else " ".join([*own, _PUBLIC]),
         mistakes=finding.mistakes,
     )
 
