@@ -144,11 +144,11 @@ def check_follows_address(student: Student, truth: Traces) -> None:
     if fixed is not None:
         _place_lost(torso, scene, _elsewhere(student, truth, fixed))
     first = first or diagnosis.treated(torso.accel, torso.gyro, scene)
-    for name, pairs in _elsewhere_too(truth):
-        if first is not None:
-            _follows(student, truth, name, pairs, first)
     if first is None:
         _follows_by_difference(student, truth)
+        return
+    for name, pairs in _elsewhere_too(truth):
+        _follows(student, truth, name, pairs, first)
 
 
 def _follows_by_difference(student: Student, truth: Traces) -> None:
@@ -213,21 +213,17 @@ def _elsewhere(student: Student, truth: Traces, fixed: Explanation) -> list[str]
     return [found.place_mistake] if found is not None and found.place_mistake else []
 
 
-def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Explanation | None) -> None:
+def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Explanation) -> None:
     scene = Scene.of(truth[name], pairs)
     readings = _readings(student, truth, name, pairs)
     if readings.fault is not None:
         _ignores_ids(readings)
-    if first is not None and diagnosis.agrees(readings.accel, readings.gyro, first, scene):
+    if diagnosis.agrees(readings.accel, readings.gyro, first, scene):
         return
     if _mostly_right(readings, scene):
         return  # the right sensors, some of their numbers altered: matches_truth charges that
     second = diagnosis.explain(readings.accel, readings.gyro, scene)
-    if (
-        second is not None
-        and second.place_mistake is None
-        and (first is None or second.value_mistakes == first.value_mistakes)
-    ):
+    if second is not None and second.place_mistake is None and second.value_mistakes == first.value_mistakes:
         return
     _place_lost(readings, scene, _place_mistakes(readings, scene, _torso_scene(truth), second))
 
