@@ -263,6 +263,7 @@ CASES = [
             ("a view of the other", lambda *s: _views(*s[:2], s[3], s[2])[::-1], (0.0, ["view-not-copy"])),
             ("chance in one", _by_chance(sound), "skipped"),
             ("strange", altered(_strange, _strange), None),
+            ("no numbers in one", altered(gyro=lambda x: x * np.nan), None),
             ("in g", altered(lambda x: x / 9.81), None),
             ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), "skipped"),
             ("reset before", _resetting, None),
@@ -296,6 +297,13 @@ def test_what_is_raised_elsewhere_is_told_with_its_place() -> None:
     with pytest.raises(Lost) as lost:
         checks._ignores_ids(Readings(none, none, none[0], none[0], (), np.zeros((0, 4)), fault))
     assert (lost.value.got, lost.value.where) == ("KeyError: torso at imu_reader.py, line 12", fault.at)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("imus", "places"), [(1, ["reading_shuffled"]), (2, ["reading_lab", "reading_shuffled"])])
+def test_other_imus_of_the_robot_are_read_where_it_has_some(imus: int, places: list[str]) -> None:
+    truth: Any = {"reading_lab": {"pairs": np.zeros((imus, 2), int)}}
+    assert [name for name, _ in checks._elsewhere_too(truth)] == places
 
 
 _WAVE = np.sin(np.arange(26.0)).reshape(1, 13, 2).repeat(2, axis=0)

@@ -182,7 +182,7 @@ def _behind_others(student: Student, truth: Traces) -> Readings:
         model=with_others_first(student.robot.xml),
         qpos=np.tile(scenario["qpos"], (2, 1)),
         qvel=np.tile(scenario["qvel"], (2, 1)),
-        pairs=np.asarray(scenario["pairs"], np.int64)[:1] + 2,
+        pairs=scenario["pairs"][:1] + 2,
     )
     return readings.between(states, 2 * states)
 
@@ -307,7 +307,7 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
     later = np.concatenate([readings.later_accel, readings.later_gyro])
     if np.array_equal(now, later, equal_nan=True):
         return
-    moved = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(later - now)), axis=1)))
+    moved = np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1))
     raise Lost(
         f"{vector(now[moved])}, as it was read", f"{vector(later[moved])} one step later", mistakes=["view-not-copy"]
     )
@@ -344,7 +344,7 @@ def _readings(student: Student, truth: Traces, name: str, pairs: slice, visits: 
         model=truth.models[scenario.model or "lab"],
         qpos=np.tile(scenario["qpos"], (visits, 1)),
         qvel=np.tile(scenario["qvel"], (visits, 1)),
-        pairs=np.asarray(scenario["pairs"], np.int64)[pairs],
+        pairs=scenario["pairs"][pairs],
     )
 
 
