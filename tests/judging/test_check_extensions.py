@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -171,6 +171,16 @@ def _raises(*_: Any) -> Any:
     raise RuntimeError("broken")
 
 
+def _steeper(kind: str) -> Callable[[Any, float], Any]:
+    """Another slope for one of the records."""
+
+    def allan_deviation(samples: Any, rate: float) -> Any:
+        taus, adev = deviation(samples, rate)
+        return taus, adev * taus**0.4 if np.array_equal(samples, truth()["allan"][kind]) else adev
+
+    return allan_deviation
+
+
 def _some_unknown(taus: Any, adev: Any) -> Any:
     odd = np.arange(len(taus))
     return np.where(odd == 5, np.inf, taus), np.where((odd == 3) | (odd == 8), np.nan, adev)
@@ -209,6 +219,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
     (allan.check_averaging_times, [
         ("sound", deviation, None),
         ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
+        ("seven tenths of a sample", _changed(lambda t, a: (t * 0.7, a)), None),
         ("half a sample", _changed(lambda t, a: (t * 0.4, a)), (0.5, [])),
         ("one for all", _changed(lambda t, a: (0 * t + 1, a)), (0.5, [])),
         ("five over a decade", lambda s, r: tuple(x[:7][[0, 1, 2, 4, 6]] for x in deviation(s, r)), None),
@@ -240,6 +251,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
         ("another factor", _changed(lambda t, a: (t, a * 1.3)), None),
         ("a trend taken off", _detrended, (0.0, [])),
+        *((f"steeper for {kind} alone", _steeper(kind), (0.0, [])) for kind in ("white", "walk", "quantised", "drift")),
         ("in samples", _changed(lambda t, a: (t * 80, a)), None),
         ("short times alone", lambda s, r: tuple(x[:4] for x in deviation(s, r)), None),
         ("long times alone", lambda s, r: tuple(x[-4:] for x in deviation(s, r)), "skipped"),
@@ -428,3 +440,11 @@ CASES = [
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_extension_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+@pytest.mark.quick
+def test_where_another_robot_is_graded_on_the_labs_own_is_the_sheets() -> None:
+    assert imus._lab(truth()) is truth()["reading_lab"]
+    sheet = replace(truth()["reading_lab"], name="reading_sheet")
+    other = replace(truth(), scenarios={**truth().scenarios, "reading_sheet": sheet})
+    assert imus._lab(other) is sheet

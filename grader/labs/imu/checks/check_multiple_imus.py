@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from grader.labs.imu.student_bonuses import ImuReadings, imus
 
 _LAB_PLACES = ("torso", "head", "left_foot", "right_foot")
 _STATES = 3
+_OF_STATES = ("sensordata", "site_xmat", "qvel", "qacc", "cvel", "cacc")
 
 
 @check("multiple_imus.finds_every_place")
@@ -61,7 +62,7 @@ def _mistakes(worlds: Sequence[_World]) -> list[str]:
     if any(world.all_alike() for world in worlds):
         return ["same-imu-repeated"]
     for world in worlds:
-        explained = diagnosis.explain(world.column(0), world.column(1), world.scene())
+        explained = diagnosis.explain(*world.both(), world.scene())
         if explained and explained.told:
             return list(explained.told)
     return []
@@ -114,17 +115,14 @@ class _World:
         first = self.stacked(self.read[0])
         return len(self.read) > 1 and all(same(self.stacked(place), first, diagnosis.ATOL) for place in self.read[1:])
 
-    def column(self, sensor: int) -> Array:
-        """(p, k, 3) of all places, NaN where one was not read."""
-        return np.array([self.stacked(place)[:, 3 * sensor : 3 * sensor + 3] for place in self.places])
+    def both(self) -> tuple[Array, Array]:
+        """(p, k, 3) of each sensor at all places, NaN where one was not read."""
+        six = np.array([self.stacked(place) for place in self.places])
+        return six[..., :3], six[..., 3:]
 
     def scene(self) -> diagnosis.Scene:
-        scene = diagnosis.Scene.of(self.scenario)
-        return diagnosis.Scene(
-            scene.accel[:, :_STATES], scene.gyro[:, :_STATES], scene.sensordata[:_STATES], scene.address, scene.pairs,
-            scene.world_from_site[:, :_STATES], scene.qvel[:_STATES], scene.qacc[:_STATES], scene.cvel[:, :_STATES],
-            scene.cacc[:, :_STATES],
-        )  # fmt: skip
+        few = {key: self.scenario[key][:_STATES] for key in _OF_STATES}
+        return diagnosis.Scene.of(replace(self.scenario, arrays={**self.scenario.arrays, **few}))
 
 
 def _lab(truth: Traces) -> Scenario:
