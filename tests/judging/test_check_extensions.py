@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -61,10 +61,28 @@ def _tilted(**steps: Any) -> type:
 _DEGREES = {"update": lambda s, a, g: tuple(np.degrees(Tilt.update(s, a, g)))}
 _SMALL_ANGLES = {"of_accel": lambda _s, a: np.array([-a[1], a[0]]) / 9.81}
 
+
+def _off_at_first(self: Any, accel: Any, gyro: Any) -> Any:
+    at_first = self.angles is None
+    roll, pitch = Tilt.update(self, accel, gyro)
+    return (roll, pitch + 0.5) if at_first else (roll, pitch)
+
+
+def _own_time_step(self: Any, dt: float) -> None:
+    Tilt.__init__(self, 0.01)
+
+
 TILT: list[tuple[Any, list[Row]]] = [
     (tilt.check_returns_roll_and_pitch, [
         ("sound", Tilt, None),
         ("off by a degree", _tilted(shift=math.radians(1)), (0.0, [])),
+        ("off by half a degree", _tilted(shift=math.radians(0.5)), None),
+        ("off by a turn", _tilted(shift=2 * math.pi), None),
+        ("the pitch off at first", _tilted(update=_off_at_first), (0.0, [])),
+        ("a list without numbers", _tilted(update=lambda *_: [math.nan, 0.0]), (0.0, ["not-finite"])),
+        ("an array without numbers", _tilted(update=lambda *_: np.array([math.nan, 0.0])), (0.0, ["not-finite"])),
+        ("three angles", _tilted(update=lambda s, a, g: (*Tilt.update(s, a, g), 0.0)), None),
+        ("in degrees", _tilted(**_DEGREES), None),
         ("a number", _tilted(update=lambda *_: 0.0), (0.0, ["wrong-return-type"])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), (0.0, ["not-finite"])),
         ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
@@ -76,23 +94,37 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("pitch of the other sign", _tilted(of_accel=lambda s, a: Tilt.of_accel(s, a) * [1, -1]), (0.0, ["tilt-sign-wrong"])),
         ("the sine for the pitch", _tilted(of_accel=lambda _s, a: np.array([math.atan2(-a[1], -a[2]), a[0] / 9.81])), (0.5, [])),
         ("small angles", _tilted(**_SMALL_ANGLES), (0.0, [])),
+        ("off by a degree and a half", _tilted(shift=math.radians(1.5)), None),
+        ("off by two degrees", _tilted(shift=math.radians(2)), (0.0, [])),
+        ("off by a turn", _tilted(shift=2 * math.pi), None),
+        ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
+        ("hardly anything of it", _tilted(alpha=0.9999), (0.0, [])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
     (tilt.check_beats_gyroscope_alone, [
         ("sound", Tilt, None),
         ("the gyroscope alone", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
         ("hardly anything else", _tilted(alpha=0.9995), (0.0, [])),
+        ("little else", _tilted(alpha=0.999), (0.5, [])),
+        ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
     (tilt.check_beats_accelerometer_alone, [
         ("sound", Tilt, None),
         ("the accelerometer alone", _tilted(alpha=0.0, gain=0.0), (0.0, ["accel-only"])),
         ("without the gyroscope", _tilted(gain=0.0), (0.0, ["accel-only"])),
         ("weights exchanged", _tilted(alpha=0.02), (0.0, ["weights-swapped"])),
+        ("much of it", _tilted(alpha=0.6), (0.0, [])),
+        ("more of it than is good", _tilted(alpha=0.7), (0.5, [])),
+        ("a time step of its own", _tilted(__init__=_own_time_step), None),
     ]),
     (tilt.check_holds_when_steep, [
         ("sound", Tilt, None),
         ("the gyroscope in degrees", _tilted(gain=math.degrees(1)), (0.0, [])),
         ("the accelerometer alone", _tilted(alpha=0.0), (0.0, ["accel-only"])),
+        ("half the turn", _tilted(gain=0.5), (0.5, [])),
+        ("twice the turn", _tilted(gain=2.0), (0.0, [])),
+        ("hardly anything but the turn", _tilted(alpha=0.9995), (0.0, [])),
+        ("a time step of its own", _tilted(__init__=_own_time_step), (0.5, [])),
     ]),
 ]  # fmt: skip
 
@@ -139,15 +171,60 @@ def _raises(*_: Any) -> Any:
     raise RuntimeError("broken")
 
 
+def _steeper(kind: str) -> Callable[[Any, float], Any]:
+    """Another slope for one of the records."""
+
+    def allan_deviation(samples: Any, rate: float) -> Any:
+        taus, adev = deviation(samples, rate)
+        return taus, adev * taus**0.4 if np.array_equal(samples, truth()["allan"][kind]) else adev
+
+    return allan_deviation
+
+
+def _some_unknown(taus: Any, adev: Any) -> Any:
+    odd = np.arange(len(taus))
+    return np.where(odd == 5, np.inf, taus), np.where((odd == 3) | (odd == 8), np.nan, adev)
+
+
+def _first_for_last(samples: Any, rate: float) -> Any:
+    taus, adev = deviation(samples, rate)
+    return (taus, adev) if samples.ndim == 1 else (taus, adev[:, [0, 1, 0]])
+
+
+def _unknown_at_the_end(samples: Any, rate: float) -> Any:
+    taus, adev = deviation(samples, rate)
+    adev[-1] = np.nan
+    return taus, adev
+
+
+def _raises_for_axes(samples: Any, rate: float) -> Any:
+    return deviation(samples, rate) if samples.ndim == 1 else _raises()
+
+
+def _fewer_for_axes(samples: Any, rate: float) -> Any:
+    step = 1 if samples.ndim == 1 else 2
+    return tuple(part[::step] for part in deviation(samples, rate))
+
+
 ALLAN: list[tuple[Any, list[Row]]] = [
     (allan.check_returns_times_and_deviations, [
         ("sound", deviation, None),
         ("the deviations alone", lambda s, r: deviation(s, r)[1], (0.0, ["wrong-return-type"])),
         ("one that is no number", _changed(lambda t, a: (t, np.where(np.arange(len(a)) == 3, np.nan, a))), (0.5, ["not-finite"])),
         ("raises", _raises, "raised"),
+        ("some that are no numbers", _changed(_some_unknown), (0.5, ["not-finite"])),
+        ("fewer times than deviations", _changed(lambda t, a: (t[1:], a)), (0.0, ["wrong-return-type"])),
+        ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
     ]),
     (allan.check_averaging_times, [
         ("sound", deviation, None),
+        ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
+        ("seven tenths of a sample", _changed(lambda t, a: (t * 0.7, a)), None),
+        ("half a sample", _changed(lambda t, a: (t * 0.4, a)), (0.5, [])),
+        ("one for all", _changed(lambda t, a: (0 * t + 1, a)), (0.5, [])),
+        ("five over a decade", lambda s, r: tuple(x[:7][[0, 1, 2, 4, 6]] for x in deviation(s, r)), None),
+        ("nothing", lambda *_: None, "skipped"),
+        ("raises", _raises, "raised"),
         ("in samples", _changed(lambda t, a: (t * 80, a)), (0.0, ["tau-wrong"])),
         ("over the rate twice", _changed(lambda t, a: (t / 80, a)), (0.0, ["tau-wrong"])),
         ("beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
@@ -162,6 +239,10 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("without the half", _changed(lambda t, a: (t, a * 2**0.5)), (0.0, ["allan-factor-missing"])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
         ("another curve", _changed(lambda t, a: (t, a * 1.3)), (0.0, [])),
+        ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
+        ("some that are no numbers", _changed(_some_unknown), None),
+        ("wrong for long times", _changed(lambda t, a: (t, np.where(t > t[len(t) // 2], 3 * a, a))), (0.0, [])),
+        ("zero", _changed(lambda t, a: (t, 0 * a)), (0.0, [])),
         ("in samples, which is another check's", _changed(lambda t, a: (t * 80, a)), None),
     ]),
     (allan.check_shows_kinds_of_noise, [
@@ -170,11 +251,21 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
         ("another factor", _changed(lambda t, a: (t, a * 1.3)), None),
         ("a trend taken off", _detrended, (0.0, [])),
+        *((f"steeper for {kind} alone", _steeper(kind), (0.0, [])) for kind in ("white", "walk", "quantised", "drift")),
+        ("in samples", _changed(lambda t, a: (t * 80, a)), None),
+        ("short times alone", lambda s, r: tuple(x[:4] for x in deviation(s, r)), None),
+        ("long times alone", lambda s, r: tuple(x[-4:] for x in deviation(s, r)), "skipped"),
+        ("the same for every record", lambda s, r: (deviation(s, r)[0], deviation(s, r)[0] ** -0.5), (0.0, [])),
     ]),
     (allan.check_takes_three_axes, [
         ("sound", deviation, None),
         ("one axis of three", _one_axis, (0.0, [])),
         ("the first for all", _same_for_all, (0.0, [])),
+        ("the first for the last", _first_for_last, (0.0, [])),
+        ("unknown for the longest", _unknown_at_the_end, None),
+        ("raises for more than one axis", _raises_for_axes, "raised"),
+        ("half as many for more than one axis", _fewer_for_axes, (0.0, [])),
+        ("nothing", lambda *_: None, (0.0, [])),
     ]),
 ]  # fmt: skip
 
@@ -209,6 +300,19 @@ def _changing(change: Callable[[str, Any], Any]) -> Callable[[Any, Any], Any]:
     return lambda model, data: {p: change(p, r) for p, r in every(model, data).items()}
 
 
+def _without(place: str) -> Callable[[Any, Any], Any]:
+    return lambda model, data: {p: r for p, r in every(model, data).items() if p != place}
+
+
+def _elsewhere(other: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Sound in the lab's model, and another function in any other."""
+    return lambda model, data: (every if "torso" in every(model, data) else other)(model, data)
+
+
+def _swapped_and_some(model: Any, data: Any) -> Any:
+    return {p: r[::-1] for p, r in every(model, data).items() if p in ("torso", "head", "keel")}
+
+
 IMUS: list[tuple[Any, list[Row]]] = [
     (imus.check_finds_every_place, [
         ("sound", every, None),
@@ -216,6 +320,13 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("the torso alone", lambda m, d: {"torso": every(m, d).get("torso")}, (0.0, ["imu-missing"])),
         ("a list", lambda m, d: list(every(m, d).values()), (0.0, ["wrong-return-type"])),
         ("raises", _raises, "raised"),
+        ("an empty dictionary", lambda *_: {}, (0.0, ["imu-missing"])),
+        ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
+        ("all but one", _without("head"), (0.0, ["imu-missing"])),
+        ("all but one of another model", _without("keel"), (0.5, ["imu-missing"])),
+        ("raises in another model", _elsewhere(_raises), "raised"),
+        ("a list in another model", _elsewhere(lambda m, d: list(every(m, d).values())), (0.0, ["wrong-return-type"])),
+        ("more than there are", lambda m, d: every(m, d) | {"tail": _of(d, next(iter(every(m, d))))}, None),
     ]),
     (imus.check_matches_truth, [
         ("sound", every, None),
@@ -223,12 +334,25 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("the first for all", _first_for_all, (0.0, ["same-imu-repeated"])),
         ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, ["swapped-sensors"])),
         ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, ["wrong-units"])),
+        ("the torso alone, in g", lambda m, d: {p: (r[0] / 9.81, r[1]) for p, r in every(m, d).items() if p == "torso"}, (0.0, ["wrong-units"])),
+        ("one of the lab", _changing(lambda p, r: r[::-1] if p == "head" else r), (0.0, [])),
+        ("limited", _changing(lambda _p, r: (r[0], np.clip(r[1], -3.5, 3.5))), (0.0, [])),
+        ("the accelerometer alone", _changing(lambda _p, r: r[:1]), (0.0, [])),
+        ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), (0.0, [])),
+        ("swapped, and some left out", _swapped_and_some, (0.0, ["swapped-sensors"])),
+        ("raises in another model", _elsewhere(_raises), "raised"),
+        ("one for all of another model", _elsewhere(_first_for_all), (0.5, ["same-imu-repeated"])),
         ("one of another model", _changing(lambda p, r: r[::-1] if p == "keel" else r), (0.5, [])),
         ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
     ]),
     (imus.check_readings_are_copies, [
         ("sound", every, None),
         ("views", _views, (0.0, ["view-not-copy"])),
+        ("a view of one", lambda m, d: {p: r if p == "head" else every(m, d)[p] for p, r in _views(m, d).items()}, (0.0, ["view-not-copy"])),
+        ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), None),
+        ("no numbers", _changing(lambda _p, r: (r[0] * np.nan, r[1] * np.nan)), "skipped"),
+        ("raises", _raises, "raised"),
+        ("those of the lab, some left out", _without("head"), None),
         ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
     ]),
 ]  # fmt: skip
@@ -316,3 +440,11 @@ CASES = [
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_extension_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+@pytest.mark.quick
+def test_where_another_robot_is_graded_on_the_labs_own_is_the_sheets() -> None:
+    assert imus._lab(truth()) is truth()["reading_lab"]
+    sheet = replace(truth()["reading_lab"], name="reading_sheet")
+    other = replace(truth(), scenarios={**truth().scenarios, "reading_sheet": sheet})
+    assert imus._lab(other) is sheet

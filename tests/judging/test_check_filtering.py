@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.checks import check_filtering as checks
-from tests.judging.made import Case, Made, is_as_marked, misfits
+from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
 RECURSION, FIRST, CONSTANT, NOISE, SIGNAL, OWN = (
     checks.check_follows_recursion,
@@ -63,9 +63,22 @@ def _halves_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) ->
     Sound.__init__(self, alpha, None if initial_value is None else initial_value / 2)
 
 
-def _keeps_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
-    Sound.__init__(self, alpha)
-    self.value = initial_value
+def _writes_into_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha, initial_value)
+    if initial_value is not None:
+        initial_value += 1
+
+
+def _zero_for_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha, None if initial_value is None else np.zeros(3))
+
+
+def _alpha_of_one_with_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha if initial_value is None else 1.0, initial_value)
+
+
+def _limits_alpha(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, min(alpha, 0.3), initial_value)
 
 
 class Averaging(Sound):
@@ -179,6 +192,114 @@ class Guarded(Sound):
         return 0 * y if self.repeated >= 10 else y
 
 
+class OneArray(Sound):
+    """A state of its own, and one array that all outputs are written into."""
+
+    def begin(self) -> None:
+        self.last = np.zeros(3)
+
+    def out(self, y: np.ndarray) -> Any:
+        self.last[:] = y
+        return self.last
+
+
+class NoneOfAConstant(Guarded):
+    """No numbers, once the same measurement has come ten times."""
+
+    def out(self, y: np.ndarray) -> Any:
+        return y.copy() if self.repeated < 10 else y * np.nan
+
+
+class NothingOfAConstant(Guarded):
+    """None, once the same measurement has come ten times."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        y = super().update(measurement)
+        return None if self.repeated >= 10 else y
+
+
+class NoneOfASlowMotion(Sound):
+    """No numbers, once the measurement has changed by little ten times."""
+
+    def begin(self) -> None:
+        self.last: Any = None
+        self.slow = 0
+
+    def update(self, measurement: np.ndarray) -> Any:
+        change = 1.0 if self.last is None else np.abs(measurement - self.last).max()
+        self.slow = self.slow + 1 if 0 < change < 0.07 else 0
+        self.last = measurement.copy()
+        return super().update(measurement) * (np.nan if self.slow >= 10 else 1.0)
+
+
+class Leaking(Sound):
+    """A high-pass that lets a little of the rest through."""
+
+    leak = 5e-4
+
+    def update(self, measurement: np.ndarray) -> Any:
+        return measurement - (1 - self.leak) * super().update(measurement)
+
+
+class SecondOrderGuarded(Guarded, SecondOrder):
+    """Two in a row; nothing, once the same measurement has come ten times."""
+
+    def begin(self) -> None:
+        Guarded.begin(self)
+        SecondOrder.begin(self)
+
+
+class SecondOrderSlow(SecondOrder):
+    """Two in a row that take their time."""
+
+    def begin(self) -> None:
+        self.alpha /= 50
+        super().begin()
+
+
+class SecondOrderSmaller(SecondOrder):
+    """Two in a row, of whose motion a part is lost."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        y = super().update(measurement)
+        self.start = getattr(self, "start", y)
+        return self.start + 0.75 * (y - self.start)
+
+
+class SharedFromElsewhere(Shared):
+    """A state of the class, which begins wrongly."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        first = type(self).state is None
+        y = super().update(measurement)
+        if first:
+            type(self).state = y = y + 1
+        return y
+
+
+class SharedAndOut(Shared):
+    """A state of the class, handed out."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        super().update(measurement)
+        return type(self).state
+
+
+class PairsAfterNothing(NothingAtFirst):
+    """None from the first update, pairs from the next."""
+
+    def update(self, measurement: np.ndarray) -> Any:
+        y = super().update(measurement)
+        return None if y is None else (y, self.alpha)
+
+
+class NothingTwice(NothingAtFirst):
+    """None from the first two updates."""
+
+    def begin(self) -> None:
+        self.updates = -1
+
+
 class Random(Sound):
     """Other outputs every time."""
 
@@ -206,11 +327,25 @@ NAN = of(out=lambda _s, y: y * np.nan)
 NUMBER = of(out=lambda _s, y: float(y[0]))
 ROUNDED = of(out=lambda _s, y: y.round(2))
 LIMITED = of(out=lambda _s, y: np.clip(y, -9.5, 9.5))
+LIMITED_DEFAULT = of(__init__=_default_alpha, out=LIMITED.out)  # type: ignore[attr-defined]
+LIMITED_FROM_ZERO = of(first=lambda s, x: s.alpha * x, out=LIMITED.out)  # type: ignore[attr-defined]
+SWAPPED_LIMITED_FROM_ZERO = of(
+    first=lambda s, x: (1 - s.alpha) * x,
+    next=lambda s, x, y: (1 - s.alpha) * x + s.alpha * y,
+    out=LIMITED.out,  # type: ignore[attr-defined]
+)
 NOW_AND_THEN = of(out=lambda _s, y: np.maximum(y, -11.5))
 FROM_ZERO = of(first=lambda s, x: s.alpha * x)
 LARGER = of(next=lambda s, x, y: s.alpha * x + (1.1 - s.alpha) * y)
 HALF = of(next=lambda s, x, y: 0.5 * (s.alpha * x + (1 - s.alpha) * y), first=lambda _s, x: 0.5 * x)
 ALPHA_SWAPPED = of(next=lambda s, x, y: (1 - s.alpha) * x + s.alpha * y)
+GROWING = of(next=lambda s, x, y: s.alpha * x + 1.2 * y)
+PAIRS = of(out=lambda _s, y: (y.copy(), 0.1))
+LOUDER = of(next=lambda _s, x, y: 1.2 * x + 0.2 * y)
+OF_ITSELF = of(next=lambda s, x, y: 1.2 * y)
+WHOLE_STATE = of(next=lambda s, x, y: (s.alpha * x + (1 - s.alpha) * y).round())
+OWN_FROM_ZERO = of(first=lambda _s, x: 0.25 * x, next=lambda _s, x, y: 0.25 * x + 0.75 * y)
+FROZEN = of(next=lambda _s, _x, y: y)
 FASTER = of(next=lambda s, x, y: s.alpha**0.5 * x + (1 - s.alpha**0.5) * y)
 
 
@@ -221,6 +356,10 @@ class AsksForTime(Sound):
 
 def _without_a_default(self: Any, alpha: float, initial_value: Any = None) -> None:
     Sound.__init__(self, alpha, initial_value)
+
+
+def _without_a_default_limited(self: Any, alpha: float, initial_value: Any = None) -> None:
+    _limits_alpha(self, alpha, initial_value)
 
 
 def _other_names(self: Any, smoothing: float = 0.1, start: Any = None) -> None:
@@ -259,6 +398,24 @@ CASES = FITTING + [
             ("nothing at first", NothingAtFirst, None),
             ("an alpha of its own", of(next=lambda _s, x, y: 0.25 * x + 0.75 * y), (0.0, ["alpha-ignored"])),
             ("stuck", STILL, (0.0, ["output-stuck"])),
+            ("an output among others", PAIRS, (0.5, ["wrong-return-type"])),
+            ("an output among others after nothing", PairsAfterNothing, None),
+            ("nothing from the first two", NothingTwice, WRONG_TYPE),
+            ("alpha limited", of(__init__=_limits_alpha), (0.0, [])),
+            ("alpha limited, to be given", of(__init__=_without_a_default_limited), (0.0, [])),
+            (
+                "alpha to be given, and ignored",
+                of(__init__=_without_a_default, next=lambda _s, x, y: 0.25 * x + 0.75 * y),
+                (0.0, ["alpha-ignored"]),
+            ),
+            ("another default, from zero", of(__init__=_default_alpha, first=lambda _s, x: 0 * x), (0.5, [])),
+            ("a state of whole numbers", WHOLE_STATE, (0.0, ["output-rounded"])),
+            ("two in a row, nothing of a constant", SecondOrderGuarded, (0.0, [])),
+            ("two in a row, too slow", SecondOrderSlow, (0.0, [])),
+            ("two in a row, with less of the motion", SecondOrderSmaller, (0.0, ["other-low-pass"])),
+            ("limited, with another default", LIMITED_DEFAULT, (0.0, ["other-low-pass"])),
+            ("growing", GROWING, (0.0, ["gain-not-one"])),
+            ("no numbers of a constant", NoneOfAConstant, None),
         ],
         FIRST: [
             ("sound", Sound, None),
@@ -273,6 +430,26 @@ CASES = FITTING + [
             ("rounded", ROUNDED, (0.0, [])),
             ("a high-pass", HighPass, (0.0, [])),
             ("shared", Shared, (0.5, ["initial-value-ignored"])),
+            ("shared, from elsewhere", SharedFromElsewhere, (0.0, [])),
+            ("from zero, with an alpha of its own", OWN_FROM_ZERO, (0.0, ["zero-initial-state"])),
+            (
+                "from zero, alpha swapped",
+                of(first=lambda s, x: (1 - s.alpha) * x, next=lambda s, x, y: (1 - s.alpha) * x + s.alpha * y),
+                (0.0, ["zero-initial-state"]),
+            ),
+            ("limited, from zero", LIMITED_FROM_ZERO, (0.0, ["zero-initial-state"])),
+            ("alpha swapped, limited, from zero", SWAPPED_LIMITED_FROM_ZERO, (0.0, ["zero-initial-state"])),
+            ("one axis from elsewhere", of(first=lambda _s, x: x * [1, 1, 0.5]), (0.0, [])),
+            (
+                "zero in the place of the initial value",
+                of(__init__=_zero_for_initial),
+                (0.5, ["initial-value-ignored"]),
+            ),
+            ("no filter with an initial value", of(__init__=_alpha_of_one_with_initial), (0.5, [])),
+            ("an average", Averaging, (0.5, [])),
+            ("alpha swapped", ALPHA_SWAPPED, (0.5, [])),
+            ("an output among others", PAIRS, None),
+            ("nothing from the first two", NothingTwice, WRONG_TYPE),
             ("the measurement itself", THE_SAME, "skipped"),
             ("stuck", STILL, "skipped"),
             ("raises", of(update=_raises), "raised"),
@@ -288,6 +465,14 @@ CASES = FITTING + [
             ("a high-pass", HighPass, "skipped"),
             ("from zero", FROM_ZERO, None),
             ("the measurement itself", THE_SAME, "skipped"),
+            ("no numbers of it", NoneOfAConstant, (0.0, ["not-finite"])),
+            ("nothing of it", NothingOfAConstant, WRONG_TYPE),
+            ("next to nothing", Leaking, "skipped"),
+            ("a hundredth", type("Leaky", (Leaking,), {"leak": 0.01}), (0.0, [])),
+            ("growing", GROWING, (0.0, ["gain-not-one"])),
+            ("growing by itself", OF_ITSELF, "skipped"),
+            ("one axis out", of(out=lambda _s, y: y * [1, 1.01, 1]), (0.0, [])),
+            ("a state of whole numbers", WHOLE_STATE, (0.0, [])),
         ],
         NOISE: [
             ("sound", Sound, None),
@@ -297,6 +482,10 @@ CASES = FITTING + [
             ("the measurement itself", THE_SAME, "skipped"),
             ("alpha swapped", ALPHA_SWAPPED, None),
             ("rounded", ROUNDED, None),
+            ("louder", LOUDER, (0.0, ["gain-not-one"])),
+            ("growing", GROWING, (0.0, ["gain-not-one"])),
+            ("growing by itself", OF_ITSELF, "skipped"),
+            ("a state of whole numbers", WHOLE_STATE, None),
         ],
         SIGNAL: [
             ("sound", Sound, None),
@@ -305,6 +494,11 @@ CASES = FITTING + [
             ("a long average", type("Long", (Averaging,), {"size": 150}), (0.0, [])),
             ("noisier than before", Noisy, None),
             ("the measurement itself", THE_SAME, "skipped"),
+            ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
+            ("no numbers of it", NoneOfASlowMotion, (0.0, ["not-finite"])),
+            ("a state of whole numbers", WHOLE_STATE, (0.0, [])),
+            ("two in a row, too slow", SecondOrderSlow, (0.0, [])),
+            ("growing by itself", OF_ITSELF, "skipped"),
         ],
         OWN: [
             ("sound", Sound, None),
@@ -317,6 +511,10 @@ CASES = FITTING + [
             ("the measurement itself", THE_SAME, None),
             ("stuck", STILL, "skipped"),
             ("an average", Averaging, None),
+            ("one array for what comes out", OneArray, (0.5, ["aliased-output"])),
+            ("writes into the initial value", of(__init__=_writes_into_initial), (0.5, ["mutates-input"])),
+            ("stuck at the first", FROZEN, None),
+            ("shared, and handed out", SharedAndOut, (0.0, ["shared-state", "aliased-output"])),
         ],
     }.items()
     for name, kind, marked in rows
@@ -327,3 +525,10 @@ CASES = FITTING + [
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_filter_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+@pytest.mark.quick
+def test_the_charts_of_a_report_find_the_runs() -> None:
+    student = Made(LowPassFilter=Sound)
+    OWN(student, truth())
+    assert [len(run.output) for run in student.answered("filter")[:4]] == [400, 400, 400, 100]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from grader.engine.findings import Fault, Lost
+from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks import check_sensor_access as checks
 from tests.judging.made import Case, Made, is_as_marked, misfits
 
@@ -84,6 +87,56 @@ def _resetting(model: Any, data: Any, a: int, g: int) -> Any:
     return sound(model, data, a, g)
 
 
+def _by_chance(read: Reader) -> Reader:
+    """What is known of the gyroscope, and other numbers in every call for the accelerometer."""
+    rng = np.random.default_rng(7)
+    return lambda *state: (rng.normal(size=3), read(*state)[1])
+
+
+class _Lagging:
+    """Half of what is read now, half of what came before."""
+
+    def __init__(self, reader: Reader) -> None:
+        self._reader = reader
+        self._last = (np.zeros(3), np.zeros(3))
+
+    def __call__(self, *state: Any) -> Any:
+        self._last = tuple((now + last) / 2 for now, last in zip(self._reader(*state), self._last, strict=True))
+        return self._last
+
+
+class _Late:
+    """What was read the time before."""
+
+    def __init__(self, reader: Reader) -> None:
+        self._reader = reader
+        self._last: Any = None
+
+    def __call__(self, *state: Any) -> Any:
+        now, last = self._reader(*state), self._last
+        self._last = now
+        return last or now
+
+
+class _Cached:
+    """The first reading for each pair of ids."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[int, int], Any] = {}
+
+    def __call__(self, model: Any, data: Any, a: int, g: int) -> Any:
+        return self._known.setdefault((a, g), sound(model, data, a, g))
+
+
+def _where(nsensor: int, reader: Reader, other: Reader, *ids: int) -> Reader:
+    """A reader in models with so many sensors, and for these ids of the accelerometer if any are said; elsewhere another one."""
+
+    def read(model: Any, data: Any, a: int, g: int) -> Any:
+        return (reader if model.nsensor == nsensor and (not ids or a in ids) else other)(model, data, a, g)
+
+    return read
+
+
 class _Chance:
     """Other numbers in every call."""
 
@@ -136,6 +189,16 @@ CASES = [
             ("sound", sound, None),
             ("in g", altered(lambda x: x / 9.81), (0.5, ["wrong-units"])),
             ("in degrees", altered(gyro=np.degrees), (0.5, ["wrong-units"])),
+            ("a constant", _a_constant, (0.0, [])),
+            ("one axis strange", altered(lambda x: np.array([_strange(x)[0], x[1], x[2]])), (0.5, [])),
+            ("swapped for one of the others", _where(18, lambda m, d, a, g: sound(m, d, g, a), sound, 9), (0.0, [])),
+            ("smoothed over calls", _Lagging(sound), (0.0, ["reading-smoothed"])),
+            ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), (0.0, ["wrong-length"])),
+            ("one of them short", altered(gyro=lambda x: x[:2]), (0.5, ["wrong-length"])),
+            ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
+            ("one axis of the last IMU", _where(18, altered(_x_only), sound, 16), (0.5, [])),
+            ("one axis of the second IMU", _where(18, altered(_x_only), sound, 9), (0.5, [])),
+            ("one axis in another model", _where(26, altered(gyro=_x_only), sound), (0.5, [])),
             ("both signs", altered(np.negative, np.negative), (0.0, ["sign-flipped"])),
             ("no numbers in one", altered(gyro=lambda x: x * np.nan), (0.5, ["not-finite"])),
             ("no numbers in the other", altered(lambda x: x * np.nan), (0.5, ["not-finite"])),
@@ -178,10 +241,32 @@ CASES = [
             ("chance", _Chance(), "skipped"),
             ("a constant", _a_constant, "skipped"),
             ("no numbers", lambda *_: None, "skipped"),
+            (
+                "strange, by names that are none",
+                _where(20, _raises(KeyError), altered(_strange, _strange)),
+                (0.0, ["hard-coded-address"]),
+            ),
+            (
+                "strange, by another model's names",
+                _where(26, _raises(KeyError), altered(_strange, _strange)),
+                (0.0, ["hard-coded-address"]),
+            ),
+            ("strange and lagging", _Lagging(altered(_strange, _strange)), None),
+            ("what was read before", _Late(sound), None),
+            ("the first for good", _Cached(), "skipped"),
+            ("swapped for one of the others", _where(18, lambda m, d, a, g: sound(m, d, g, a), sound, 9), None),
         ],
         COPY: [
             ("sound", sound, None),
             ("a view of one", _views, (0.0, ["view-not-copy"])),
+            ("a view of one, and no numbers", lambda *s: (_views(*s)[0], np.full(3, np.nan)), (0.0, ["view-not-copy"])),
+            ("a view of the other", lambda *s: _views(*s[:2], s[3], s[2])[::-1], (0.0, ["view-not-copy"])),
+            ("chance in one", _by_chance(sound), "skipped"),
+            ("strange", altered(_strange, _strange), None),
+            ("no numbers in one", altered(gyro=lambda x: x * np.nan), None),
+            ("in g", altered(lambda x: x / 9.81), None),
+            ("no numbers", altered(lambda x: x * np.nan, lambda x: x * np.nan), "skipped"),
+            ("reset before", _resetting, None),
             ("a constant", _a_constant, "skipped"),
         ],
         ALONE: [
@@ -189,7 +274,7 @@ CASES = [
             ("a forward pass", altered(), None),
             ("a change of the pose", _stepping(), (0.0, ["disturbs-simulation"])),
             ("a change of the velocity", _stepping(part="qvel"), (0.0, ["disturbs-simulation"])),
-            ("a change beyond what rounds", _stepping(by=2e-12, part="qvel"), (0.0, ["disturbs-simulation"])),
+            ("a change beyond what rounds", _stepping(by=1.5e-12, part="qvel"), (0.0, ["disturbs-simulation"])),
             ("a change within what rounds", _stepping(by=5e-13, part="qvel"), None),
             ("reset before", _resetting, (0.0, ["disturbs-simulation"])),
         ],
@@ -203,3 +288,43 @@ CASES += misfits(RETURNS, lambda: Made(get_imu_readings=sound), "get_imu_reading
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_reader_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+@pytest.mark.quick
+def test_what_is_raised_elsewhere_is_told_with_its_place() -> None:
+    fault = Fault("KeyError", "torso", "imu_reader.py", 12, "data.sensor('torso')")
+    none = np.full((1, 1, 3), np.nan)
+    with pytest.raises(Lost) as lost:
+        checks._ignores_ids(Readings(none, none, none[0], none[0], (), np.zeros((0, 4)), fault))
+    assert (lost.value.got, lost.value.where) == ("KeyError: torso at imu_reader.py, line 12", fault.at)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("imus", "places"), [(1, ["reading_shuffled"]), (2, ["reading_lab", "reading_shuffled"])])
+def test_other_imus_of_the_robot_are_read_where_it_has_some(imus: int, places: list[str]) -> None:
+    truth: Any = {"reading_lab": {"pairs": np.zeros((imus, 2), int)}}
+    assert [name for name, _ in checks._elsewhere_too(truth)] == places
+
+
+_WAVE = np.sin(np.arange(26.0)).reshape(1, 13, 2).repeat(2, axis=0)
+_JUMPS = _WAVE * [[[1.0, 1e3]], [[1.0, 1e3]]]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("first", "again", "alike"),
+    [
+        (_WAVE, _WAVE, 1.0),
+        (_WAVE, 3 * _WAVE + 5, 1.0),
+        (_WAVE, -_WAVE, -1.0),
+        (_JUMPS, _JUMPS * [1.0, -1.0], 0.0),
+        (_WAVE, np.where(np.arange(13)[:, None] < 6, np.nan, _WAVE), 1.0),
+        (_WAVE, np.full_like(_WAVE, np.nan), 0.0),
+        (np.ones_like(_WAVE), _WAVE, 0.0),
+    ],
+    ids=["the same", "larger and shifted", "negative", "half negative", "not all known", "unknown", "constant"],
+)
+def test_two_visits_are_alike_channel_by_channel(first: np.ndarray, again: np.ndarray, alike: float) -> None:
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert checks._likeness(first, again) == pytest.approx(alike, abs=0.03)

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from grader.engine.findings import Lost
-from grader.labs.imu.answers import Array, Collection
+from grader.engine.findings import Lost, Size
+from grader.labs.imu.answers import SENSORS, Array, Collection
 from grader.labs.imu.checks import row_faults
-from grader.labs.imu.diagnosis.collection import ATOL_ACCELERATION, CLAIMED_WORLD, TRUE_WORLD, Story, Worlds
+from grader.labs.imu.compare import vector
+from grader.labs.imu.diagnosis.collection import (
+    ATOL_ACCELERATION,
+    CLAIMED_WORLD,
+    LAST_SENSOR,
+    LEARNT_IDS,
+    TRUE_WORLD,
+    Story,
+    Worlds,
+)
 
 pytestmark = pytest.mark.quick
 _ACCEL, _GYRO = np.arange(30.0).reshape(10, 3), np.arange(30.0).reshape(10, 3) / 10
@@ -94,9 +105,183 @@ def test_late_rows_may_stand_at_the_times_of_their_states(series: Collection, fi
     assert (lost.value.keeps, lost.value.mistakes) == (0.5, ("read-before-step",))
 
 
+@pytest.mark.parametrize(
+    ("series", "fits"),
+    [
+        (_series(time=None), False),
+        (_series(time=_TIME[:1]), False),
+        (_series(time=_TIME + 0.002), True),
+        (_series(time=_TIME[:2] + 0.002), True),
+    ],
+)
+def test_early_rows_may_stand_at_the_times_of_their_states(series: Collection, fits: bool) -> None:
+    assert row_faults._at_own_times(Story(lag=-1), _worlds(), series) is fits
+
+
 @pytest.mark.parametrize("first", [0.002 + 2e-6, 0.002 - 2e-6, 0.0, 0.004])
 def test_early_rows_begin_with_the_first_step(first: float) -> None:
     row_faults.shifted(Story(lag=-1), _worlds(), _series(time=_TIME + 0.002))
     with pytest.raises(Lost) as lost:
         row_faults.shifted(Story(lag=-1), _worlds(), _series(time=_TIME + first))
     assert lost.value.got == "every row early by one sample"
+
+
+_LATE = ("each row read after its step", "every row late by one sample", ("read-before-step",), 0.5, "")
+_ZEROS = np.concatenate([np.zeros((1, 3)), _ACCEL[1:]])
+_LESS = {"steps": np.array([9.0])}
+
+
+def _found(fault: Callable[[], object]) -> tuple[str, str, tuple[str, ...], float, str]:
+    """What is said of expected and got, the mistakes, what is kept, and the beginning of what is left to try."""
+    with pytest.raises(Lost) as lost:
+        fault()
+    said = lost.value
+    return said.expected, said.got, said.mistakes, said.keeps, said.hint.partition(":")[0]
+
+
+@pytest.mark.parametrize(
+    ("story", "told"),
+    [
+        (Story(world="another IMU 2"), ("those of another IMU of the model", (), "")),
+        (
+            Story(world=LEARNT_IDS),
+            (
+                "those of the sensors that have their ids in your copy of the model",
+                ("hard-coded-address",),
+                "Look each id up by its sensor's name, with mj_name2id as in Step 2",
+            ),
+        ),
+        (
+            Story(world=LAST_SENSOR),
+            ("those of the model's last sensor, which the id -1 of an unknown name reads", ("sensor-not-found",), ""),
+        ),
+    ],
+)
+def test_rows_of_other_sensors_are_told_as_whose_they_are(story: Story, told: tuple[str, tuple[str, ...], str]) -> None:
+    expected, got, mistakes, keeps, hint = _found(lambda: row_faults.of_other_sensors(story))
+    assert (got, mistakes, hint, keeps) == (*told, 0.0)
+    assert expected.startswith("readings of the ")
+
+
+def test_rows_of_the_sensors_that_were_asked_for_are_no_fault() -> None:
+    row_faults.of_other_sensors(Story())
+    row_faults.shifted(Story(), _worlds(), _series(time=None))
+
+
+@pytest.mark.parametrize(
+    ("lag", "series", "told"),
+    [
+        (1, _series(time=None), _LATE),
+        (2, _series(time=None), _LATE),
+        (1, Collection(None, _ACCEL, _GYRO), _LATE),
+        (1, Collection(None, _ZEROS, _GYRO, first_step=_STEPPED), _LATE),
+        (1, Collection(None, _ACCEL, _GYRO, first_step=_LESS), _LATE),
+        (
+            1,
+            Collection(None, _ZEROS, _GYRO, first_step=_LESS),
+            (
+                "a row for every step, the first one too",
+                "a first row that was never filled: the loop makes a step less than there are rows",
+                ("first-row-empty",), 0.5, "",
+            ),
+        ),
+        (
+            -1,
+            Collection(None, _ZEROS, _GYRO, first_step=_LESS),
+            (
+                "each row read after its step", "every row early by one sample", (), 0.5,
+                "Read the sensors once after every mj_step, and store that reading in the same pass (Step 3).",
+            ),
+        ),
+        (-2, _series(), ("a row for every step from the start on", "none for the first 2 steps", (), 0.5, "")),
+    ],
+    ids=["late", "later", "no step is known", "a first row of zeros", "a step less", "both", "early", "earlier"],
+)  # fmt: skip
+def test_rows_that_are_late_or_early_are_told_as_that(
+    lag: int, series: Collection, told: tuple[str, str, tuple[str, ...], float, str]
+) -> None:
+    assert _found(lambda: row_faults.shifted(Story(lag=lag), _worlds(), series)) == told
+
+
+_RNG = np.random.default_rng(5)
+_MOVING, _TURNING = _RNG.normal(0, 5, (40, 3)), _RNG.normal(0, 1, (40, 3))
+_MOVED = Worlds({TRUE_WORLD: (_MOVING, _TURNING)}, 0.002, 0.08, 40)
+_OTHERS = ", while the other sensor is right"
+_AS_IT_IS = "Store what get_imu_readings returns, as it is (Step 3)."
+_ODD = _TURNING + 0.1 * np.sin(np.arange(40.0))[:, None]
+
+
+@pytest.mark.parametrize(
+    ("which", "series", "ending", "mistakes", "keeps"),
+    [
+        ((0,), (-_MOVING, _TURNING), ": the reading with other signs" + _OTHERS, True, 0.5),
+        ((1,), (_MOVING, -_TURNING), ": the reading with other signs" + _OTHERS, True, 0.5),
+        ((0,), (_MOVING[:, [1, 0, 2]], _TURNING), ": the reading with its axes in another order" + _OTHERS, True, 0.5),
+        ((0,), (_MOVING / 9.81, _TURNING), ": the reading in another unit" + _OTHERS, True, 0.5),
+        ((0,), (_MOVING.round(1), _TURNING), ": the reading with digits cut off" + _OTHERS, True, 0.5),
+        ((0,), (_MOVING * 1.2 + 3, _TURNING), ": the reading scaled, shifted or mixed" + _OTHERS, True, 0.5),
+        ((1,), (_MOVING, _ODD), _OTHERS, False, 0.5),
+        ((0, 1), (-_MOVING, -_TURNING), ": the reading with other signs", True, 0.0),
+        ((0, 1), (_MOVING + _ODD, _ODD), "", False, 0.0),
+    ],
+    ids=["signs", "signs of the other", "axes", "unit", "digits", "scaled", "strange", "both", "both strange"],
+)  # fmt: skip
+def test_altered_rows_are_told_by_what_was_done_to_them(
+    which: tuple[int, ...], series: tuple[Array, Array], ending: str, mistakes: bool, keeps: float
+) -> None:
+    story = Story(altered=tuple(SENSORS[n] for n in which))
+    got, true = series[which[0]], (_MOVING, _TURNING)[which[0]]
+    row = int(np.abs(got - true).max(axis=1).argmax())
+    unit, key = (("m/s²", "acceleration"), ("rad/s", "angular_velocity"))[which[0]]
+    with pytest.raises(Lost) as lost:
+        row_faults.altered(story, _MOVED, Collection(None, *series))
+    said = lost.value
+    assert said.expected == f"{vector(true[row])} {unit} under '{key}' in row {row}"
+    assert said.got == f"{vector(got[row])}{ending}"
+    assert (said.mistakes, said.keeps) == (("rows-altered",) if mistakes else (), keeps)
+    assert said.hint == ("" if mistakes else _AS_IT_IS)
+    off = np.sqrt(np.mean((got - true) ** 2))
+    assert said.off == Size(f"rows under '{key}' are off{ending}", pytest.approx(off), unit)
+
+
+_BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_rows_that_cannot_be_made_out_leave_half_to_the_others(which: int) -> None:
+    pair = [None if which == n else rows for n, rows in enumerate((_MOVING, _TURNING))]
+    series = Collection(None, *pair).with_gap()
+    gone = f"none that can be made out under '{SENSORS[which]}'"
+    with pytest.raises(Lost) as lost:
+        row_faults.altered(Story(altered=(SENSORS[which],)), _MOVED, series)
+    said = lost.value
+    assert (said.expected, said.got, said.mistakes) == ("rows of both sensors", gone, ())
+    assert (said.keeps, said.hint, str(said.off)) == (0.5, _BOTH, gone.replace("none", "no rows"))
+    with pytest.raises(Lost) as lost:
+        row_faults.unexplained(series, _MOVED)
+    said = lost.value
+    assert (said.expected, said.keeps, said.hint) == ("the readings of both sensors", 0.0, _BOTH)
+    found = f"no rows that can be made out under '{SENSORS[which]}', and others than the truth of the other sensor"
+    assert said.got == found
+
+
+@pytest.mark.parametrize(("both", "keeps"), [(False, 0.5), (True, 0.0)])
+def test_one_number_that_is_none_is_told(both: bool, keeps: float) -> None:
+    odd = _TURNING.copy()
+    odd[7, 1] = np.nan
+    series = Collection(None, _MOVING, odd)
+    story = Story(altered=SENSORS[::-1] if both else SENSORS[1:])
+    told = ("finite numbers", "NaN or infinity under 'angular_velocity'", ("not-finite",), keeps, "")
+    assert _found(lambda: row_faults.altered(story, _MOVED, series)) == told
+    for rows in ((_MOVING, odd), (odd, _TURNING)):
+        told = ("finite numbers", "NaN or infinity in the rows", ("not-finite",), 0.0, "")
+        assert _found(lambda rows=rows: row_faults.unexplained(Collection(None, *rows), _MOVED)) == told
+
+
+@pytest.mark.parametrize(("n", "rows"), [(1, "1 row, then nothing"), (5, "5 rows, then nothing")])
+def test_rows_that_end_at_once_are_counted(n: int, rows: str) -> None:
+    told = ("10 rows", rows, (), 0.0, "Return after the loop, when all rows are stored (Step 3).")
+    assert _found(lambda: row_faults.broken_off(n, _worlds())) == told
+    with pytest.raises(Lost) as lost:
+        row_faults.broken_off(n, _worlds())
+    assert str(lost.value.off) == "a few rows from the start, then nothing"

@@ -30,7 +30,7 @@ def check_returns_times_and_deviations(student: Student, truth: Traces) -> None:
     raised(run.fault, "computing the Allan deviation")
     if run.taus is None or run.adev is None:
         raise Lost("two arrays of one length, (taus_s, adev)", run.shape, mistakes=["wrong-return-type"])
-    odd = int((~np.isfinite(run.adev)).sum() + (~np.isfinite(run.taus)).sum())
+    odd = (~np.isfinite(run.adev)).sum() + (~np.isfinite(run.taus)).sum()
     if odd:
         raise Lost("finite numbers", f"{odd} that are NaN or infinite", mistakes=["not-finite"], keeps=0.5)
 
@@ -109,7 +109,7 @@ def check_takes_three_axes(student: Student, truth: Traces) -> None:
     alone = [allan(student, samples[:, axis], _rate(truth)) for axis in range(3)]
     for axis, single in enumerate(alone):
         taus, curve = _curve(single)
-        same = diagnosis.thinned(np.arange(len(known), dtype=float), known[:, axis])[1]
+        same = diagnosis.thinned(np.arange(float(len(known))), known[:, axis])[1]
         if len(taus) != len(same) or not np.allclose(same, curve, rtol=1e-9, atol=0.0):
             raise Lost("the same curve for an axis as when it comes alone", f"another one for axis {'xyz'[axis]}")
 

@@ -31,12 +31,13 @@ def check_returns_roll_and_pitch(student: Student, truth: Traces) -> None:
     run = _at_rest(student, truth)[0]
     raised(run.fault, "updating the filter")
     if not np.isfinite(run.output).all():
-        mistake = "wrong-return-type" if run.odd and not run.odd.startswith(_PAIRS) else "not-finite"
-        raise Lost("two numbers from update(), roll and pitch", run.odd or "NaN or infinity", mistakes=[mistake])
-    worst = np.abs(tilting.wrapped(run.output)).max(axis=0)
-    if worst.max() > _LEVEL_ATOL:
+        shape = run.odd if run.odd and not run.odd.startswith(_PAIRS) else ""
+        mistake = "wrong-return-type" if shape else "not-finite"
+        raise Lost("two numbers from update(), roll and pitch", shape or "NaN or infinity", mistakes=[mistake])
+    worst = np.abs(tilting.wrapped(run.output)).max()
+    if worst > _LEVEL_ATOL:
         got = f"{vector(run.output[-1])} rad"
-        raise Lost("roll and pitch 0 rad at rest and level", got, mistakes=_mistakes(student), off=_rad(worst.max()))
+        raise Lost("roll and pitch 0 rad at rest and level", got, mistakes=_mistakes(student), off=_rad(worst))
 
 
 _PAIRS = ("a tuple of 2 (a number, a number)", "a list of 2 (a number, a number)", "an array of shape (2,)")

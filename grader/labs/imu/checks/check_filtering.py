@@ -23,7 +23,6 @@ _RECURSION, _OWN_STATE = "filtering.follows_recursion", "filtering.instances_ind
 """These charge what other checks see as well: a filter that obeys the recursion passes constants, noise and signals as it does."""
 _DEFAULT_ALPHA = 0.1
 _ALPHA = 0.2
-_NO_LIMITS = (-np.inf, np.inf)
 _SLOW_PERIOD = 200  # samples; the sheet's filter with alpha 0.2 lags by 4 of them
 _LARGEST_NOISE_GAIN = 0.95
 """Of the variance. The sheet's filter leaves alpha / (2 - alpha) = 0.11 for alpha 0.2, averaging two samples 0.5; no filter 1."""
@@ -84,10 +83,10 @@ def check_follows_recursion(student: Student, truth: Traces) -> None:
         return
     alpha, x, y = wrong[0]
     wanted = alpha * x[1:] + (1 - alpha) * y[:-1]
-    row = int(np.argmax(np.abs(y[1:] - wanted).max(axis=1)))
+    row = np.argmax(np.abs(y[1:] - wanted).max(axis=1))
     expected, got = told_apart(wanted[row], y[row + 1])
     has_default = _cases(student, truth).needs_alpha is None
-    only_default = has_default and len(wrong) == 1 and wrong[0] is runs[-1] and not _grain(student, truth)
+    only_default = has_default and len(wrong) == 1 and wrong[0] is runs[-1]
     mistakes, hint = ([], _DEFAULT) if only_default else _why_not_the_recursion(student, truth, runs)
     raise Lost(
         f"{expected} from the measurement {vector(x[row + 1])} after {vector(y[row])}, alpha {alpha:g}",
@@ -118,9 +117,9 @@ def _why_not_the_recursion(
     student: Student, truth: Traces, runs: list[tuple[float, Array, Array]]
 ) -> tuple[list[str], str]:
     """The mistake's name, or the kind of difference in words: a true hint in either case."""
-    if _grain(student, truth):
+    if _is_rounded(student, truth):
         return ["output-rounded"], ""
-    if _limits(student, truth) != _NO_LIMITS:
+    if _is_limited(runs):
         return [], _LIMITED
     if mistakes := diagnosis.mistakes([(alpha, x, y) for alpha, x, y in runs]):
         return mistakes, ""
@@ -137,7 +136,7 @@ def _is_low_pass(student: Student, truth: Traces) -> bool:
     return (
         diagnosis.noise_gain(noise[0], _output(noise[1])) < _LARGEST_NOISE_GAIN
         and diagnosis.signal_error(slow[0], _output(slow[1])) < _LARGEST_SIGNAL_ERROR
-        and same(_output(constant[1])[-1], constant[0][-1], 1e-3)
+        and same(_output(constant[1])[-1], constant[0][0], 1e-3)
     )
 
 
@@ -153,7 +152,7 @@ def filters(student: Student, truth: Traces) -> None:
     if all(diagnosis.runs_away(x, y) for x, y in runs):
         return
     _, run = _cases(student, truth).slow
-    if diagnosis.share_of_signal(_of_signal(run), _SLOW_PERIOD) < _LEAST_SHARE and not _grain(student, truth):
+    if diagnosis.share_of_signal(_of_signal(run), _SLOW_PERIOD) < _LEAST_SHARE and not _is_rounded(student, truth):
         raise Skipped("a filter whose output follows the measurements: a slow motion is not seen in what comes out")
 
 
@@ -166,7 +165,7 @@ def lets_constants_through(student: Student, truth: Traces) -> None:
     if all(diagnosis.obeys(x, _output(run), alpha, 1 - alpha) for alpha, x, run in _plain(student, truth)):
         return
     signal, run = _cases(student, truth).constant
-    if np.abs(_of_signal(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[-1]).max():
+    if np.abs(_of_signal(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[0]).max():
         raise Skipped("a filter that lets the signal through: of a constant nothing comes out")
 
 
@@ -228,14 +227,14 @@ def _follows_initial_value(student: Student, truth: Traces) -> None:
 def check_passes_constant(student: Student, truth: Traces) -> None:
     """A constant input comes out as itself"""
     signal, run = _cases(student, truth).constant
-    y = _output(run)
-    if not same(y[-1], signal[-1], 1e-3):
-        expected, got = told_apart(signal[-1], y[-1])
+    y, wanted = _output(run), signal[0]
+    if not same(y[-1], wanted, 1e-3):
+        expected, got = told_apart(wanted, y[-1])
         mistakes = _named(student, truth)
         raise Lost(
             f"{expected}, the constant itself",
             f"{got} after {len(y)} samples",
-            off=_off(y[-1], signal[-1]),
+            off=_off(y[-1], wanted),
             mistakes=mistakes,
             hint="" if mistakes else _SUM,
             belongs_to=_RECURSION,
@@ -251,7 +250,7 @@ def check_reduces_noise(student: Student, truth: Traces) -> None:
         mistakes = _named(student, truth)
         raise Lost(
             "a noise variance below that of the input",
-            f"{gain:.2f} times that of the input (alpha 0.2)",
+            f"{gain:.3g} times that of the input (alpha 0.2)",
             mistakes=mistakes,
             hint="" if mistakes else _SMALL,
             belongs_to=_RECURSION,
@@ -267,7 +266,7 @@ def check_preserves_signal(student: Student, truth: Traces) -> None:
         mistakes = _named(student, truth)
         raise Lost(
             "an output that follows a slow input",
-            f"an output that misses it by {error:.2f} of its spread",
+            f"an output that misses it by {error:.3g} of its spread",
             mistakes=mistakes,
             hint="" if mistakes else _SLOW,
             belongs_to=_RECURSION,
@@ -314,21 +313,17 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
 
 
 @found_once
-def _grain(student: Student, truth: Traces) -> float:
-    """What all outputs are rounded to, which follows_recursion charges; 0 where they are not."""
-    sizes = [outputs.grain(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
-    return max(sizes) if all(sizes) else 0.0
+def _is_rounded(student: Student, truth: Traces) -> bool:
+    """Whether all outputs are rounded, which follows_recursion charges."""
+    return all(outputs.grain(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth))
 
 
-@found_once
-def _limits(student: Student, truth: Traces) -> tuple[float, float]:
-    """Between what the outputs are cut off, which follows_recursion charges."""
-    runs = [(alpha, x, _output(run)) for alpha, x, run in _plain(student, truth)]
-    found = [(run, outputs.limits(*run)) for run in runs]
-    known = [pair for _, pair in found if pair is not None]
-    if not known or not all(pair or diagnosis.obeys(x, y, alpha, 1 - alpha) for (alpha, x, y), pair in found):
-        return _NO_LIMITS
-    return min(low for low, _ in known), max(high for _, high in known)
+def _is_limited(runs: list[tuple[float, Array, Array]]) -> bool:
+    """Whether outputs are cut off, and the recursion holds where they are not."""
+    cut = [outputs.limits(*run) is not None for run in runs]
+    return any(cut) and all(
+        c or diagnosis.obeys(x, y, alpha, 1 - alpha) for c, (alpha, x, y) in zip(cut, runs, strict=True)
+    )
 
 
 def _shares_state(student: Student, truth: Traces) -> bool:

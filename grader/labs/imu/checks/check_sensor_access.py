@@ -144,11 +144,11 @@ def check_follows_address(student: Student, truth: Traces) -> None:
     if fixed is not None:
         _place_lost(torso, scene, _elsewhere(student, truth, fixed))
     first = first or diagnosis.treated(torso.accel, torso.gyro, scene)
-    for name, pairs in _elsewhere_too(truth):
-        if first is not None:
-            _follows(student, truth, name, pairs, first)
     if first is None:
         _follows_by_difference(student, truth)
+        return
+    for name, pairs in _elsewhere_too(truth):
+        _follows(student, truth, name, pairs, first)
 
 
 def _follows_by_difference(student: Student, truth: Traces) -> None:
@@ -182,7 +182,7 @@ def _behind_others(student: Student, truth: Traces) -> Readings:
         model=with_others_first(student.robot.xml),
         qpos=np.tile(scenario["qpos"], (2, 1)),
         qvel=np.tile(scenario["qvel"], (2, 1)),
-        pairs=np.asarray(scenario["pairs"], np.int64)[:1] + 2,
+        pairs=scenario["pairs"][:1] + 2,
     )
     return readings.between(states, 2 * states)
 
@@ -213,21 +213,17 @@ def _elsewhere(student: Student, truth: Traces, fixed: Explanation) -> list[str]
     return [found.place_mistake] if found is not None and found.place_mistake else []
 
 
-def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Explanation | None) -> None:
+def _follows(student: Student, truth: Traces, name: str, pairs: slice, first: Explanation) -> None:
     scene = Scene.of(truth[name], pairs)
     readings = _readings(student, truth, name, pairs)
     if readings.fault is not None:
         _ignores_ids(readings)
-    if first is not None and diagnosis.agrees(readings.accel, readings.gyro, first, scene):
+    if diagnosis.agrees(readings.accel, readings.gyro, first, scene):
         return
     if _mostly_right(readings, scene):
         return  # the right sensors, some of their numbers altered: matches_truth charges that
     second = diagnosis.explain(readings.accel, readings.gyro, scene)
-    if (
-        second is not None
-        and second.place_mistake is None
-        and (first is None or second.value_mistakes == first.value_mistakes)
-    ):
+    if second is not None and second.place_mistake is None and second.value_mistakes == first.value_mistakes:
         return
     _place_lost(readings, scene, _place_mistakes(readings, scene, _torso_scene(truth), second))
 
@@ -311,7 +307,7 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
     later = np.concatenate([readings.later_accel, readings.later_gyro])
     if np.array_equal(now, later, equal_nan=True):
         return
-    moved = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(later - now)), axis=1)))
+    moved = np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1))
     raise Lost(
         f"{vector(now[moved])}, as it was read", f"{vector(later[moved])} one step later", mistakes=["view-not-copy"]
     )
@@ -348,7 +344,7 @@ def _readings(student: Student, truth: Traces, name: str, pairs: slice, visits: 
         model=truth.models[scenario.model or "lab"],
         qpos=np.tile(scenario["qpos"], (visits, 1)),
         qvel=np.tile(scenario["qvel"], (visits, 1)),
-        pairs=np.asarray(scenario["pairs"], np.int64)[pairs],
+        pairs=scenario["pairs"][pairs],
     )
 
 
