@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import pickle
 import re
 from datetime import datetime, timezone
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from grader.engine import rubric
 from grader.engine.rubric import CheckWeight, RubricError
+from grader.engine.rubric_nodes import Reader
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
@@ -165,6 +167,18 @@ def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed(
             [DUE, "grace_minuts: 5"],
             "unknown key 'grace_minuts' in late (did you mean grace_minutes?); correct or remove it",
         ),
+        ([DUE, "per_day: 7.125"], "per_day must have at most two decimals, not '7.125'; round it"),
+        ([DUE, "grace_minutes: -1"], "grace_minutes must be a number from 0 to 100000, not '-1'; correct it"),
+        ([DUE, "cut_off_days: soon"], "cut_off_days must be a number from 0 to 1000, not 'soon'; correct it"),
+        (
+            [DUE, "extensions: {jane: []}"],
+            "the extension of jane must be a date and time with its offset from UTC, like"
+            " 2026-11-20T23:59+01:00, not a list or a mapping",
+        ),
+        (
+            [DUE, f"extensions: {{{'j' * 61}: soon}}"],
+            f"the extension of {'j' * 59}… must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'soon'",
+        ),
         (
             [DUE, "extensions: [jane]"],
             "extensions must be `who: date` lines; who is an id, a name or an e-mail address",
@@ -178,6 +192,181 @@ def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed(
 def test_a_slip_in_the_late_policy_is_told_with_its_line(lines: list[str], problem: str) -> None:
     (told,) = problems(with_late(*lines))
     assert re.fullmatch(r"rubric\.yaml:\d+: " + re.escape(problem), told)
+
+
+def test_a_grace_may_last_for_weeks_and_a_day_may_cost_a_share_of_all_points() -> None:
+    policy = rubric.parse(LAB, with_late(DUE, "grace_minutes: 43200", "per_day: 2.5%").encode()).late
+    assert policy is not None
+    assert (policy.grace_minutes, policy.per_day) == (43_200.0, 2.5)
+
+
+def test_a_date_that_cannot_be_read_extends_nothing() -> None:
+    reader = Reader("rubric.yaml")
+    node = reader.compose(b"{due: 2026-11-20T23:59Z, extensions: {jane: soon, joe: 2026-11-21T23:59Z}}")
+    policy = rubric._late(reader, node, 100.0)
+    assert policy is not None
+    assert list(policy.extensions) == ["joe"]
+
+
+# ---- the price of mistakes ----
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (
+            "mistakes: {sensor-id-as-adress: 1}",
+            "there is no mistake 'sensor-id-as-adress' (did you mean sensor-id-as-address?); `imugrade explain` lists them",
+        ),
+        (
+            "mistakes: {no-bias: much}",
+            "what no-bias costs must be a number from 0 to 1000, not 'much'; correct it",
+        ),
+        ("mistakes: {no-bias: 1.125}", "what no-bias costs must have at most two decimals, not '1.125'; round it"),
+        ("mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
+        ("mistakes: {no-bias: 1, no-bias: 2}", "'no-bias' stands twice in mistakes (first on line LINE); remove one"),
+    ],
+)
+def test_a_slip_in_the_price_of_a_mistake_is_told_with_its_line(line: str, told: str) -> None:
+    text = SHIPPED.decode() + line + "\n"
+    at = str(line_of(text, line))
+    assert problems(text) == [f"rubric.yaml:{at}: {told.replace('LINE', at)}"]
+
+
+def test_mistakes_cost_what_the_rubric_says_in_whichever_order() -> None:
+    one, other = (
+        rubric.parse(LAB, SHIPPED + f"mistakes: {{{prices}}}\n".encode())
+        for prices in ("no-bias: 1.5, bias-shared: 0", "bias-shared: 0, no-bias: 1.5")
+    )
+    assert one.mistakes == other.mistakes == {"no-bias": 1.5, "bias-shared": 0.0}
+    assert one.sha256 == other.sha256 != rubric.load(LAB).sha256
+    assert one.asked_sha256 == rubric.load(LAB).asked_sha256
+
+
+# ---- what is asked for ----
+
+
+def test_a_part_that_the_rubric_has_is_known_and_another_is_refused_with_the_nearest_name() -> None:
+    shipped = rubric.load(LAB)
+    for known in (None, "filtering", "allan_variance"):
+        rubric.know_part(shipped, known)
+    with pytest.raises(RequestError) as near:
+        rubric.know_part(shipped, "filterin")
+    assert str(near.value) == "--only filterin: the rubric has no such criterion; did you mean filtering?"
+    with pytest.raises(RequestError) as far:
+        rubric.know_part(shipped, "zzz")
+    names = ", ".join(part.id for part in (*shipped.criteria, *shipped.extensions))
+    assert str(far.value) == f"--only zzz: the rubric has no such criterion; there are {names}"
+
+
+# ---- the instructor's own checks ----
+
+
+def test_the_own_checks_beside_a_rubric_are_its_python_files_in_their_order(tmp_path: Path) -> None:
+    folder = tmp_path / "checks"
+    (folder / "folder.py").mkdir(parents=True)
+    for name in ("b.py", "a.py", "notes.txt"):
+        (folder / name).write_text(f"# {name}\n")
+    assert rubric.own_checks(LAB, tmp_path) == (("a.py", b"# a.py\n"), ("b.py", b"# b.py\n"))
+    assert rubric.parse(LAB, SHIPPED, folder=tmp_path).own_checks == rubric.own_checks(LAB, tmp_path)
+    assert rubric.parse(LAB, SHIPPED).own_checks == ()
+
+
+def test_own_checks_up_to_a_megabyte_together_are_read(tmp_path: Path) -> None:
+    (tmp_path / "checks").mkdir()
+    for name in "ab":
+        (tmp_path / "checks" / f"{name}.py").write_bytes(b"#" * 500_000)
+    assert len(rubric.own_checks(LAB, tmp_path)) == 2
+    (tmp_path / "checks" / "c.py").write_bytes(b"#")
+    with pytest.raises(RubricError) as refusal:
+        rubric.own_checks(LAB, tmp_path)
+    assert str(refusal.value) == f"{tmp_path / 'checks'}: more than 1,000,000 bytes of checks"
+
+
+def _refuses(*_: object, **__: object) -> None:
+    raise PermissionError(13, "Permission denied")
+
+
+def test_files_that_cannot_be_read_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "checks").mkdir()
+    (tmp_path / "checks" / "a.py").touch()
+    monkeypatch.setattr(Path, "read_bytes", _refuses)
+    with pytest.raises(RubricError) as refusal:
+        rubric.own_checks(LAB, tmp_path)
+    assert str(refusal.value) == f"{tmp_path / 'checks'}: cannot be read (Permission denied)"
+    monkeypatch.setattr(builtins, "open", _refuses)
+    with pytest.raises(RubricError) as refusal:
+        rubric.load(LAB, tmp_path / "checks" / "a.py")
+    assert str(refusal.value) == (
+        f"{tmp_path / 'checks' / 'a.py'}: cannot be read (Permission denied); check its permissions"
+    )
+
+
+# ---- the criteria and their checks ----
+
+
+@pytest.mark.parametrize("key", ["title", "points", "checks"])
+def test_every_key_of_a_criterion_is_needed(key: str) -> None:
+    text = re.sub(rf"(id: filtering\n(?:.*\n)*?    ){key}:", r"\1# :", SHIPPED.decode(), count=1)
+    if key == "checks":
+        text = SHIPPED.decode()[: SHIPPED.decode().index("    checks:", SHIPPED.decode().index("id: filtering"))]
+        text += SHIPPED.decode()[SHIPPED.decode().index("\nextensions:") :]
+    line = line_of(text, "id: filtering")
+    assert problems(text)[0] == f"rubric.yaml:{line}: this criterion has no key `{key}`; add it"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("file: allan_variance.py", "file: allan.txt", "the file of allan_variance must be the name of a .py file, not"
+         " 'allan.txt'; correct it"),
+        ("file: allan_variance.py", "file: ../allan.py", "the file of allan_variance must be the name of a .py file, not"
+         " '../allan.py'; correct it"),
+        ("file: allan_variance.py", "file: [allan.py]", "the file of allan_variance must be text, not a list or a mapping;"
+         " write it in quotes"),
+        ("file: allan_variance.py", "file: allan_variance.py\n    points: many", "the points of allan_variance must be a"
+         " number from 0 to 1000, not 'many'; correct it"),
+        ("title: Allan variance", "title: 3", "the title of allan_variance must be text, not '3'; write it in quotes"),
+    ],
+)  # fmt: skip
+def test_a_slip_in_an_extension_is_told_with_its_line(old: str, new: str, told: str) -> None:
+    text = edited(old, new)
+    line = line_of(text, new) + new.count("\n")
+    assert problems(text) == [f"rubric.yaml:{line}: {told}"]
+
+
+def test_a_missing_check_is_told_at_its_own_part() -> None:
+    shipped = rubric.load(LAB)
+    known = {check.id: "a title" for check in shipped.checks} | {"allan_variance.new": "New"}
+    with pytest.raises(RubricError) as refusal:
+        rubric.match_checks(shipped, known)
+    assert str(refusal.value).startswith(f"rubric.yaml:{line_of(SHIPPED.decode(), 'id: allan_variance')}: the check ")
+
+
+def test_the_checks_of_a_part_must_be_lines_and_of_a_criterion_one_at_least() -> None:
+    for wrong in ("3", "[]", "{}", "[returns_two_vectors]"):
+        text = re.sub(
+            r"(id: filtering\n(?:    .*\n)*?    checks:)\n(?:      .*\n)*", rf"\1 {wrong}\n", SHIPPED.decode()
+        )
+        told = f"rubric.yaml:{line_of(text, f'checks: {wrong}')}: the checks of filtering must be `name: weight` lines; list at least one"
+        assert told in problems(text)
+
+
+@pytest.mark.parametrize(
+    ("points", "weights", "shares"),
+    [
+        (10.0, [1, 1, 1], [3.34, 3.33, 3.33]),
+        (1.0, [1, 5, 1], [0.14, 0.72, 0.14]),
+        (0.05, [3, 2, 4], [0.02, 0.01, 0.02]),
+        (10.0, [2, 0, 2], [5.0, 0.0, 5.0]),
+        (5.0, [0, 0], [0.0, 0.0]),
+        (0.0, [1, 2], [0.0, 0.0]),
+    ],
+)
+def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_the_first(
+    points: float, weights: list[float], shares: list[float]
+) -> None:
+    assert rubric._shares(points, weights) == shares
 
 
 def test_a_check_knows_its_points_and_its_line() -> None:
