@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import pickle
 import re
+from dataclasses import fields
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.engine import rubric
+from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, RubricError
 from grader.engine.rubric_nodes import Reader
 from grader.ground.errors import RequestError
@@ -272,15 +274,28 @@ def test_the_own_checks_beside_a_rubric_are_its_python_files_in_their_order(tmp_
     assert rubric.parse(LAB, SHIPPED).own_checks == ()
 
 
+def test_a_kits_own_checks_lie_beside_the_labs(tmp_path: Path) -> None:
+    class Kit(Lab):
+        folder = tmp_path  # type: ignore[assignment]
+
+    kit = Kit(**{each.name: getattr(LAB, each.name) for each in fields(LAB)})
+    for name in ("checks", "own_checks"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "check_a.py").write_text(f"# of {name}")
+    assert rubric.own_checks(kit, tmp_path) == (("check_a.py", b"# of own_checks"),)
+    assert rubric.own_checks(LAB, tmp_path) == (("check_a.py", b"# of checks"),)
+
+
 def test_own_checks_up_to_a_megabyte_together_are_read(tmp_path: Path) -> None:
-    (tmp_path / "checks").mkdir()
+    folder = tmp_path / "od\x1bd" / "checks"
+    folder.mkdir(parents=True)
     for name in "ab":
-        (tmp_path / "checks" / f"{name}.py").write_bytes(b"#" * 500_000)
-    assert len(rubric.own_checks(LAB, tmp_path)) == 2
-    (tmp_path / "checks" / "c.py").write_bytes(b"#")
+        (folder / f"{name}.py").write_bytes(b"#" * 500_000)
+    assert len(rubric.own_checks(LAB, folder.parent)) == 2
+    (folder / "c.py").write_bytes(b"#")
     with pytest.raises(RubricError) as refusal:
-        rubric.own_checks(LAB, tmp_path)
-    assert str(refusal.value) == f"{tmp_path / 'checks'}: more than 1,000,000 bytes of checks"
+        rubric.own_checks(LAB, folder.parent)
+    assert str(refusal.value) == f"{tmp_path}/od\\x1bd/checks: more than 1,000,000 bytes of checks"
 
 
 def _refuses(*_: object, **__: object) -> None:
@@ -358,6 +373,7 @@ def test_the_checks_of_a_part_must_be_lines_and_of_a_criterion_one_at_least() ->
         (10.0, [1, 1, 1], [3.34, 3.33, 3.33]),
         (1.0, [1, 5, 1], [0.14, 0.72, 0.14]),
         (0.05, [3, 2, 4], [0.02, 0.01, 0.02]),
+        (1.0, [0.1, 0.1, 0.1], [0.34, 0.33, 0.33]),
         (10.0, [2, 0, 2], [5.0, 0.0, 5.0]),
         (5.0, [0, 0], [0.0, 0.0]),
         (0.0, [1, 2], [0.0, 0.0]),
@@ -381,6 +397,36 @@ def test_a_rubric_goes_to_another_process() -> None:
     refusal = RubricError("rubric.yaml:1: wrong")
     assert str(pickle.loads(pickle.dumps(refusal))) == str(refusal)
     assert isinstance(refusal, RequestError)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("call_cpu_s: 10", "call_cpu_s: 0.09", "call_cpu_s must be a number from 0.1 to 1000, not '0.09'; correct it"),
+        (
+            "submission_cpu_s: 120",
+            "submission_cpu_s: 100001",
+            "submission_cpu_s must be a number from 0.1 to 100000, not '100001'; correct it",
+        ),
+        (
+            "submission_cpu_s: 120",
+            "submission_cpu_s: 9.9",
+            "submission_cpu_s is less than call_cpu_s; no call could use its time up",
+        ),
+    ],
+)
+def test_a_slip_in_the_limits_is_told_with_its_line(old: str, new: str, told: str) -> None:
+    text = edited(old, new)
+    assert problems(text) == [f"rubric.yaml:{line_of(text, new)}: {told}"]
+
+
+def test_a_call_may_take_all_the_time_and_extensions_may_earn_nothing() -> None:
+    text = edited("submission_cpu_s: 120", "submission_cpu_s: 10").replace(
+        ONE_LINE[0], "extra_credit: {each: 0, cap: 10}"
+    )
+    read = rubric.parse(LAB, text.encode())
+    assert (read.limits, read.extra_credit_cap) == (rubric.Limits(10.0, 10.0), None)
+    assert [extension.points for extension in read.extensions] == [0.0] * 4
 
 
 def test_the_order_in_the_file_is_free() -> None:

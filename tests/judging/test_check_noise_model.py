@@ -261,6 +261,10 @@ def _beside_its_own(*sensors: int) -> type:
     return of(bias=lambda s, i, z, g: drawn(s, z, g) if i in sensors else Sound.bias(s, i, z, g))
 
 
+def _beside_its_own_below_zero(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.array(0 if given is None else given) - np.abs(self.rng.normal(0, size, 3))
+
+
 def _unless_zero(self: Any, which: int, size: float, given: Any) -> Any:
     return np.array(given) if given is not None and np.any(given) else self.rng.normal(0, size, 3)
 
@@ -439,6 +443,13 @@ CASES = [
             ("raises where one is given", of(bias=_of_numbers), "raised"),
             ("beside its own", _beside_its_own(0, 1), (0.0, [])),
             ("beside its own of the gyroscope", _beside_its_own(1), (0.0, [])),
+            ("beside its own, which is below zero", of(bias=_beside_its_own_below_zero), (0.0, [])),
+            (
+                "twice on one axis",
+                of(bias=lambda *a: Sound.bias(*a) * ([1, 2, 1] if a[3] is not None else 1)),
+                (0.0, []),
+            ),
+            ("ten times, beside noise that adds up", both(Walking, bias=_times(10.0)), (0.0, [])),
             ("a tenth of it", of(bias=_times(0.1)), (0.0, [])),
             ("a fiftieth of it", of(bias=_times(0.02)), (0.0, [])),
             ("not of the gyroscope", of(bias=_of_accel_alone), (0.5, [])),
@@ -482,6 +493,11 @@ CASES = [
             ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),
             ("a drift", Drifting, (0.0, ["bias-drifts"])),
             ("as large as the noise", of(bias=lambda s, i, _z, g: Sound.bias(s, i, s.stds[i], g)), None),
+            (
+                "always the same, as large as the noise",
+                of(bias=lambda s, i, _z, g: np.array([1.0, -2.0, 3.0]) * s.stds[i] if g is None else np.array(g)),
+                (0.5, ["bias-not-random"]),
+            ),
             ("of a fixed noise", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), None),
             ("of one seed", OneSeed, (0.5, ["bias-not-random"])),
             ("of a seed in every read", SeedInRead, (0.5, ["reseeded"])),
