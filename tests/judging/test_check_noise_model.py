@@ -83,6 +83,22 @@ def unseeded(kind: type = Sound) -> type:
     return both(kind, seed=lambda s: setattr(s, "rng", np.random.default_rng(next(seeds))))
 
 
+class Refusing(Sound):
+    """One that takes no standard deviation of zero."""
+
+    def begin(self) -> None:
+        if min(self.stds) <= 0:
+            raise ValueError("a standard deviation is positive")
+
+
+class RefusingMuch(Sound):
+    """One that takes no large standard deviation."""
+
+    def begin(self) -> None:
+        if max(self.stds) > 0.1:
+            raise ValueError("too much noise")
+
+
 class OneSeed(Sound):
     """The same numbers in every instance."""
 
@@ -277,6 +293,12 @@ def _first_component(self: Any, which: int, size: float, given: Any) -> Any:
     return Sound.bias(self, which, size, given) if given is None else np.full(3, given[0])
 
 
+def _raises_without(self: Any, which: int, size: float, given: Any) -> Any:
+    if given is None:
+        raise ValueError("no bias")
+    return np.array(given)
+
+
 def _of_numbers(self: Any, which: int, size: float, given: Any) -> Any:
     return Sound.bias(self, which, size, given) if given is None else given.to_numpy()
 
@@ -433,6 +455,22 @@ CASES = [
             ("beside a bias drawn on every read, three times", _larger(Redrawn, 3.0), (0.0, [])),
             ("of no seed", unseeded(), None),
             ("of one seed", OneSeed, None),
+            ("that is never zero", Refusing, None),
+            ("that is never zero, beside a drift", both(Refusing, Drifting), None),
+            ("six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), (0.5, ["wrong-return-type"])),
+            (
+                "vectors under names",
+                of(read=lambda s: dict(zip(("accel", "gyro"), Sound.read(s), strict=True))),
+                (0.5, ["wrong-return-type"]),
+            ),
+            (
+                "no numbers of the gyroscope",
+                of(noise=lambda s, i: Sound.noise(s, i) * (1, np.nan)[i]),
+                (0.0, ["not-finite"]),
+            ),
+            ("raises without a bias, which is another check's", of(bias=_raises_without), None),
+            ("raises with a bias, which is another check's", of(bias=_of_numbers), None),
+            ("the other sensor first, a fifth too much", both(_scaled(1.2, 1), read=_swapped), (0.5, [])),
             ("the other sensor first, which is the bias's", of(read=_swapped), None),
             ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.5, ["stds-swapped"])),
         ],
@@ -456,6 +494,18 @@ CASES = [
             ("its first component on all axes", of(bias=_first_component), (0.0, ["bias-shared"])),
             ("in the first read alone", FirstOnly, (0.0, [])),
             ("of the last instance", OneBiasOfTheClass, None),
+            ("beside noise that is never zero", Refusing, None),
+            (
+                "not used, beside noise that is never zero",
+                both(Refusing, NOTHING_GIVEN),
+                (0.0, ["bias-argument-ignored"]),
+            ),
+            (
+                "beside a shift of noise that is never large",
+                both(RefusingMuch, SHIFTED),
+                (0.0, ["noise-not-zero-mean"]),
+            ),
+            ("raises without one, which is another check's", of(bias=_raises_without), None),
             ("not used beside absolute values", both(POSITIVE, NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
             ("not used beside noise that adds up", both(Walking, NOTHING_GIVEN), (0.5, ["bias-argument-ignored"])),
             ("not used, of no seed", unseeded(NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
@@ -500,6 +550,11 @@ CASES = [
             ),
             ("of a fixed noise", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), None),
             ("of one seed", OneSeed, (0.5, ["bias-not-random"])),
+            ("beside noise that is never zero", Refusing, None),
+            ("a drift beside noise that is never zero", both(Refusing, Drifting), (0.0, ["bias-drifts"])),
+            ("raises without one", of(bias=_raises_without), "raised"),
+            ("raises with one, which is another check's", of(bias=_of_numbers), None),
+            ("of six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), None),
             ("of a seed in every read", SeedInRead, (0.5, ["reseeded"])),
             ("of no seed", unseeded(), None),
             ("of the last instance", OneBiasOfTheClass, (0.5, ["bias-shared"])),
@@ -568,6 +623,9 @@ CASES = [
             ("on readings that are enlarged", _enlarged(0, 1), (0.0, [])),
             ("on readings of the gyroscope that are enlarged", _enlarged(1), (0.0, [])),
             ("a bias beside its own", _beside_its_own(0, 1), None),
+            ("raises with a bias, stale", both(Stale, bias=_of_numbers), None),
+            ("raises without a bias", of(bias=_raises_without), None),
+            ("a mean of its own, never large, which is the bias's", both(RefusingMuch, SHIFTED), None),
             ("the other's bias", of(one=_crossed), None),
             ("the other sensor first", of(read=_swapped), None),
             ("of no seed", unseeded(), None),
