@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import builtins
 import pickle
 import re
+from dataclasses import fields
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -12,7 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.engine import rubric
+from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, RubricError
+from grader.engine.rubric_nodes import Reader
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
@@ -165,6 +169,18 @@ def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed(
             [DUE, "grace_minuts: 5"],
             "unknown key 'grace_minuts' in late (did you mean grace_minutes?); correct or remove it",
         ),
+        ([DUE, "per_day: 7.125"], "per_day must have at most two decimals, not '7.125'; round it"),
+        ([DUE, "grace_minutes: -1"], "grace_minutes must be a number from 0 to 100000, not '-1'; correct it"),
+        ([DUE, "cut_off_days: soon"], "cut_off_days must be a number from 0 to 1000, not 'soon'; correct it"),
+        (
+            [DUE, "extensions: {jane: []}"],
+            "the extension of jane must be a date and time with its offset from UTC, like"
+            " 2026-11-20T23:59+01:00, not a list or a mapping",
+        ),
+        (
+            [DUE, f"extensions: {{{'j' * 61}: soon}}"],
+            f"the extension of {'j' * 59}… must be a date and time with its offset from UTC, like 2026-11-20T23:59+01:00, not 'soon'",
+        ),
         (
             [DUE, "extensions: [jane]"],
             "extensions must be `who: date` lines; who is an id, a name or an e-mail address",
@@ -180,6 +196,195 @@ def test_a_slip_in_the_late_policy_is_told_with_its_line(lines: list[str], probl
     assert re.fullmatch(r"rubric\.yaml:\d+: " + re.escape(problem), told)
 
 
+def test_a_grace_may_last_for_weeks_and_a_day_may_cost_a_share_of_all_points() -> None:
+    policy = rubric.parse(LAB, with_late(DUE, "grace_minutes: 43200", "per_day: 2.5%").encode()).late
+    assert policy is not None
+    assert (policy.grace_minutes, policy.per_day) == (43_200.0, 2.5)
+
+
+def test_a_date_that_cannot_be_read_extends_nothing() -> None:
+    reader = Reader("rubric.yaml")
+    node = reader.compose(b"{due: 2026-11-20T23:59Z, extensions: {jane: soon, joe: 2026-11-21T23:59Z}}")
+    policy = rubric._late(reader, node, 100.0)
+    assert policy is not None
+    assert list(policy.extensions) == ["joe"]
+
+
+# ---- the price of mistakes ----
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (
+            "mistakes: {sensor-id-as-adress: 1}",
+            "there is no mistake 'sensor-id-as-adress' (did you mean sensor-id-as-address?); `imugrade explain` lists them",
+        ),
+        (
+            "mistakes: {no-bias: much}",
+            "what no-bias costs must be a number from 0 to 1000, not 'much'; correct it",
+        ),
+        ("mistakes: {no-bias: 1.125}", "what no-bias costs must have at most two decimals, not '1.125'; round it"),
+        ("mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
+        ("mistakes: {no-bias: 1, no-bias: 2}", "'no-bias' stands twice in mistakes (first on line LINE); remove one"),
+    ],
+)
+def test_a_slip_in_the_price_of_a_mistake_is_told_with_its_line(line: str, told: str) -> None:
+    text = SHIPPED.decode() + line + "\n"
+    at = str(line_of(text, line))
+    assert problems(text) == [f"rubric.yaml:{at}: {told.replace('LINE', at)}"]
+
+
+def test_mistakes_cost_what_the_rubric_says_in_whichever_order() -> None:
+    one, other = (
+        rubric.parse(LAB, SHIPPED + f"mistakes: {{{prices}}}\n".encode())
+        for prices in ("no-bias: 1.5, bias-shared: 0", "bias-shared: 0, no-bias: 1.5")
+    )
+    assert one.mistakes == other.mistakes == {"no-bias": 1.5, "bias-shared": 0.0}
+    assert one.sha256 == other.sha256 != rubric.load(LAB).sha256
+    assert one.asked_sha256 == rubric.load(LAB).asked_sha256
+
+
+# ---- what is asked for ----
+
+
+def test_a_part_that_the_rubric_has_is_known_and_another_is_refused_with_the_nearest_name() -> None:
+    shipped = rubric.load(LAB)
+    for known in (None, "filtering", "allan_variance"):
+        rubric.know_part(shipped, known)
+    with pytest.raises(RequestError) as near:
+        rubric.know_part(shipped, "filterin")
+    assert str(near.value) == "--only filterin: the rubric has no such criterion; did you mean filtering?"
+    with pytest.raises(RequestError) as far:
+        rubric.know_part(shipped, "zzz")
+    names = ", ".join(part.id for part in (*shipped.criteria, *shipped.extensions))
+    assert str(far.value) == f"--only zzz: the rubric has no such criterion; there are {names}"
+
+
+# ---- the instructor's own checks ----
+
+
+def test_the_own_checks_beside_a_rubric_are_its_python_files_in_their_order(tmp_path: Path) -> None:
+    folder = tmp_path / "checks"
+    (folder / "folder.py").mkdir(parents=True)
+    for name in ("b.py", "a.py", "notes.txt"):
+        (folder / name).write_text(f"# {name}\n")
+    assert rubric.own_checks(LAB, tmp_path) == (("a.py", b"# a.py\n"), ("b.py", b"# b.py\n"))
+    assert rubric.parse(LAB, SHIPPED, folder=tmp_path).own_checks == rubric.own_checks(LAB, tmp_path)
+    assert rubric.parse(LAB, SHIPPED).own_checks == ()
+
+
+def test_a_kits_own_checks_lie_beside_the_labs(tmp_path: Path) -> None:
+    class Kit(Lab):
+        folder = tmp_path  # type: ignore[assignment]
+
+    kit = Kit(**{each.name: getattr(LAB, each.name) for each in fields(LAB)})
+    for name in ("checks", "own_checks"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "check_a.py").write_text(f"# of {name}")
+    assert rubric.own_checks(kit, tmp_path) == (("check_a.py", b"# of own_checks"),)
+    assert rubric.own_checks(LAB, tmp_path) == (("check_a.py", b"# of checks"),)
+
+
+def test_own_checks_up_to_a_megabyte_together_are_read(tmp_path: Path) -> None:
+    folder = tmp_path / "od\x1bd" / "checks"
+    folder.mkdir(parents=True)
+    for name in "ab":
+        (folder / f"{name}.py").write_bytes(b"#" * 500_000)
+    assert len(rubric.own_checks(LAB, folder.parent)) == 2
+    (folder / "c.py").write_bytes(b"#")
+    with pytest.raises(RubricError) as refusal:
+        rubric.own_checks(LAB, folder.parent)
+    assert str(refusal.value) == f"{tmp_path}/od\\x1bd/checks: more than 1,000,000 bytes of checks"
+
+
+def _refuses(*_: object, **__: object) -> None:
+    raise PermissionError(13, "Permission denied")
+
+
+def test_files_that_cannot_be_read_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "checks").mkdir()
+    (tmp_path / "checks" / "a.py").touch()
+    monkeypatch.setattr(Path, "read_bytes", _refuses)
+    with pytest.raises(RubricError) as refusal:
+        rubric.own_checks(LAB, tmp_path)
+    assert str(refusal.value) == f"{tmp_path / 'checks'}: cannot be read (Permission denied)"
+    monkeypatch.setattr(builtins, "open", _refuses)
+    with pytest.raises(RubricError) as refusal:
+        rubric.load(LAB, tmp_path / "checks" / "a.py")
+    assert str(refusal.value) == (
+        f"{tmp_path / 'checks' / 'a.py'}: cannot be read (Permission denied); check its permissions"
+    )
+
+
+# ---- the criteria and their checks ----
+
+
+@pytest.mark.parametrize("key", ["title", "points", "checks"])
+def test_every_key_of_a_criterion_is_needed(key: str) -> None:
+    text = re.sub(rf"(id: filtering\n(?:.*\n)*?    ){key}:", r"\1# :", SHIPPED.decode(), count=1)
+    if key == "checks":
+        text = SHIPPED.decode()[: SHIPPED.decode().index("    checks:", SHIPPED.decode().index("id: filtering"))]
+        text += SHIPPED.decode()[SHIPPED.decode().index("\nextensions:") :]
+    line = line_of(text, "id: filtering")
+    assert problems(text)[0] == f"rubric.yaml:{line}: this criterion has no key `{key}`; add it"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("file: allan_variance.py", "file: allan.txt", "the file of allan_variance must be the name of a .py file, not"
+         " 'allan.txt'; correct it"),
+        ("file: allan_variance.py", "file: ../allan.py", "the file of allan_variance must be the name of a .py file, not"
+         " '../allan.py'; correct it"),
+        ("file: allan_variance.py", "file: [allan.py]", "the file of allan_variance must be text, not a list or a mapping;"
+         " write it in quotes"),
+        ("file: allan_variance.py", "file: allan_variance.py\n    points: many", "the points of allan_variance must be a"
+         " number from 0 to 1000, not 'many'; correct it"),
+        ("title: Allan variance", "title: 3", "the title of allan_variance must be text, not '3'; write it in quotes"),
+    ],
+)  # fmt: skip
+def test_a_slip_in_an_extension_is_told_with_its_line(old: str, new: str, told: str) -> None:
+    text = edited(old, new)
+    line = line_of(text, new) + new.count("\n")
+    assert problems(text) == [f"rubric.yaml:{line}: {told}"]
+
+
+def test_a_missing_check_is_told_at_its_own_part() -> None:
+    shipped = rubric.load(LAB)
+    known = {check.id: "a title" for check in shipped.checks} | {"allan_variance.new": "New"}
+    with pytest.raises(RubricError) as refusal:
+        rubric.match_checks(shipped, known)
+    assert str(refusal.value).startswith(f"rubric.yaml:{line_of(SHIPPED.decode(), 'id: allan_variance')}: the check ")
+
+
+def test_the_checks_of_a_part_must_be_lines_and_of_a_criterion_one_at_least() -> None:
+    for wrong in ("3", "[]", "{}", "[returns_two_vectors]"):
+        text = re.sub(
+            r"(id: filtering\n(?:    .*\n)*?    checks:)\n(?:      .*\n)*", rf"\1 {wrong}\n", SHIPPED.decode()
+        )
+        told = f"rubric.yaml:{line_of(text, f'checks: {wrong}')}: the checks of filtering must be `name: weight` lines; list at least one"
+        assert told in problems(text)
+
+
+@pytest.mark.parametrize(
+    ("points", "weights", "shares"),
+    [
+        (10.0, [1, 1, 1], [3.34, 3.33, 3.33]),
+        (1.0, [1, 5, 1], [0.14, 0.72, 0.14]),
+        (0.05, [3, 2, 4], [0.02, 0.01, 0.02]),
+        (1.0, [0.1, 0.1, 0.1], [0.34, 0.33, 0.33]),
+        (10.0, [2, 0, 2], [5.0, 0.0, 5.0]),
+        (5.0, [0, 0], [0.0, 0.0]),
+        (0.0, [1, 2], [0.0, 0.0]),
+    ],
+)
+def test_what_is_left_over_goes_to_the_largest_remainder_and_of_equal_ones_to_the_first(
+    points: float, weights: list[float], shares: list[float]
+) -> None:
+    assert rubric._shares(points, weights) == shares
+
+
 def test_a_check_knows_its_points_and_its_line() -> None:
     check = rubric.load(LAB).check("sensor_access.follows_address")
     line = line_of(SHIPPED.decode(), "follows_address")
@@ -192,6 +397,36 @@ def test_a_rubric_goes_to_another_process() -> None:
     refusal = RubricError("rubric.yaml:1: wrong")
     assert str(pickle.loads(pickle.dumps(refusal))) == str(refusal)
     assert isinstance(refusal, RequestError)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("call_cpu_s: 10", "call_cpu_s: 0.09", "call_cpu_s must be a number from 0.1 to 1000, not '0.09'; correct it"),
+        (
+            "submission_cpu_s: 120",
+            "submission_cpu_s: 100001",
+            "submission_cpu_s must be a number from 0.1 to 100000, not '100001'; correct it",
+        ),
+        (
+            "submission_cpu_s: 120",
+            "submission_cpu_s: 9.9",
+            "submission_cpu_s is less than call_cpu_s; no call could use its time up",
+        ),
+    ],
+)
+def test_a_slip_in_the_limits_is_told_with_its_line(old: str, new: str, told: str) -> None:
+    text = edited(old, new)
+    assert problems(text) == [f"rubric.yaml:{line_of(text, new)}: {told}"]
+
+
+def test_a_call_may_take_all_the_time_and_extensions_may_earn_nothing() -> None:
+    text = edited("submission_cpu_s: 120", "submission_cpu_s: 10").replace(
+        ONE_LINE[0], "extra_credit: {each: 0, cap: 10}"
+    )
+    read = rubric.parse(LAB, text.encode())
+    assert (read.limits, read.extra_credit_cap) == (rubric.Limits(10.0, 10.0), None)
+    assert [extension.points for extension in read.extensions] == [0.0] * 4
 
 
 def test_the_order_in_the_file_is_free() -> None:

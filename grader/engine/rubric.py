@@ -111,9 +111,9 @@ class LatePolicy:
     """
 
     due: datetime
-    grace_minutes: float = 0.0
-    per_day: float = 0.0
-    cut_off_days: float | None = None
+    grace_minutes: float
+    per_day: float
+    cut_off_days: float | None
     extensions: Mapping[str, datetime] = field(default_factory=dict)
 
 
@@ -137,10 +137,10 @@ class Rubric:
     sha256: str
     asked_sha256: str
     source: str
-    extra_credit_cap: float | None = None
-    late: LatePolicy | None = None
-    mistakes: Mapping[str, float] = field(default_factory=dict)
-    own_checks: OwnChecks = ()
+    extra_credit_cap: float | None
+    late: LatePolicy | None
+    mistakes: Mapping[str, float]
+    own_checks: OwnChecks
 
     @property
     def parts(self) -> tuple[Criterion, ...]:
@@ -428,7 +428,7 @@ def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, flo
         if name not in known:
             reader.say(key, f"there is no mistake {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
         prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
-    return dict(sorted(prices.items()))
+    return prices
 
 
 def _digest(*meaning: object) -> str:

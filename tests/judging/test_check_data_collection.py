@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from grader.engine.findings import Lost
 from grader.labs.imu.checks import check_data_collection as checks
 from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
@@ -61,6 +62,21 @@ def of(**steps: Any) -> Callable[[], Recorder]:
     return type("Other", (Recorder,), steps)
 
 
+def both(*kinds: Callable[[], Recorder], **steps: Any) -> Callable[[], Recorder]:
+    """A recorder with the steps of several."""
+    return type("Both", kinds, steps)  # type: ignore[arg-type]
+
+
+def stamped(stamps: Callable[[Any, Any], Any]) -> Callable[[], Recorder]:
+    """One with other stamps, made of the right ones and the time step."""
+    return telling(lambda t, a, g, m: (stamps(t, m.opt.timestep), a, g))
+
+
+def counting(n: Callable[[float, float], float]) -> Callable[[], Recorder]:
+    """One that makes another number of steps of the duration and the time step."""
+    return of(steps=lambda _s, m, duration: round(n(duration, m.opt.timestep)))
+
+
 def telling(change: Callable[[Any, Any, Any, Any], tuple[Any, Any, Any]]) -> Callable[[], Recorder]:
     """One that changes what it has recorded."""
     return of(told=lambda s, t, a, g, m: Recorder.told(s, *change(t, a, g, m), m))
@@ -103,6 +119,20 @@ class Skipping(Recorder):
         mujoco.mj_step(model, data, 2)
 
 
+class FiftyHertz(Recorder):
+    """A row for each fiftieth of a second, whatever the time step."""
+
+    def __call__(self, model: Any, data: Any, duration_seconds: float, accel_id: int, gyro_id: int) -> Any:
+        self.begin(model, data)
+        self.push(data)
+        rows: list[Any] = []
+        for n in range(self.steps(model, duration_seconds)):
+            self.step(model, data, n)
+            if data.time >= len(rows) / 50 - 1e-9:
+                rows.append(self.row(model, data, accel_id, gyro_id))
+        return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
+
+
 class Random(Recorder):
     """Another push in every run."""
 
@@ -121,6 +151,21 @@ def _heavier(self: Any, model: Any, data: Any) -> None:
 def _own_timestep(self: Any, model: Any, data: Any) -> None:
     model.opt.timestep = 0.001
     mujoco.mj_resetData(model, data)
+
+
+def _other_gravity_and_timestep(self: Any, model: Any, data: Any) -> None:
+    model.opt.gravity[2] = -9.0
+    _own_timestep(self, model, data)
+
+
+def _keeps_time(self: Any, model: Any, data: Any) -> None:
+    """A reset of the pose and the velocities alone."""
+    data.qpos[:], data.qvel[:] = model.qpos0, 0.0
+
+
+def _keeps_pose(self: Any, model: Any, data: Any) -> None:
+    """A reset of the velocities and the time alone."""
+    data.qvel[:], data.time = 0.0, 0.0
 
 
 def _for_the_run(*changes: Callable[..., None], **more: Any) -> Callable[[], Recorder]:
@@ -185,11 +230,6 @@ def _forced(self: Any, data: Any) -> None:
     data.qfrc_applied[0] = 30.0
 
 
-def _torso_of_students(self: Any, model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
-    a, g = model.sensor_adr[0], model.sensor_adr[1]
-    return data.time, data.sensordata[a : a + 3].copy(), data.sensordata[g : g + 3].copy()
-
-
 def _head(self: Any, model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
     a, g = (model.sensor(name).adr[0] for name in ("head_accelerometer", "head_gyroscope"))
     return data.time, data.sensordata[a : a + 3].copy(), data.sensordata[g : g + 3].copy()
@@ -236,6 +276,24 @@ def _zeros_at_the_end(t: Any, a: Any, g: Any, _m: Any) -> Any:
     return t, a, g
 
 
+def _empty(rows: int) -> Callable[[], Recorder]:
+    """The last rows never filled."""
+
+    def emptied(*columns: Any) -> Any:
+        return tuple(np.concatenate([column[:-rows], 0 * column[-rows:]]) for column in columns[:3])
+
+    return telling(emptied)
+
+
+def _room(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    """Sixty rows more than there are steps, never filled."""
+    return tuple(np.concatenate([column, np.zeros((60, *column.shape[1:]))]) for column in (t, a, g))
+
+
+def _late(t: float) -> Any:
+    return stamped(lambda time, _dt: np.where(np.arange(len(time)) == 7, t, time))
+
+
 SOUND = Recorder
 FIXED = of(steps=lambda *_: 600)
 HUNDRED_HERTZ = of(steps=lambda _s, _m, duration: round(duration / 0.002))
@@ -269,6 +327,23 @@ CASES = [
             ("without one", WITHOUT_GYRO, (0.0, ["wrong-keys"])),
             ("unequal lengths", telling(lambda t, a, g, _m: (t[:-1], a, g)), (0.0, ["wrong-return-type"])),
             ("nothing", NOTHING, (0.0, ["wrong-return-type"])),
+            ("lists", telling(lambda t, a, g, _m: (t.tolist(), a.tolist(), g.tolist())), None),
+            ("more beside them", of(told=lambda s, *a: {**Recorder.told(s, *a), "rate": 500.0}), None),
+            ("a list", of(told=lambda _s, t, a, g, _m: [t, a, g]), (0.0, ["wrong-return-type"])),
+            ("without time", WITHOUT_TIME, (0.0, ["wrong-keys"])),
+            ("a shorter one", telling(lambda t, a, g, _m: (t, a, g[:-2])), (0.0, ["wrong-return-type"])),
+            (
+                "magnitudes",
+                telling(lambda t, a, g, _m: (t, np.linalg.norm(a, axis=1), g)),
+                (0.0, ["wrong-return-type"]),
+            ),
+            ("two axes of both", telling(lambda t, a, g, _m: (t, a[:, :2], g[:, :2])), (0.0, ["wrong-return-type"])),
+            ("no rows", NO_STEPS, (0.0, ["wrong-return-type"])),
+            (
+                "other keys, transposed",
+                of(told=lambda _s, t, a, g, _m: {"t": t, "a": a.T, "w": g.T}),
+                (0.0, ["wrong-keys", "arrays-transposed"]),
+            ),
             ("raises", of(begin=_raises), "raised"),
         ],
         COUNT: [
@@ -281,6 +356,20 @@ CASES = [
             ("none", NO_STEPS, (0.0, [])),
             ("no simulation", NEVER, "skipped"),
             ("its own time step, which is the reset's", of(begin=_own_timestep), None),
+            ("one less", counting(lambda duration, dt: duration / dt - 1), None),
+            ("two less", counting(lambda duration, dt: duration / dt - 2), (0.0, [])),
+            ("two more", counting(lambda duration, dt: duration / dt + 2), (0.0, [])),
+            ("twice as many", counting(lambda duration, dt: 2 * duration / dt), (0.0, [])),
+            ("always five seconds", counting(lambda _duration, dt: 5 / dt), (0.0, ["ignores-duration"])),
+            ("always half a second", counting(lambda _duration, dt: 0.5 / dt), (0.0, ["ignores-duration"])),
+            ("fifty a second", FiftyHertz, (0.0, ["fixed-rate"])),
+            ("always five", of(steps=lambda *_: 5), (0.0, ["ignores-duration"])),
+            ("room for more", telling(_room), (0.0, [])),
+            ("two steps a row, for twice the time", TWO_STEPS, None),
+            ("twenty too few, without time", both(WITHOUT_TIME, SHORT), (0.0, [])),
+            ("twenty too few, with noise", both(telling(_noisy), SHORT), (0.0, [])),
+            ("a first row that is empty", telling(_first_row_empty), None),
+            ("exchanged", SWAPPED, None),
         ],
         TIME: [
             ("sound", SOUND, None),
@@ -293,6 +382,29 @@ CASES = [
             ("every second", Skipping, None),
             ("five steps too late", telling(lambda t, a, g, _m: (t + 0.01, a, g)), (0.0, ["time-axis-wrong"])),
             ("no rows", NO_STEPS, "skipped"),
+            ("from zero to the end", stamped(lambda t, _: np.linspace(0, t[-1], len(t))), (0.5, ["time-axis-wrong"])),
+            ("from zero on", stamped(lambda t, dt: np.arange(len(t)) * dt), None),
+            ("half a step too late", stamped(lambda t, dt: t + dt / 2), (0.5, ["time-axis-wrong"])),
+            ("numbers of rows", stamped(lambda t, _: np.arange(len(t))), (0.0, ["time-axis-wrong"])),
+            ("zeros", stamped(lambda t, _: 0 * t), (0.0, ["time-axis-wrong"])),
+            ("backward", stamped(lambda t, _: t[::-1]), (0.0, ["time-axis-wrong"])),
+            ("one late stamp", _late(0.7), (0.0, ["time-axis-wrong"])),
+            ("one stamp that is none", _late(np.nan), (0.0, ["not-finite"])),
+            (
+                "a usual time step, from one on",
+                stamped(lambda t, _: (1 + np.arange(len(t))) * 0.002),
+                (0.5, ["hard-coded-timestep"]),
+            ),
+            ("another time step than any", stamped(lambda t, _: np.arange(len(t)) * 0.001), (0.0, ["time-axis-wrong"])),
+            ("that goes on, which the reset is charged for", NO_RESET, None),
+            ("its own time step, which is the reset's", of(begin=_own_timestep), None),
+            ("its own time step, put back", _for_the_run(_own_timestep), (0.0, ["time-axis-wrong"])),
+            ("rows that are never filled", _empty(9), None),
+            ("a first row that is empty", telling(_first_row_empty), None),
+            ("one row", of(steps=lambda *_: 1), None),
+            ("five rows", of(steps=lambda *_: 5), None),
+            ("twenty too few", SHORT, None),
+            ("beside noise", telling(_noisy), None),
         ],
         TRUTH: [
             ("sound", SOUND, None),
@@ -357,6 +469,22 @@ CASES = [
             ),
             ("noise, and one number that is none", telling(_noisy_with_a_gap), (0.0, ["not-finite"])),
             ("five rows", telling(lambda t, a, g, _m: (t[:5], a[:5], g[:5])), (0.0, [])),
+            ("one row that is never filled", _empty(1), None),
+            ("two rows that are never filled", _empty(2), (0.5, ["rows-left-zero"])),
+            ("room for more", telling(_room), (0.5, ["rows-left-zero"])),
+            ("fifty a second, which the count is charged for", FiftyHertz, None),
+            ("twenty too few, which the count is charged for", SHORT, None),
+            ("no reset, which is another check's", NO_RESET, None),
+            ("half a push, which is another check's", HALF, None),
+            ("a later push, which is another check's", LATER, None),
+            ("a force, which is another check's", of(push=_forced), None),
+            ("before each step, without time", both(WITHOUT_TIME, Before), (0.5, ["read-before-step"])),
+            ("two steps early", telling(lambda t, a, g, _m: (t[2:], a[2:], g[2:])), (0.5, [])),
+            (
+                "one sensor like its last row",
+                telling(lambda t, a, g, _m: (t, a, np.tile(g[-1], (len(g), 1)))),
+                (0.5, []),
+            ),
         ],
         RESET: [
             ("sound", SOUND, None),
@@ -372,6 +500,20 @@ CASES = [
             ("noise on both", telling(_noisy), None),
             ("without one sensor", WITHOUT_GYRO, None),
             ("another push each time", Random, None),
+            ("another gravity and time step", of(begin=_other_gravity_and_timestep), (0.0, ["modifies-model"])),
+            ("of all but the time", of(begin=_keeps_time), (0.0, ["no-reset"])),
+            ("of all but the pose", of(begin=_keeps_pose), (0.0, ["no-reset"])),
+            ("none, without time", both(WITHOUT_TIME, NO_RESET), (0.0, ["no-reset"])),
+            ("none, with noise", both(telling(_noisy), NO_RESET), (0.0, ["no-reset"])),
+            ("none, with noise, without time", both(WITHOUT_TIME, telling(_noisy), NO_RESET), (0.0, ["no-reset"])),
+            ("none, and another push each time", both(Random, NO_RESET), (0.0, ["no-reset"])),
+            ("another pose, with noise", both(telling(_noisy), of(begin=_in_pose(2, 0.05))), (0.0, [])),
+            ("noise, and another push each time", both(telling(_noisy), Random), None),
+            ("noise, and half a push", both(telling(_noisy), HALF), None),
+            ("before each step", Before, None),
+            ("exchanged", SWAPPED, None),
+            ("a later push", LATER, None),
+            ("always as many", FIXED, None),
         ],
         PUSH: [
             ("sound", SOUND, None),
@@ -402,6 +544,27 @@ CASES = [
             ("no simulation", NEVER, "skipped"),
             ("no reset, which is another check's", NO_RESET, None),
             ("noise and none", type("Two", (telling(_noisy),), {"push": lambda *_: None}), "skipped"),
+            ("backward", of(push=_pushed(0, -0.5)), (0.0, ["wrong-perturbation"])),
+            ("twice as strong", of(push=_pushed(0, 1.0)), (0.0, ["wrong-perturbation"])),
+            ("upward", of(push=_pushed(2, 0.5)), (0.0, ["wrong-perturbation"])),
+            ("a turn", of(push=_pushed(3, 0.5)), (0.0, ["wrong-perturbation"])),
+            (
+                "a force alone",
+                of(push=lambda _s, d: d.qfrc_applied.__setitem__(0, 30.0)),
+                (0.0, ["wrong-perturbation"]),
+            ),
+            ("half of it, with noise", both(telling(_noisy), HALF), (0.0, ["wrong-perturbation"])),
+            ("sideways, with noise", both(telling(_noisy), SIDEWAYS), (0.0, ["wrong-perturbation"])),
+            ("somewhat weak, with noise", both(telling(_noisy), WEAK), (0.0, ["wrong-perturbation"])),
+            ("later, with noise", both(telling(_noisy), LATER), (0.0, ["wrong-perturbation"])),
+            ("another each time, with noise", both(telling(_noisy), Random), (0.0, ["random-push"])),
+            ("another pose, with noise", both(telling(_noisy), of(begin=_in_pose(2, 0.05))), None),
+            ("velocities that are left", of(begin=_keeps_velocities), None),
+            (
+                "none, of altered rows",
+                both(telling(lambda t, a, g, _m: (t, a * 1.01, g)), NO_PUSH),
+                (0.0, ["no-perturbation"]),
+            ),
         ],
     }.items()
     for name, kind, marked in rows
@@ -427,3 +590,15 @@ def _function(recorder: Recorder) -> Callable[..., Any]:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_recorder_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("timestep", [0.001, 0.004])
+def test_stamps_at_the_usual_time_step_are_hard_coded_where_the_model_has_another(timestep: float) -> None:
+    usual = 0.002
+    with pytest.raises(Lost) as lost:
+        checks._keeps_timestep(np.arange(5) * usual, timestep, usual)
+    assert (lost.value.keeps, lost.value.mistakes) == (0.5, ("hard-coded-timestep",))
+    checks._keeps_timestep(np.arange(5) * usual, usual, usual)
+    checks._keeps_timestep(np.arange(5) * timestep, timestep, usual)
+    checks._keeps_timestep(np.zeros(1), timestep, usual)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import mujoco
@@ -71,6 +72,48 @@ def of(**steps: Any) -> type:
     return type("Noisy", (Sound,), steps)
 
 
+def both(*kinds: type, **steps: Any) -> type:
+    """A noisy IMU with the steps of several."""
+    return type("Both", kinds, steps)
+
+
+def unseeded(kind: type = Sound) -> type:
+    """One that draws other numbers from the same global seed."""
+    seeds = itertools.count(100)
+    return both(kind, seed=lambda s: setattr(s, "rng", np.random.default_rng(next(seeds))))
+
+
+class Refusing(Sound):
+    """One that takes no standard deviation of zero."""
+
+    def begin(self) -> None:
+        if min(self.stds) <= 0:
+            raise ValueError("a standard deviation is positive")
+
+
+class RefusingMuch(Sound):
+    """One that takes no large standard deviation."""
+
+    def begin(self) -> None:
+        if max(self.stds) > 0.1:
+            raise ValueError("too much noise")
+
+
+class OneSeed(Sound):
+    """The same numbers in every instance."""
+
+    def seed(self) -> None:
+        self.rng = np.random.default_rng(42)
+
+
+class SeedInRead(OneSeed):
+    """The same numbers in every read."""
+
+    def read(self) -> Any:
+        self.seed()
+        return super().read()
+
+
 class Renamed(Sound):
     """Other names than the sheet's."""
 
@@ -101,9 +144,60 @@ class Remembering(Sound):
     def begin(self) -> None:
         self.last = [np.zeros(3), np.zeros(3)]
 
+    def drawn(self, which: int) -> Any:
+        return super().noise(which)
+
     def noise(self, which: int) -> Any:
-        self.last[which] = 0.5 * self.last[which] + super().noise(which)
+        self.last[which] = 0.5 * self.last[which] + self.drawn(which)
         return self.last[which]
+
+
+class OfLongMemory(Sound):
+    """Each read has a part of the noise some reads before."""
+
+    lags: tuple[int, ...] = (2,)
+
+    def begin(self) -> None:
+        self.drawn = [[np.zeros(3)] * 4 for _ in (0, 1)]
+
+    def noise(self, which: int) -> Any:
+        self.drawn[which].append(super().noise(which))
+        return self.drawn[which][-1] + sum(0.3 * self.drawn[which][-1 - lag] for lag in self.lags)
+
+
+class OneBiasOfTheClass(Sound):
+    """The bias of the last instance that was made."""
+
+    kept: tuple[Any, Any]
+
+    def begin(self) -> None:
+        type(self).kept = (self.biases[0], self.biases[1])
+
+    def one(self, which: int) -> Any:
+        return self.clean(which) + self.kept[which] + self.noise(which)
+
+
+class FirstOnly(Sound):
+    """A bias in the first read alone."""
+
+    def one(self, which: int) -> Any:
+        return self.clean(which) + self.biases[which] * (self.reads == 0) + self.noise(which)
+
+
+class OneDraw(Sound):
+    """The same three numbers for both sensors, times the size of each."""
+
+    axes = 3
+
+    def begin(self) -> None:
+        self.drawn = np.zeros(self.axes)
+
+    def noise(self, which: int) -> Any:
+        if which == 0:
+            self.drawn = self.rng.normal(0, 1, self.axes)
+        noise = super().noise(which)
+        noise[: self.axes] = self.drawn * self.stds[which]
+        return noise
 
 
 class Drifting(Sound):
@@ -164,6 +258,70 @@ def _scaled(by: float, *sensors: int) -> type:
     return of(noise=lambda s, i: Sound.noise(s, i) * (by if i in (sensors or (0, 1)) else 1.0))
 
 
+def _on_one_axis(factor: float, *sensors: int) -> type:
+    return of(noise=lambda s, i: Sound.noise(s, i) * ([factor, 1, 1] if i in (sensors or (0, 1)) else 1.0))
+
+
+def _larger(kind: type, by: float = 2.0) -> type:
+    return both(kind, noise=lambda s, i: kind.noise(s, i) * by)  # type: ignore[attr-defined]
+
+
+def _of_gyro(kind: type) -> type:
+    """The noise of another kind on the gyroscope alone."""
+    return of(noise=lambda s, i: kind.noise(s, i) if i else Sound.noise(s, i))  # type: ignore[attr-defined]
+
+
+def _beside_its_own(*sensors: int) -> type:
+    """The bias that is given, added to one that is drawn."""
+    drawn = lambda s, z, g: s.rng.normal(0, z, 3) + (0 if g is None else np.array(g))  # noqa: E731
+    return of(bias=lambda s, i, z, g: drawn(s, z, g) if i in sensors else Sound.bias(s, i, z, g))
+
+
+def _beside_its_own_below_zero(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.array(0 if given is None else given) - np.abs(self.rng.normal(0, size, 3))
+
+
+def _unless_zero(self: Any, which: int, size: float, given: Any) -> Any:
+    return np.array(given) if given is not None and np.any(given) else self.rng.normal(0, size, 3)
+
+
+def _of_accel_alone(self: Any, which: int, size: float, given: Any) -> Any:
+    return Sound.bias(self, which, size, given) * (given is None or which == 0)
+
+
+def _first_component(self: Any, which: int, size: float, given: Any) -> Any:
+    return Sound.bias(self, which, size, given) if given is None else np.full(3, given[0])
+
+
+def _raises_without(self: Any, which: int, size: float, given: Any) -> Any:
+    if given is None:
+        raise ValueError("no bias")
+    return np.array(given)
+
+
+def _of_numbers(self: Any, which: int, size: float, given: Any) -> Any:
+    return Sound.bias(self, which, size, given) if given is None else given.to_numpy()
+
+
+def _enlarged(*sensors: int) -> type:
+    return of(clean=lambda s, i: Sound.clean(s, i) * (1.05 if i in sensors else 1.0))
+
+
+def _adding_to(name: str) -> Any:
+    def read(self: Any) -> Any:
+        answer = Sound.read(self)
+        getattr(self.data, name)[0] += 0.01
+        return answer
+
+    return read
+
+
+def _adding_to_time(self: Any) -> Any:
+    answer = Sound.read(self)
+    self.data.time += 0.01
+    return answer
+
+
 def _one_for_all_axes(self: Any, which: int) -> Any:
     return np.full(3, self.rng.normal(0, self.stds[which]))
 
@@ -215,6 +373,11 @@ class SharedBias(Sound):
         return self.first
 
 
+def _less_of_gyro(self: Any, which: int) -> Any:
+    given = 1 if np.any(self.stds) else -1
+    return self.clean(which) + self.biases[which] * (given if which else 1) + self.noise(which)
+
+
 def _swapped(self: Any) -> Any:
     return tuple(reversed(Sound.read(self)))
 
@@ -232,6 +395,7 @@ UNIFORM = of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i] * 3**0.5)
 POSITIVE = of(noise=lambda s, i: np.abs(Sound.noise(s, i)))
 CUT = of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))
 ROUNDED = of(one=lambda s, i: Sound.one(s, i).round(3))
+LAPLACE = of(noise=lambda s, i: s.rng.laplace(0, s.stds[i], 3))
 SAME_ON_AXES = of(noise=_one_for_all_axes)
 NUMBER = of(read=lambda s: float(Sound.read(s)[0][0]))
 NAN = of(noise=lambda s, i: Sound.noise(s, i) * np.nan)
@@ -270,9 +434,86 @@ CASES = [
             ("no numbers", NAN, (0.0, ["not-finite"])),
             ("a number", NUMBER, (0.0, ["wrong-return-type"])),
             ("raises", of(read=_raises), "raised"),
+            ("too much on one axis", _on_one_axis(1.12), (0.0, [])),
+            ("too much on one axis of the gyroscope", _on_one_axis(1.12, 1), (0.5, [])),
+            ("a fifth too much of the gyroscope", _scaled(1.2, 1), (0.5, [])),
+            ("the scale of a Laplace law", LAPLACE, (0.0, [])),
+            (
+                "a Laplace law of a fixed size",
+                of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)),
+                (0.0, ["std-ignored"]),
+            ),
+            ("an exponential law", of(noise=lambda s, i: s.rng.exponential(s.stds[i], 3)), None),
+            ("absolute values, twice", _larger(POSITIVE), (0.0, [])),
+            ("uniform, twice", _larger(UNIFORM), (0.0, [])),
+            ("cut off, twice", _larger(CUT), (0.0, [])),
+            ("one that adds up, twice", _larger(Walking), (0.0, [])),
+            ("one that remembers, twice, which is its law's", _larger(Remembering), None),
+            ("one that remembers, of no seed", unseeded(Remembering), None),
+            ("one that remembers, twice, of no seed", unseeded(_larger(Remembering)), (0.0, [])),
+            ("beside a drift, twice", _larger(Drifting), (0.0, [])),
+            ("beside a bias drawn on every read, three times", _larger(Redrawn, 3.0), (0.0, [])),
+            ("of no seed", unseeded(), None),
+            ("of one seed", OneSeed, None),
+            ("that is never zero", Refusing, None),
+            ("that is never zero, beside a drift", both(Refusing, Drifting), None),
+            ("six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), (0.5, ["wrong-return-type"])),
+            (
+                "vectors under names",
+                of(read=lambda s: dict(zip(("accel", "gyro"), Sound.read(s), strict=True))),
+                (0.5, ["wrong-return-type"]),
+            ),
+            (
+                "no numbers of the gyroscope",
+                of(noise=lambda s, i: Sound.noise(s, i) * (1, np.nan)[i]),
+                (0.0, ["not-finite"]),
+            ),
+            ("raises without a bias, which is another check's", of(bias=_raises_without), None),
+            ("raises with a bias, which is another check's", of(bias=_of_numbers), None),
+            ("the other sensor first, a fifth too much", both(_scaled(1.2, 1), read=_swapped), (0.5, [])),
+            ("the other sensor first, which is the bias's", of(read=_swapped), None),
+            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.5, ["stds-swapped"])),
         ],
         GIVEN: [
             ("sound", Sound, None),
+            ("zero taken for none", of(bias=_unless_zero), (0.5, ["bias-argument-ignored"])),
+            ("zero taken for none, without noise", both(SILENT, bias=_unless_zero), (0.5, ["bias-argument-ignored"])),
+            ("raises where one is given", of(bias=_of_numbers), "raised"),
+            ("beside its own", _beside_its_own(0, 1), (0.0, [])),
+            ("beside its own of the gyroscope", _beside_its_own(1), (0.0, [])),
+            ("beside its own, which is below zero", of(bias=_beside_its_own_below_zero), (0.0, [])),
+            (
+                "twice on one axis",
+                of(bias=lambda *a: Sound.bias(*a) * ([1, 2, 1] if a[3] is not None else 1)),
+                (0.0, []),
+            ),
+            ("ten times, beside noise that adds up", both(Walking, bias=_times(10.0)), (0.0, [])),
+            ("a tenth of it", of(bias=_times(0.1)), (0.0, [])),
+            ("a fiftieth of it", of(bias=_times(0.02)), (0.0, [])),
+            ("not of the gyroscope", of(bias=_of_accel_alone), (0.5, [])),
+            ("its first component on all axes", of(bias=_first_component), (0.0, ["bias-shared"])),
+            ("in the first read alone", FirstOnly, (0.0, [])),
+            ("of the last instance", OneBiasOfTheClass, None),
+            ("beside noise that is never zero", Refusing, None),
+            (
+                "not used, beside noise that is never zero",
+                both(Refusing, NOTHING_GIVEN),
+                (0.0, ["bias-argument-ignored"]),
+            ),
+            (
+                "beside a shift of noise that is never large",
+                both(RefusingMuch, SHIFTED),
+                (0.0, ["noise-not-zero-mean"]),
+            ),
+            ("raises without one, which is another check's", of(bias=_raises_without), None),
+            ("not used beside absolute values", both(POSITIVE, NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
+            ("not used beside noise that adds up", both(Walking, NOTHING_GIVEN), (0.5, ["bias-argument-ignored"])),
+            ("not used, of no seed", unseeded(NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
+            ("beside a shift of the noise, of no seed", unseeded(SHIFTED), (0.0, ["noise-not-zero-mean"])),
+            ("of no seed", unseeded(), None),
+            ("on readings that are enlarged", _enlarged(0, 1), None),
+            ("beside rounding", ROUNDED, None),
+            ("beside frozen noise", Frozen, None),
             ("not used", NOTHING_GIVEN, (0.0, ["bias-argument-ignored"])),
             ("none", of(bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
             ("taken off", of(bias=_times(-1.0)), (0.0, ["bias-sign-flipped"])),
@@ -302,7 +543,38 @@ CASES = [
             ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),
             ("a drift", Drifting, (0.0, ["bias-drifts"])),
             ("as large as the noise", of(bias=lambda s, i, _z, g: Sound.bias(s, i, s.stds[i], g)), None),
+            (
+                "always the same, as large as the noise",
+                of(bias=lambda s, i, _z, g: np.array([1.0, -2.0, 3.0]) * s.stds[i] if g is None else np.array(g)),
+                (0.5, ["bias-not-random"]),
+            ),
             ("of a fixed noise", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), None),
+            ("of one seed", OneSeed, (0.5, ["bias-not-random"])),
+            ("beside noise that is never zero", Refusing, None),
+            ("a drift beside noise that is never zero", both(Refusing, Drifting), (0.0, ["bias-drifts"])),
+            ("raises without one", of(bias=_raises_without), "raised"),
+            ("raises with one, which is another check's", of(bias=_of_numbers), None),
+            ("of six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), None),
+            ("of a seed in every read", SeedInRead, (0.5, ["reseeded"])),
+            ("of no seed", unseeded(), None),
+            ("of the last instance", OneBiasOfTheClass, (0.5, ["bias-shared"])),
+            ("in the first read alone", FirstOnly, (0.0, ["bias-drifts"])),
+            ("one for both sensors, taken off the other", both(SharedBias, one=_less_of_gyro), (0.5, ["bias-shared"])),
+            ("none, and no noise", both(SILENT, bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
+            (
+                "always the same of the gyroscope",
+                of(bias=lambda *a: (_fixed if a[1] else Sound.bias)(*a)),
+                (0.5, ["bias-not-random"]),
+            ),
+            (
+                "one number for all axes of the gyroscope",
+                of(bias=lambda *a: (_one_number if a[1] else Sound.bias)(*a)),
+                (0.5, ["bias-shared"]),
+            ),
+            ("none of the accelerometer", of(bias=_only_for(1)), (0.5, ["bias-not-random"])),
+            ("where zero is taken for none", of(bias=_unless_zero), None),
+            ("the other sensor first", of(read=_swapped), None),
+            ("no numbers", NAN, (0.0, ["not-finite"])),
         ],
         WHITE: [
             ("sound", Sound, None),
@@ -320,6 +592,43 @@ CASES = [
             ("a drift", Drifting, None),
             ("a bias drawn on every read", Redrawn, None),
             ("a bias that is not used", NOTHING_GIVEN, None),
+            (
+                "rounded gyroscope",
+                of(one=lambda s, i: Sound.one(s, i).round(3 if i else 15)),
+                (0.0, ["precision-lost"]),
+            ),
+            ("half precision", of(one=lambda s, i: Sound.one(s, i).astype(np.float16)), (0.0, ["precision-lost"])),
+            ("none of the gyroscope", of(noise=lambda s, i: Sound.noise(s, i) * (1 - i)), None),
+            ("one that remembers the read but one", OfLongMemory, (0.0, ["noise-correlated"])),
+            ("one that remembers three reads ago", both(OfLongMemory, lags=(3,)), (0.0, ["noise-correlated"])),
+            (
+                "one that remembers two and three reads ago",
+                both(OfLongMemory, lags=(2, 3)),
+                (0.0, ["noise-correlated"]),
+            ),
+            (
+                "a mean below zero",
+                of(noise=lambda s, i: Sound.noise(s, i) - 0.8 * s.stds[i]),
+                (0.0, ["noise-not-zero-mean"]),
+            ),
+            ("one that remembers four reads ago", both(OfLongMemory, lags=(4,)), None),
+            ("uniform gyroscope", _of_gyro(UNIFORM), (0.0, ["not-gaussian"])),
+            ("absolute values of the gyroscope", _of_gyro(POSITIVE), (0.0, ["noise-not-zero-mean"])),
+            ("negative values", of(noise=lambda s, i: -np.abs(Sound.noise(s, i))), (0.0, ["noise-not-zero-mean"])),
+            ("gyroscope cut off", _of_gyro(CUT), (0.0, ["noise-clipped"])),
+            ("a mean of the gyroscope's", _of_gyro(SHIFTED), (0.0, ["noise-not-zero-mean"])),
+            ("a mean of its own, of no seed, which is the bias's", unseeded(SHIFTED), None),
+            ("a mean of its own, and a bias that is not used", both(SHIFTED, NOTHING_GIVEN), None),
+            ("a Laplace law", LAPLACE, (0.0, ["not-gaussian"])),
+            ("on readings that are enlarged", _enlarged(0, 1), (0.0, [])),
+            ("on readings of the gyroscope that are enlarged", _enlarged(1), (0.0, [])),
+            ("a bias beside its own", _beside_its_own(0, 1), None),
+            ("raises with a bias, stale", both(Stale, bias=_of_numbers), None),
+            ("raises without a bias", of(bias=_raises_without), None),
+            ("a mean of its own, never large, which is the bias's", both(RefusingMuch, SHIFTED), None),
+            ("the other's bias", of(one=_crossed), None),
+            ("the other sensor first", of(read=_swapped), None),
+            ("of no seed", unseeded(), None),
         ],
         APART: [
             ("sound", Sound, None),
@@ -335,11 +644,31 @@ CASES = [
             ("one that remembers", Remembering, None),
             ("a drift", Drifting, None),
             ("none", SILENT, "skipped"),
+            ("frozen", Frozen, "skipped"),
+            ("none of the gyroscope", ONE_SENSOR_BEYOND, None),
+            ("one draw for both sensors", OneDraw, (0.0, ["same-noise-on-axes"])),
+            ("one draw for the first axes of both sensors", both(OneDraw, axes=1), (0.0, ["same-noise-on-axes"])),
+            (
+                "one number for all axes that remembers",
+                both(Remembering, drawn=_one_for_all_axes),
+                (0.0, ["same-noise-on-axes"]),
+            ),
+            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, ["same-noise-on-axes"])),
+            ("the other sensor first", of(read=_swapped), None),
         ],
         ALONE: [
             ("sound", Sound, None),
             ("into the sensors' data", Writing, (0.0, ["mutates-sensordata"])),
             ("a step", Stepping, (0.0, ["disturbs-simulation"])),
+            ("a pose", of(read=_adding_to("qpos")), (0.0, ["disturbs-simulation"])),
+            ("a velocity", of(read=_adding_to("qvel")), (0.0, ["disturbs-simulation"])),
+            ("the time", of(read=_adding_to_time), (0.0, ["disturbs-simulation"])),
+            (
+                "a pose, and into the sensors' data",
+                both(Writing, read=_adding_to("qpos")),
+                (0.0, ["disturbs-simulation"]),
+            ),
+            ("raises where a bias is given", of(bias=_of_numbers), None),
         ],
     }.items()
     for name, kind, marked in rows

@@ -58,7 +58,7 @@ def mutants(file: str, source: str, skipped: frozenset[str]) -> list[Mutant]:
 
 def _places(node: ast.AST, place: str) -> Iterator[tuple[ast.AST, str]]:
     """Every node that is code, with the function or class that it stands in."""
-    if isinstance(node, ast.Import | ast.ImportFrom) or _is_guard(node):
+    if isinstance(node, ast.Import | ast.ImportFrom) or _is_guard(node) or _is_list_of_names(node):
         return
     if isinstance(node, ast.FunctionDef | ast.ClassDef):
         place = f"{place}.{node.name}" if place else node.name
@@ -77,6 +77,11 @@ def _is_docstring(node: ast.AST) -> bool:
 
 def _is_guard(node: ast.AST) -> bool:
     return isinstance(node, ast.If) and "__name__" in ast.unparse(node.test)
+
+
+def _is_list_of_names(node: ast.AST) -> bool:
+    """Whether it is `__all__`, which mypy reads."""
+    return isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
 
 
 def _at(file: str, source: str, node: ast.AST, place: str) -> Iterator[Mutant]:

@@ -41,7 +41,7 @@ def test_every_reason_speaks_of_a_mutant_that_there_is() -> None:
     assert reasons().patterns - explained == set()
 
 
-def test_docstrings_annotations_and_imports_are_left_alone() -> None:
-    source = '"""Words."""\nimport math\n\n\ndef f(x: int = 1) -> int:\n    """More."""\n    return x + 1\n'
+def test_docstrings_annotations_imports_and_lists_of_names_are_left_alone() -> None:
+    source = '"""Words."""\nimport math\n\n__all__ = ["f"]\n\n\ndef f(x: int = 1) -> int:\n    """More."""\n    return x + 1\n'
     changes = {m.change for m in mutants("f.py", source, frozenset())}
     assert changes == {"1 → 2", "1 → 2 (2)", "x + 1 → x - 1", "return x + 1 → return"}
