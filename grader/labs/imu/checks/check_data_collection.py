@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Size, Skipped
+from grader.engine.findings import Lost, Ours, Size, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, Collection
 from grader.labs.imu.checks import row_faults, run_starts
@@ -94,7 +94,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         keeps=0.0,
         hint=""
         if mistakes
-        else "Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).",
+        else Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3)."),
         belongs_to=_ROWS if elsewhere else "",
     )
 
@@ -256,7 +256,7 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         accel = worlds.series[TRUE_WORLD][0]
         assert series.acceleration is not None
         wanted = f"{vector(accel[0])} m/s² in the first row, as from a fresh start"
-        hint = "Call mujoco.mj_resetData(model, data) first, and push the robot right after it (Step 3)."
+        hint = Ours("Call mujoco.mj_resetData(model, data) first, and push the robot right after it (Step 3).")
         off = Size("another series than from a fresh start")
         raise Lost(wanted, vector(series.acceleration[0]), off=off, hint=hint)
 

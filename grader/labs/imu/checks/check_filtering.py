@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.engine.conversation import found_once
 from grader.engine.examination import check
-from grader.engine.findings import Fault, Lost, Size, Skipped, Unusable, raised
+from grader.engine.findings import Fault, Lost, Ours, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import FilterRun
@@ -32,39 +32,41 @@ _NOTHING_LEFT = 1e-3
 _LARGEST_SIGNAL_ERROR = 0.5
 """Of the signal's spread. The sheet's filter errs by 0.13 at this period; one that loses the signal by 1."""
 
-_DEFAULT = "The default of alpha is 0.1 in the sheet."
-_WEIGHT = (
+_DEFAULT = Ours("The default of alpha is 0.1 in the sheet.")
+_WEIGHT = Ours(
     "Only the weights differ from the sheet's: give the measurement alpha itself and the output before 1 - alpha, once in each "
     "update() (Step 6)."
 )
-_BEHIND = (
+_BEHIND = Ours(
     "Return the output that this measurement has just made; what comes out belongs to the measurement before (Step 6)."
 )
-_LIMITED = "Return what the recursion gives, however large: a limit cuts off motion along with the noise (Step 6)."
-_BY_HAND = (
+_LIMITED = Ours(
+    "Return what the recursion gives, however large: a limit cuts off motion along with the noise (Step 6)."
+)
+_BY_HAND = Ours(
     "Work one update by hand: alpha times the measurement plus (1 - alpha) times the output that came before, on each axis by "
     "itself, and that is the next output and the state (Step 6)."
 )
-_FIRST = (
+_FIRST = Ours(
     "Where no initial value is given, let the first measurement be the first output and the state, as it is (Step 6)."
 )
-_INITIAL = (
+_INITIAL = Ours(
     "Take the initial value for the output before the first measurement, and update from it as from any other (Step 6)."
 )
-_OWN = (
+_OWN = Ours(
     "Let the output follow from this instance's own measurements alone: the same ones did not give the same output again. Look at "
     "what is kept outside self, and at random numbers (Step 6)."
 )
-_SUM = (
+_SUM = Ours(
     "A constant has to come out as itself: look at the sum of the weights, alpha and 1 - alpha in the sheet, and at what is "
     "added or cut off on the way (Step 6)."
 )
 _FORM = "an array of three numbers from update()"
-_SMALL = (
+_SMALL = Ours(
     "Noise has to come out smaller: look at how much of the measurement goes straight into the output. In the sheet that is "
     "alpha, and the rest is the output before (Step 6)."
 )
-_SLOW = (
+_SLOW = Ours(
     "A slow motion has to come through: look at what keeps the output from following it. In the sheet every measurement moves the "
     "output by alpha of the way (Step 6)."
 )

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Fault, Lost, Size, Skipped, raised
+from grader.engine.findings import Fault, Lost, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
@@ -31,20 +31,22 @@ _SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
 )
 """These charge what other checks see as well."""
 _NAMES = ("accel", "gyro")
-_SIZE = (
+_SIZE = Ours(
     "Draw the noise of each sensor with the standard deviation that was given for it, as it is: no other factor, unit or power "
     "of it, one draw for each axis and read (Step 5)."
 )
-_ONCE = (
+_ONCE = Ours(
     "Add the bias of each sensor to its reading as it was given: whole, once, each component to its own axis, and nothing of "
     "another bias (Step 5)."
 )
-_NOTHING_ELSE = (
+_NOTHING_ELSE = Ours(
     "Take the clean reading as it is now and add two things: the bias, and noise whose mean is zero. No factor and no further "
     "offset belongs to it (Step 5)."
 )
-_OF_ITS_OWN = "Draw six numbers on every read, one for each axis of each sensor, and use none of them twice (Step 5)."
-_ORDER = (
+_OF_ITS_OWN = Ours(
+    "Draw six numbers on every read, one for each axis of each sensor, and use none of them twice (Step 5)."
+)
+_ORDER = Ours(
     "Keep the two sensors apart in read(), the accelerometer first: look at the order of the ids, of what you unpack and "
     "of what you return, and at the bias that each one gets (Step 5)."
 )

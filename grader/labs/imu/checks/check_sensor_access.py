@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Lost, Size, Skipped, Unusable, raised
+from grader.engine.findings import Lost, Ours, Size, Skipped, Unusable, raised
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
@@ -127,7 +127,9 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], me
         mistakes=mistakes,
         keeps=keeps,
         off=Size(f"{name} is off", gap.worst, unit),
-        hint="" if mistakes else "Return the three numbers of each sensor as data.sensordata holds them now (Step 2).",
+        hint=""
+        if mistakes
+        else Ours("Return the three numbers of each sensor as data.sensordata holds them now (Step 2)."),
     )
 
 
@@ -256,7 +258,7 @@ def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
         f"{name} = {told(got[gap.row], true[gap.row])}",
         mistakes=mistakes,
         off=Size(f"{name} is off", gap.worst, unit),
-        hint="" if mistakes else "The ids are arguments: use model.sensor_adr[id] of each, whatever the model.",
+        hint="" if mistakes else Ours("The ids are arguments: use model.sensor_adr[id] of each, whatever the model."),
     )
 
 

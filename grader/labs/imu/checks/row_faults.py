@@ -6,13 +6,13 @@ from typing import NoReturn
 
 import numpy as np
 
-from grader.engine.findings import Lost, Size
+from grader.engine.findings import Lost, Ours, Size
 from grader.labs.imu.answers import SENSOR_UNITS, SENSORS, Collection
 from grader.labs.imu.compare import deviation, told
 from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 
-_BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."
+_BOTH = Ours("Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3).")
 _KINDS = {
     "sign-flipped": ": the reading with other signs",
     "axes-permuted": ": the reading with its axes in another order",
@@ -32,7 +32,7 @@ def of_other_sensors(story: Story) -> None:
             "readings of the robot's IMU, its ids looked up by their names",
             "those of the sensors that have their ids in your copy of the model",
             mistakes=["hard-coded-address"],
-            hint="Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others.",
+            hint=Ours("Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others."),
         )
     if story.world == diagnosis.LAST_SENSOR:
         got = "those of the model's last sensor, which the id -1 of an unknown name reads"
@@ -58,7 +58,7 @@ def _by_one(story: Story, series: Collection) -> NoReturn:
     hint = (
         ""
         if mistakes
-        else "Read the sensors once after every mj_step, and store that reading in the same pass (Step 3)."
+        else Ours("Read the sensors once after every mj_step, and store that reading in the same pass (Step 3).")
     )
     got = f"every row {late} by one sample"
     raise Lost("each row read after its step", got, mistakes=mistakes, keeps=0.5, hint=hint)
@@ -98,14 +98,14 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
         mistakes=["rows-altered"] if treatment else [],
         keeps=keeps,
         off=Size(f"rows under {key!r} are off{others}", gap.rms, unit),
-        hint="" if treatment else "Store what get_imu_readings returns, as it is (Step 3).",
+        hint="" if treatment else Ours("Store what get_imu_readings returns, as it is (Step 3)."),
     )
 
 
 def broken_off(n: int, worlds: Worlds) -> NoReturn:
     """The first rows are right, and the others are not there."""
     rows = f"{n} row{'s' * (n != 1)}, then nothing"
-    hint = "Return after the loop, when all rows are stored (Step 3)."
+    hint = Ours("Return after the loop, when all rows are stored (Step 3).")
     raise Lost(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
 
 
@@ -138,5 +138,5 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
         mistakes=nothing,
         hint=""
         if nothing
-        else "In each pass of the loop step once, read once and store that reading as it is (Step 3).",
+        else Ours("In each pass of the loop step once, read once and store that reading as it is (Step 3)."),
     )
