@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.findings import Lost, Missing, Raised, Size, Skipped
+from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.loaded import Loaded
 from grader.engine.traces import Traces
 from grader.harness import loading, world
@@ -31,6 +31,7 @@ from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
 
 WORDS = Path(__file__).parent / "words.yaml"
+_WITH_HIDDEN_SCENARIOS = ("sensor_access.", "data_collection.", "noise_model.", "filtering.")
 Check = Callable[[Any, Any], None]
 Marked = tuple[float, list[str]] | str | None
 """All points; the share that is kept with the mistakes; or "skipped" or "raised"."""
@@ -166,7 +167,7 @@ def words(found: BaseException | None) -> dict[str, str]:
     if isinstance(found, Lost):
         assert found.off is None or isinstance(found.off, Size)  # a bare sentence reads the same here
         told = {
-            "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": found.hint,
+            "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": str(found.hint),
             "belongs to": " or ".join(found.belongs_to),
         }  # fmt: skip
         return {key: text for key, text in told.items() if text}
@@ -187,3 +188,5 @@ def is_as_marked(case: Case) -> None:
     found = finding(case)
     assert marked(found) == case.marked, f"{case.id}: {found!r}"
     assert words(found) == pinned().get(case.id, {}), case.id
+    if isinstance(found, Lost) and case.id.startswith(_WITH_HIDDEN_SCENARIOS):
+        assert isinstance(found.hint or Ours(), Ours), f"{case.id}: its hint is not told of a hidden scenario"
