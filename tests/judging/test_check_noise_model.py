@@ -91,6 +91,13 @@ class Refusing(Sound):
             raise ValueError("a standard deviation is positive")
 
 
+class Dividing(Sound):
+    """One that makes its noise in units of the standard deviation, which leaves no number of a zero."""
+
+    def noise(self, which: int) -> Any:
+        return np.divide(super().noise(which), self.stds[which]) * self.stds[which]
+
+
 class RefusingMuch(Sound):
     """One that takes no large standard deviation."""
 
@@ -456,6 +463,7 @@ CASES = [
             ("of no seed", unseeded(), None),
             ("of one seed", OneSeed, None),
             ("that is never zero", Refusing, None),
+            ("in units of its size", Dividing, None),
             ("that is never zero, beside a drift", both(Refusing, Drifting), None),
             ("six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), (0.5, ["wrong-return-type"])),
             (
@@ -495,6 +503,7 @@ CASES = [
             ("in the first read alone", FirstOnly, (0.0, [])),
             ("of the last instance", OneBiasOfTheClass, None),
             ("beside noise that is never zero", Refusing, None),
+            ("beside noise in units of its size", Dividing, None),
             (
                 "not used, beside noise that is never zero",
                 both(Refusing, NOTHING_GIVEN),
@@ -551,6 +560,7 @@ CASES = [
             ("of a fixed noise", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), None),
             ("of one seed", OneSeed, (0.5, ["bias-not-random"])),
             ("beside noise that is never zero", Refusing, None),
+            ("beside noise in units of its size", Dividing, None),
             ("a drift beside noise that is never zero", both(Refusing, Drifting), (0.0, ["bias-drifts"])),
             ("raises without one", of(bias=_raises_without), "raised"),
             ("raises with one, which is another check's", of(bias=_of_numbers), None),

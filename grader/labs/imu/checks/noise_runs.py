@@ -25,7 +25,7 @@ _INSTANCES = 24
 MANY = 100
 """Reads of one instance in one state: their mean is off by a tenth of the noise."""
 _SILENT, _ALMOST_SILENT = (0.0, 0.0), (1e-12, 1e-12)
-"""Standard deviations. A constructor may refuse a zero, and a picometre a second squared is as good as none."""
+"""Standard deviations. Code may refuse a zero, or divide by it, and a picometre a second squared is as good as none."""
 _TWINS, _LARGER = 40, 1.5
 """Reads of each twin, and how much larger the noise of the last one is."""
 
@@ -56,11 +56,15 @@ def _is_whole(run: NoiseRun) -> bool:
     return bool(np.isfinite(run.accel).all() and np.isfinite(run.gyro).all())
 
 
+def _is_sound(run: NoiseRun) -> bool:
+    return run.fault is None and _is_whole(run)
+
+
 @found_once
 def returns_exchanged(student: Student, truth: Traces) -> bool:
     """Whether each vector is the other sensor's, with that sensor's bias."""
     run = asked(student, truth, "given", given=True)
-    if run.fault is not None or not _is_whole(run):
+    if not _is_sound(run):
         return False
     straight, exchanged = (_facts_of(r, truth, _biases(truth)) for r in (run, _exchanged(run)))
     return all(map(diagnosis.bias_is_right, exchanged)) and not any(map(diagnosis.bias_is_right, straight))
@@ -69,7 +73,7 @@ def returns_exchanged(student: Student, truth: Traces) -> bool:
 def is_one_twice(student: Student, truth: Traces) -> bool:
     """Whether one sensor comes in both places, with its noise: what is the same without any is no sensor."""
     run = asked(student, truth, "given", given=True)
-    same = run.fault is None and _is_whole(run) and np.array_equal(run.accel, run.gyro)
+    same = _is_sound(run) and np.array_equal(run.accel, run.gyro)
     return same and bool(np.ptp(run.accel, axis=1).all())
 
 
@@ -111,7 +115,7 @@ def asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun
         biases=biases if given else None,
         called="noise" if given and key == "given" else "",
     )
-    return asked(student, truth, "almost silent", given=given) if run.fault and key == "silent" else run
+    return run if key != "silent" or _is_sound(run) else asked(student, truth, "almost silent", given=given)
 
 
 @found_once
@@ -170,7 +174,7 @@ def from_one_seed(student: Student, truth: Traces) -> list[Twins] | None:
         stds=[stds, stds, stds, (_LARGER * stds[0], _LARGER * stds[1])],
         biases=np.array([biases, biases, other, biases]),
     )
-    if run.fault is not None or not _is_whole(run):
+    if not _is_sound(run):
         return None
     run = _exchanged(run) if returns_exchanged(student, truth) else run
     changes = other - biases
@@ -194,7 +198,7 @@ def default_biases(student: Student, truth: Traces, stds: tuple[float, float] = 
     run = student.default_bias(
         qpos=scenario["qpos"], qvel=scenario["qvel"], ids=torso_ids(truth), instances=_INSTANCES, reads=reads, stds=stds
     )
-    if run.fault and stds == _SILENT:
+    if stds == _SILENT and not _is_sound(run):
         return default_biases(student, truth, _ALMOST_SILENT, reads)
     run = _sound_form(student, truth, run)
     return [run.accel - scenario["acceleration"][0], run.gyro - scenario["angular_velocity"][0]]
