@@ -89,6 +89,22 @@ def test_an_import_that_fails_costs_what_uses_it_and_not_what_is_imported_beside
     assert [at for at, *_ in told(noted)] == [1, 2]
 
 
+@pytest.mark.parametrize(
+    "lost", ["@fast\ndef helper(x):\n    return x", "helper = fast(max)", "class helper(fast):\n    pass"]
+)
+def test_what_was_made_with_a_missing_package_tells_of_the_package(lost: str) -> None:
+    """The one that is asked for is missing as it is: what stands in for it must find its place free."""
+    names, _ = run(f"from nothing_here import fast\n{lost}\n{lost.replace('helper', 'update')}\n", wanted=("update",))
+    assert "update" not in names
+    with pytest.raises(ModuleNotFoundError, match="No module named 'nothing_here'"):
+        names["helper"](1)
+
+
+def test_what_was_there_before_stays_where_another_one_needs_a_missing_package() -> None:
+    names, _ = run("def helper(x):\n    return x\n\n\nfrom nothing_here import fast\nhelper = fast(helper)\n")
+    assert names["helper"](1) == 1
+
+
 def test_a_name_that_could_not_be_imported_is_not_called_defined() -> None:
     stepper = stepping.Stepper({}, (0, 0), ["f", "g"])
     names: dict[str, Any] = {"g": 1}

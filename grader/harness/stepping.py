@@ -193,6 +193,9 @@ class Stepper:
             with contextlib.suppress(BaseException):
                 _evaluate(_compiled(unit.node, unit.code.co_filename, _HINTS_AS_TEXT), names)
                 how = "hints"
+        if how == "raised" and isinstance(raised, ImportError):  # a helper's decorator, say
+            lost = [name for name in bound(unit.node) if name not in self.wanted]
+            names.update({name: _not_imported(raised) for name in lost if name not in names})
         self._note(path, unit, how, raised)
 
     def _import_the_rest(self, path: str, unit: Unit, names: dict[str, Any], raised: ImportError) -> None:
