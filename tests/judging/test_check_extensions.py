@@ -300,8 +300,8 @@ def _changing(change: Callable[[str, Any], Any]) -> Callable[[Any, Any], Any]:
     return lambda model, data: {p: change(p, r) for p, r in every(model, data).items()}
 
 
-def _without(place: str) -> Callable[[Any, Any], Any]:
-    return lambda model, data: {p: r for p, r in every(model, data).items() if p != place}
+def _without(*places: str) -> Callable[[Any, Any], Any]:
+    return lambda model, data: {p: r for p, r in every(model, data).items() if p not in places}
 
 
 def _elsewhere(other: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
@@ -323,6 +323,7 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("an empty dictionary", lambda *_: {}, (0.0, ["imu-missing"])),
         ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
         ("all but one", _without("head"), (0.0, ["imu-missing"])),
+        ("all but two", _without("head", "torso"), (0.0, ["imu-missing"])),
         ("all but one of another model", _without("keel"), (0.5, ["imu-missing"])),
         ("raises in another model", _elsewhere(_raises), "raised"),
         ("a list in another model", _elsewhere(lambda m, d: list(every(m, d).values())), (0.0, ["wrong-return-type"])),

@@ -321,8 +321,20 @@ _JUMPS = _WAVE * [[[1.0, 1e3]], [[1.0, 1e3]]]
         (_WAVE, np.where(np.arange(13)[:, None] < 6, np.nan, _WAVE), 1.0),
         (_WAVE, np.full_like(_WAVE, np.nan), 0.0),
         (np.ones_like(_WAVE), _WAVE, 0.0),
+        (_WAVE * [1.0, 0.0], _WAVE, 0.0),
+        (_WAVE * [1.0, 0.0], _WAVE * [1.0, 0.0], 1.0),
     ],
-    ids=["the same", "larger and shifted", "negative", "half negative", "not all known", "unknown", "constant"],
+    ids=[
+        "the same",
+        "larger and shifted",
+        "negative",
+        "half negative",
+        "not all known",
+        "unknown",
+        "constant",
+        "constant once",
+        "one constant",
+    ],
 )
 def test_two_visits_are_alike_channel_by_channel(first: np.ndarray, again: np.ndarray, alike: float) -> None:
     with np.errstate(all="ignore"), warnings.catch_warnings():

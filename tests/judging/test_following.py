@@ -168,6 +168,17 @@ def test_three_curves_far_apart_on_one_scale_are_looked_for_one_by_one() -> None
     assert list(_searched(drawn(apart), apart)) == [(0,), (1,), (2,)]
 
 
+@pytest.mark.parametrize("columns", [1, 2])
+def test_a_line_in_ink_that_is_everywhere_is_followed_by_chance(columns: int) -> None:
+    """Of every row a half is ink, or all of it, of which some is never chance."""
+    seen = np.ones((60, 4), bool)
+    seen[:, ::2] = columns == 2
+    beyond = following._beyond_chance(seen, np.array([[0.0] * 4, [1.0] * 4]))
+    assert beyond.shape == (60, 27, 2)
+    shortest = beyond[:50, -1]
+    assert shortest == pytest.approx(np.full_like(shortest, 0.0 if columns == 1 else 1.0))
+
+
 MOVED = [
     {"top": TOP + 6},
     {"height": TALL - 9},
@@ -258,7 +269,7 @@ def test_a_curve_elsewhere_is_not_followed() -> None:
     assert following.weighed(at(top=TOP + 40)).followed < 0.4
 
 
-@pytest.mark.parametrize(("moved", "followed"), [({"height": 19.0}, 0.0), ({"last": 69.0}, 0.0), ({"last": 72.0}, 1.0)])
+@pytest.mark.parametrize(("moved", "followed"), [({"height": 19.0}, 0.0), ({"last": 69.0}, 0.0), ({"last": 71.0}, 1.0)])
 def test_low_and_short_curves_weigh_nothing(moved: dict[str, float], followed: float) -> None:
     weight = following.weighed(at(ink=blank(of=True), **moved))
     assert (weight.followed, weight.evidence) == pytest.approx((followed, 0.0), abs=0.5)

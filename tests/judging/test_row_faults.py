@@ -85,6 +85,7 @@ def test_rows_without_a_step_are_of_no_simulation() -> None:
     [
         (_series(), True),
         (_series(_ACCEL + 0.9 * ATOL_ACCELERATION), True),
+        (_series(_ACCEL + np.array([ATOL_ACCELERATION, 0, 0])), True),
         (_series(_ACCEL - 2 * ATOL_ACCELERATION), False),
         (_series(_ACCEL + 2 * ATOL_ACCELERATION), False),
         (_series(time=_TIME + 0.001), False),

@@ -102,7 +102,7 @@ class _World:
     def true(self, place: str) -> Array:
         """(k, 6) acceleration and angular velocity."""
         address = self.scenario["sensor_adr"][self.scenario["pairs"][self.places.index(place)]]
-        columns = [int(first) + axis for first in address for axis in range(3)]
+        columns = [first + axis for first in address for axis in range(3)]
         return np.asarray(self.scenario["sensordata"][:_STATES, columns])
 
     def stacked(self, place: str) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.engine.examination import check
 from grader.engine.findings import Lost, Ours, Size, Skipped, Unusable, raised
-from grader.engine.traces import Traces
+from grader.engine.traces import Scenario, Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks.fitting import fits_in
@@ -180,13 +180,8 @@ def _behind_others(student: Student, truth: Traces) -> Readings:
     """The robot's IMU in the same states, once its sensors stand behind two others of other sizes; of the second visit."""
     scenario = truth["reading_lab"]
     states = len(scenario["qpos"])
-    readings = student.read(
-        model=with_others_first(student.robot.xml),
-        qpos=np.tile(scenario["qpos"], (2, 1)),
-        qvel=np.tile(scenario["qvel"], (2, 1)),
-        pairs=scenario["pairs"][:1] + 2,
-    )
-    return readings.between(states, 2 * states)
+    model, pairs = with_others_first(student.robot.xml), scenario["pairs"][:1] + 2
+    return _visited(student, model, scenario, pairs, visits=2).between(states, 2 * states)
 
 
 def with_others_first(xml: str) -> str:
@@ -342,12 +337,13 @@ def _twice(student: Student, truth: Traces) -> tuple[Readings, Readings]:
 
 def _readings(student: Student, truth: Traces, name: str, pairs: slice, visits: int = 1) -> Readings:
     scenario = truth[name]
-    return student.read(
-        model=truth.models[scenario.model or "lab"],
-        qpos=np.tile(scenario["qpos"], (visits, 1)),
-        qvel=np.tile(scenario["qvel"], (visits, 1)),
-        pairs=scenario["pairs"][pairs],
-    )
+    return _visited(student, truth.models[scenario.model or "lab"], scenario, scenario["pairs"][pairs], visits)
+
+
+def _visited(student: Student, model: str, scenario: Scenario, pairs: np.ndarray, visits: int) -> Readings:
+    """Readings of these sensors in all states of a scenario, so many times over."""
+    states = {key: np.tile(scenario[key], (visits, 1)) for key in ("qpos", "qvel")}
+    return student.read(model=model, pairs=pairs, **states)
 
 
 def _torso_scene(truth: Traces) -> Scene:
