@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine.findings import Size
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
@@ -108,12 +107,3 @@ def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Resu
             assert "Error" not in re.sub(r"\b(Value|Type|Key|Index|Name|Attribute)Error\b", "", text)
             plain = re.sub(r'<dd class="mono">[0-9a-f]+</dd>', "", text)  # our own hashes
             assert [digits for digits in re.findall(r"\d{5,}", plain) if set(digits) - {"0", "1"}] == []
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [(0.123, "by 0.1 to 1 m/s²"), (5.0, "by 1 to 10 m/s²"), (float("inf"), "beyond all measure"), (None, "it is off")],
-)
-def test_of_a_size_the_power_of_ten_is_told(value: float | None, said: str) -> None:
-    assert str(Size("it is off", value, "m/s²")).endswith(said)

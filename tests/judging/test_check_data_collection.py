@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from grader.engine.findings import Lost
+from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
 from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
@@ -602,3 +603,18 @@ def test_stamps_at_the_usual_time_step_are_hard_coded_where_the_model_has_anothe
     checks._keeps_timestep(np.arange(5) * usual, usual, usual)
     checks._keeps_timestep(np.arange(5) * timestep, timestep, usual)
     checks._keeps_timestep(np.zeros(1), timestep, usual)
+
+
+@pytest.mark.quick
+def test_time_goes_on_where_the_first_stamp_is_near_to_where_it_was_left() -> None:
+    left_at = float(truth()["push_dirty"]["dirty_time"])
+
+    def goes_on(time: np.ndarray | None) -> bool:
+        return checks._time_goes_on(Collection(time, None, None), truth())
+
+    assert goes_on(np.array([left_at + 0.004, 0.0]))
+    assert goes_on(np.array([0.6 * left_at]))
+    assert not goes_on(np.array([0.004, left_at]))
+    assert not goes_on(np.array([1.6 * left_at]))
+    assert not goes_on(np.zeros(0))
+    assert not goes_on(None)

@@ -55,7 +55,7 @@ _CASES = 30
 """Tapes that a mutant is held against."""
 _MORE_TESTS = {
     "rubric": ("tests/test_rubric.py",),
-    "findings": ("tests/judging/test_check_sensor_access.py", "tests/test_withheld.py"),
+    "findings": ("tests/judging/test_check_sensor_access.py",),
     "labels": ("tests/test_languages.py",),
     "figures": ("tests/test_figures.py", "tests/test_sight.py"),
     "noise_laws": ("tests/test_unforeseen_noise_filter.py",),
