@@ -170,7 +170,8 @@ def words(found: BaseException | None) -> dict[str, str]:
             "belongs to": " or ".join(found.belongs_to),
         }  # fmt: skip
         return {key: text for key, text in told.items() if text}
-    return {} if found is None else {type(found).__name__.lower(): str(found)}
+    doing = {"while": found.doing} if isinstance(found, Raised) else {}
+    return doing if found is None else {type(found).__name__.lower(): str(found), **doing}
 
 
 @cache

@@ -471,6 +471,12 @@ CASES = [
             ("raises without a bias, which is another check's", of(bias=_raises_without), None),
             ("raises with a bias, which is another check's", of(bias=_of_numbers), None),
             ("the other sensor first, a fifth too much", both(_scaled(1.2, 1), read=_swapped), (0.5, [])),
+            (
+                "the other sensor first, a Laplace law of a fixed size on one",
+                of(read=_swapped, noise=lambda s, i: Sound.noise(s, i) if i else s.rng.laplace(0, 0.1, 3)),
+                (0.5, ["std-ignored"]),
+            ),
+            ("none, and raises with a bias", both(SILENT, bias=_of_numbers), (0.0, ["no-noise"])),
             ("the other sensor first, which is the bias's", of(read=_swapped), None),
             ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.5, ["stds-swapped"])),
         ],
