@@ -514,6 +514,8 @@ CASES = [
             ("raises without one, which is another check's", of(bias=_raises_without), None),
             ("not used beside absolute values", both(POSITIVE, NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
             ("not used beside noise that adds up", both(Walking, NOTHING_GIVEN), (0.5, ["bias-argument-ignored"])),
+            ("not used, beside a drift", both(Drifting, NOTHING_GIVEN), (0.0, [])),
+            ("taken off, beside a drift", both(Drifting, bias=_times(-1.0)), (0.0, [])),
             ("not used, of no seed", unseeded(NOTHING_GIVEN), (0.0, ["bias-argument-ignored"])),
             ("beside a shift of the noise, of no seed", unseeded(SHIFTED), (0.0, ["noise-not-zero-mean"])),
             ("of no seed", unseeded(), None),
