@@ -12,7 +12,7 @@ import pytest
 from grader.engine.findings import Lost
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
-from tests.judging.made import Case, Made, is_as_marked, misfits, truth
+from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -618,3 +618,41 @@ def test_time_goes_on_where_the_first_stamp_is_near_to_where_it_was_left() -> No
     assert not goes_on(np.array([1.6 * left_at]))
     assert not goes_on(np.zeros(0))
     assert not goes_on(None)
+
+
+CHARGED = [
+    (SOUND, []),
+    (ONE_MORE, []),
+    (FIXED, [COUNT]),
+    (HUNDRED_HERTZ, [COUNT]),
+    (SHORT, [COUNT]),
+    (Skipping, [COUNT]),
+    (FiftyHertz, [COUNT]),
+    (NO_RESET, [RESET]),
+    (of(begin=_heavier), [RESET]),
+    (of(begin=_in_pose(2, 0.05)), [RESET]),
+    (NO_PUSH, [PUSH]),
+    (SIDEWAYS, [PUSH]),
+    (WEAK, [PUSH]),
+    (LATER, [PUSH]),
+    (Random, [PUSH]),
+    (TWO_STEPS, [TRUTH]),
+    (SWAPPED, [TRUTH]),
+    (Before, [TRUTH]),
+    (telling(_aliased), [TRUTH]),
+    (telling(_noisy), [TRUTH]),
+    (telling(_first_row_empty), [TRUTH]),
+    (_empty(9), [TRUTH]),
+    (_for_the_run(_heavier), [TRUTH]),
+    (of(row=_head), [TRUTH]),
+    (MILLISECONDS, [TIME]),
+    (COUNTED, [TIME]),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("kind", "charged"), CHARGED)
+def test_one_fault_is_charged_by_one_check(kind: Callable[[], Recorder], charged: list[Any]) -> None:
+    student = Made(simulate_and_collect=_function(kind()))
+    cases = [Case("", check, lambda: student) for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)]
+    assert [case.check for case in cases if finding(case) is not None] == charged
