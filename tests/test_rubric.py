@@ -620,6 +620,15 @@ def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:
             rubric.load(LAB, path)
 
 
+def test_a_large_file_is_refused_as_it_lies_on_the_disk(tmp_path: Path) -> None:
+    file = tmp_path / "rubric.yaml"
+    file.write_bytes(SHIPPED + b"#" * (1_000_000 - len(SHIPPED)))
+    assert rubric.load(LAB, file).sha256 == rubric.load(LAB).sha256
+    file.write_bytes(SHIPPED + b"#" * (1_000_001 - len(SHIPPED)))
+    with pytest.raises(RubricError, match=r"rubric\.yaml:1: the file is larger than 1 MB"):
+        rubric.load(LAB, file)
+
+
 def test_checks_and_rubric_must_match() -> None:
     shipped = rubric.load(LAB)
     known = {check.id: "a title" for check in shipped.checks}
