@@ -210,6 +210,13 @@ def test_a_date_that_cannot_be_read_extends_nothing() -> None:
     assert list(policy.extensions) == ["joe"]
 
 
+def test_a_late_policy_is_lines_of_its_keys() -> None:
+    (told,) = problems(SHIPPED.decode() + "late: soon\n")
+    assert told.endswith(
+        ": late must be `key: value` lines with the keys due, grace_minutes, per_day, cut_off_days, extensions"
+    )
+
+
 # ---- the price of mistakes ----
 
 
@@ -581,6 +588,10 @@ def test_extra_credit_without_a_cap_is_capped_by_what_there_is() -> None:
         ("extra_credit: {cap: 10}", "extra_credit has no key `each`; add it"),
         ("extra_credit: {each: 5, top: 1}", "unknown key 'top' in extra_credit; correct or remove it"),
         ("extra_credit: 5", "extra_credit must be `key: value` lines with the keys each, cap"),
+        (
+            "extra_credit: {each: 5, cap: much}",
+            "the cap of extra_credit must be a number from 0 to 1000, not 'much'; correct it",
+        ),
         ("extra_credit: {each: 5.125}", "each must have at most two decimals, not '5.125'; round it"),
     ],
 )
@@ -618,6 +629,15 @@ def test_a_path_without_a_file_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.yaml", Path("a\0b")):
         with pytest.raises(RubricError, match=r"there is no such file; give the path of a rubric\.yaml$"):
             rubric.load(LAB, path)
+
+
+def test_a_large_file_is_refused_as_it_lies_on_the_disk(tmp_path: Path) -> None:
+    file = tmp_path / "rubric.yaml"
+    file.write_bytes(SHIPPED + b"#" * (1_000_000 - len(SHIPPED)))
+    assert rubric.load(LAB, file).sha256 == rubric.load(LAB).sha256
+    file.write_bytes(SHIPPED + b"#" * (1_000_001 - len(SHIPPED)))
+    with pytest.raises(RubricError, match=r"rubric\.yaml:1: the file is larger than 1 MB"):
+        rubric.load(LAB, file)
 
 
 def test_checks_and_rubric_must_match() -> None:

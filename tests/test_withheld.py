@@ -136,12 +136,3 @@ STEP = "Hold it against Step 6."
 def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, mistakes: tuple[str, ...], said: str) -> None:
     finding = Lost("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
     assert withheld.told(finding, MISTAKES).hint == said
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [(0.123, "by 0.1 to 1 m/s²"), (5.0, "by 1 to 10 m/s²"), (float("inf"), "beyond all measure"), (None, "it is off")],
-)
-def test_of_a_size_the_power_of_ten_is_told(value: float | None, said: str) -> None:
-    assert str(Size("it is off", value, "m/s²")).endswith(said)

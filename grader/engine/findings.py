@@ -52,8 +52,9 @@ class Fault:
     @property
     def at(self) -> Where | None:
         """The same as a place; None where no line of the student's was running."""
-        file, cell, _ = (self.file or "").partition(":cell ")
-        return Where(printable(file, 120), None if cell else self.line) if file else None
+        named = self.file or ""
+        file = named.partition(":cell ")[0]
+        return Where(printable(file, 120), self.line if file == named else None) if file else None
 
     @property
     def lines(self) -> list[str]:

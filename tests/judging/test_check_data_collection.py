@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from grader.engine.findings import Lost
+from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
-from tests.judging.made import Case, Made, is_as_marked, misfits, truth
+from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -602,3 +603,56 @@ def test_stamps_at_the_usual_time_step_are_hard_coded_where_the_model_has_anothe
     checks._keeps_timestep(np.arange(5) * usual, usual, usual)
     checks._keeps_timestep(np.arange(5) * timestep, timestep, usual)
     checks._keeps_timestep(np.zeros(1), timestep, usual)
+
+
+@pytest.mark.quick
+def test_time_goes_on_where_the_first_stamp_is_near_to_where_it_was_left() -> None:
+    left_at = float(truth()["push_dirty"]["dirty_time"])
+
+    def goes_on(time: np.ndarray | None) -> bool:
+        return checks._time_goes_on(Collection(time, None, None), truth())
+
+    assert goes_on(np.array([left_at + 0.004, 0.0]))
+    assert goes_on(np.array([0.6 * left_at]))
+    assert not goes_on(np.array([0.004, left_at]))
+    assert not goes_on(np.array([1.6 * left_at]))
+    assert not goes_on(np.zeros(0))
+    assert not goes_on(None)
+
+
+CHARGED = [
+    (SOUND, []),
+    (ONE_MORE, []),
+    (FIXED, [COUNT]),
+    (HUNDRED_HERTZ, [COUNT]),
+    (SHORT, [COUNT]),
+    (Skipping, [COUNT]),
+    (FiftyHertz, [COUNT]),
+    (NO_RESET, [RESET]),
+    (of(begin=_heavier), [RESET]),
+    (of(begin=_in_pose(2, 0.05)), [RESET]),
+    (NO_PUSH, [PUSH]),
+    (SIDEWAYS, [PUSH]),
+    (WEAK, [PUSH]),
+    (LATER, [PUSH]),
+    (Random, [PUSH]),
+    (TWO_STEPS, [TRUTH]),
+    (SWAPPED, [TRUTH]),
+    (Before, [TRUTH]),
+    (telling(_aliased), [TRUTH]),
+    (telling(_noisy), [TRUTH]),
+    (telling(_first_row_empty), [TRUTH]),
+    (_empty(9), [TRUTH]),
+    (_for_the_run(_heavier), [TRUTH]),
+    (of(row=_head), [TRUTH]),
+    (MILLISECONDS, [TIME]),
+    (COUNTED, [TIME]),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("kind", "charged"), CHARGED)
+def test_one_fault_is_charged_by_one_check(kind: Callable[[], Recorder], charged: list[Any]) -> None:
+    student = Made(simulate_and_collect=_function(kind()))
+    cases = [Case("", check, lambda: student) for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)]
+    assert [case.check for case in cases if finding(case) is not None] == charged

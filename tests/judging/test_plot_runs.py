@@ -1,15 +1,21 @@
-"""Which run a plot is asked to draw, and under which name a report finds what came of it."""
+"""Which run a plot is asked to draw, which of the figures is judged, and what is seen in it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from grader.labs.imu.answers import Array, Drawing
+from grader.engine.figures import Axes, Curve, Figure, Sight
+from grader.engine.findings import Fault, Missing, Raised, Skipped
+from grader.ground.errors import NoAnswer
+from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import plot_runs
+from grader.labs.imu.checks.plot_runs import Plot
+from grader.labs.imu.diagnosis.plots import Panel, Shown
 from tests.judging.made import truth
 from tests.judging.test_check_visualization import Plotted, Sheet
 
@@ -33,3 +39,259 @@ def test_the_drawing_of_the_hidden_run_alone_has_a_name(run: str, name: str) -> 
     for key in ("time", "acceleration", "angular_velocity"):
         assert np.array_equal(data[key], truth()[run][key])
         assert np.array_equal(sheet[key], truth()[run][key])
+
+
+# ---- what is drawn of ----
+
+
+class Recording(Asked):
+    """One whose recording is known."""
+
+    def __init__(self, recording: Collection | Exception) -> None:
+        super().__init__(Drawing(()))
+        self.recording = recording
+
+    def simulate(self, *_: Any, duration_s: float, ids: Any, **__: Any) -> Collection:
+        assert (duration_s, ids) == (truth()["push"].scalars["duration_s"], tuple(truth()["reading_lab"]["pairs"][0]))
+        if isinstance(self.recording, Exception):
+            raise self.recording
+        return self.recording
+
+
+def _recorded(**words: Any) -> Collection:
+    return replace(Collection(*(truth()["push"][key] for key in KEYS)), **words)
+
+
+@pytest.mark.parametrize(
+    ("recording", "names"),
+    [
+        (_recorded(keys={"time": "t", "acceleration": "acc", "angular_velocity": "gyro"}), ["t", "acc", "gyro"]),
+        (_recorded(keys={"time": "t"}), ["t", "acceleration", "angular_velocity"]),
+        (_recorded(keys={}, extras={"rate": np.array(500.0)}), [*KEYS, "rate"]),
+        (_recorded(keys={"time": "0", "acceleration": "1", "angular_velocity": "2"}), list(KEYS)),
+        (_recorded(keys={"time": "0"}, extras={"rate": np.array(500.0)}), list(KEYS)),
+        *((problem, list(KEYS)) for problem in (NoAnswer("none"), Missing("a", "b", "c"), Raised(Fault("E", "", None, None, None), ""))),
+    ],
+)  # fmt: skip
+def test_a_plot_is_given_what_the_submission_itself_records(
+    recording: Collection | Exception, names: list[str]
+) -> None:
+    student = Recording(recording)
+    plot_runs.drawing_of_data(student, truth())
+    data, sheet, _, _ = student.given
+    assert list(data) == names
+    assert list(sheet) == list(KEYS)
+    for name, key in zip(names, KEYS, strict=False):
+        assert np.array_equal(data[name], truth()["tumbling"][key])
+
+
+# ---- which figure is judged ----
+
+
+def _saw(drawing: Drawing) -> Plot:
+    return plot_runs.drawn_plot(Plotted(drawing), truth())
+
+
+def _panel_alone(which: int, **words: Any) -> Figure:
+    sheet = Sheet()
+    return replace(sheet.figure, axes=(sheet.panels[which],), **words)
+
+
+def test_the_figure_that_shows_most_is_judged_and_of_equal_ones_the_saved_one_or_the_first() -> None:
+    whole, part = Sheet().figure, _panel_alone(0)
+    assert _saw(Drawing((part, whole))).figure is whole
+    shown, saved = replace(whole, event="shown"), replace(whole, path="b.png")
+    assert _saw(Drawing((shown, saved, whole))).figure is saved
+    assert _saw(Drawing((shown, replace(shown, path="b.png")))).figure is shown
+
+
+def test_a_picture_for_each_sensor_is_one_figure_where_both_were_saved() -> None:
+    first, second = _panel_alone(0), _panel_alone(1, path="gyro.png")
+    joined = _saw(Drawing((first, second)))
+    assert (len(joined.panels), len(joined.drawn)) == (2, 6)
+    lost = replace(first, event="overwritten")
+    assert len(_saw(Drawing((lost, second))).drawn) == 6
+    left = replace(first, event="shown")
+    assert len(_saw(Drawing((left, second))).drawn) == 3
+
+
+def test_figures_without_curves_are_not_judged() -> None:
+    for drawing in (Drawing(()), Drawing((replace(Sheet().figure, axes=()),))):
+        with pytest.raises(Skipped, match=r"^a figure with curves in it$"):
+            _saw(drawing)
+
+
+def test_what_a_plot_raises_counts_where_it_has_drawn_nothing() -> None:
+    fault = Fault("ValueError", "no", None, None, None)
+    with pytest.raises(Raised) as stopped:
+        plot_runs.drawing_or_fault(Plotted(Drawing((), fault)), truth())
+    assert stopped.value.doing == "plotting IMU data"
+    drawing = Sheet().drawing()
+    assert plot_runs.drawing_or_fault(Plotted(replace(drawing, fault=fault)), truth()).figures == drawing.figures
+
+
+# ---- what is seen in it ----
+
+
+def _sight(inside: int, seen: int) -> Sight:
+    """So many hundredths of a curve within the limits, and so many of it seen."""
+    parts = np.arange(100)
+    return Sight(parts < inside, parts < seen)
+
+
+def _sighted(figure: Figure, sight: Sight, *channels: tuple[int, int]) -> Figure:
+    """The figure with another sight of these curves, or of all."""
+
+    def seen(axes: Axes, sensor: int) -> Axes:
+        curves = (
+            replace(curve, sight=sight) if not channels or (sensor, axis) in channels else curve
+            for axis, curve in enumerate(axes.curves)
+        )
+        return replace(axes, curves=tuple(curves))
+
+    return replace(figure, axes=tuple(seen(axes, sensor) for sensor, axes in enumerate(figure.axes)))
+
+
+def _plot(figure: Figure) -> Plot:
+    (plot,) = plot_runs.candidates(Plotted(Drawing((figure,))), truth(), Drawing((figure,)))
+    return plot
+
+
+@pytest.mark.parametrize(("inside", "cut"), [(49, True), (50, False), (100, False)])
+def test_a_channel_is_cut_off_where_less_than_half_of_it_is_within_the_limits(inside: int, cut: bool) -> None:
+    plot = _plot(_sighted(Sheet().figure, _sight(inside, inside), (1, 2)))
+    assert list(plot.cut_off()) == [(1, 2)] * cut
+
+
+def test_what_nobody_sees_of_a_channel_is_hidden_and_in_another_panel_it_is_shown() -> None:
+    figure = _sighted(Sheet().figure, _sight(100, 0), (0, 1))
+    plot = _plot(figure)
+    assert plot.hidden == {(0, 1)}
+    assert plot.drawn == set(plot_runs.CHANNELS) - {(0, 1)}
+    again = replace(figure, axes=(*figure.axes, Sheet().panels[0]))
+    assert (_plot(again).hidden, _plot(again).drawn) == (set(), set(plot_runs.CHANNELS))
+
+
+def test_of_a_channel_in_two_panels_all_that_is_seen_in_either_counts() -> None:
+    figure = _sighted(Sheet().figure, _sight(40, 20), (0, 0))
+    rest = _sighted(Sheet().figure, Sight(np.arange(100) >= 60, np.arange(100) >= 70), (0, 0)).axes[0]
+    plot = _plot(replace(figure, axes=(*figure.axes, rest)))
+    assert plot.sight((0, 0)).inside.sum() == 80
+    assert plot.sight((0, 0)).seen.sum() == 50
+    assert plot.cut_off() == {}
+
+
+def _outside(which: str) -> Drawing:
+    """The hidden run drawn outside the limits, seen nowhere."""
+    return Drawing(
+        (_sighted(Sheet().figure, _sight(0 if which == "nothing" else 30, 0 if which == "nothing" else 30)),)
+    )
+
+
+class Limited(Plotted):
+    """One whose drawing of the lab's own recording is known, too."""
+
+    def __init__(self, drawing: Drawing, of_push: Drawing) -> None:
+        super().__init__(drawing)
+        self.of_push = of_push
+
+    def plot(self, *, sheet: Mapping[str, Array], **_: Any) -> Drawing:  # type: ignore[override]
+        return self.of_push if np.array_equal(sheet["time"], truth()["push"]["time"]) else self._drawing
+
+
+def test_curves_outside_the_limits_are_seen_where_these_are_chosen_for_the_labs_recording() -> None:
+    fits = Sheet().drawing()
+    assert plot_runs.plot_of(Limited(_outside("nothing"), fits), truth()).drawn == set(plot_runs.CHANNELS)
+    for of_push in (_outside("a part"), Drawing(())):
+        with pytest.raises(Skipped, match=r"^a figure with curves that can be seen$"):
+            plot_runs.plot_of(Limited(_outside("nothing"), of_push), truth())
+        assert plot_runs.plot_of(Limited(_outside("a part"), of_push), truth()).drawn == set(plot_runs.CHANNELS)
+
+
+@pytest.mark.parametrize(("inside", "n", "fit"), [(50, 600, True), (49, 600, False), (0, 49, True), (0, 50, False)])
+def test_limits_fit_where_half_of_every_long_curve_is_within_them(inside: int, n: int, fit: bool) -> None:
+    figure = _sighted(Sheet().figure, _sight(inside, inside), (1, 0))
+    curves = [replace(curve, n=n) if curve.sight.inside.mean() < 1 else curve for curve in figure.axes[1].curves]
+    of_push = Drawing((replace(figure, axes=(figure.axes[0], replace(figure.axes[1], curves=tuple(curves)))),))
+    plot = _plot(_outside("a part").figures[0])
+    assert plot_runs.limits_fit(Limited(_outside("a part"), of_push), truth(), plot) is fit
+
+
+def test_limits_that_cut_nothing_off_fit_and_those_of_no_long_curve_do_not() -> None:
+    nothing = Drawing(())
+    assert plot_runs.limits_fit(Limited(nothing, nothing), truth(), _plot(Sheet().figure))
+    assert not plot_runs.limits_fit(Limited(nothing, nothing), truth(), _plot(_outside("a part").figures[0]))
+
+
+def _strange(figure: Figure) -> Figure:
+    """The second panel with a curve that is of no channel."""
+    curve = figure.axes[1].curves[0]
+    other = replace(curve, y=np.sin(np.arange(len(curve.y)) / 7.0))
+    return replace(figure, axes=(figure.axes[0], replace(figure.axes[1], curves=(*figure.axes[1].curves, other))))
+
+
+def test_a_curve_that_is_of_no_channel_is_strange_and_can_be_seen() -> None:
+    figure = _strange(Sheet().figure)
+    assert [curve is figure.axes[1].curves[-1] for curve in _plot(figure).strange] == [True]
+    assert _plot(Sheet().figure).strange == []
+    drawing = Drawing((_strange(_outside("nothing").figures[0]),))
+    assert plot_runs.plot_of(Limited(drawing, Drawing(())), truth()).strange
+
+
+# ---- panels and words ----
+
+
+def _panel(position: tuple[float, float, float, float], *channels: tuple[int, int], **words: Any) -> Panel:
+    axes = replace(Sheet().panels[0], position=position, **words)
+    curve = axes.curves[0]
+    return Panel(axes, tuple(Shown(sensor, axis, "", "time", curve) for sensor, axis in channels), ())
+
+
+_LARGE, _SMALL, _OTHER = (0.0, 0.0, 1.0, 0.5), (0.6, 0.1, 0.9, 0.3), (0.0, 0.5, 1.0, 1.0)
+
+
+def test_an_inset_needs_no_words_of_its_own_and_what_shows_no_data_no_title() -> None:
+    accel, inset = _panel(_LARGE, (0, 0), (0, 1)), _panel(_SMALL, (0, 0))
+    gyro, empty = _panel(_OTHER, (1, 0)), _panel(_OTHER)
+    plot = Plot(Sheet().figure, [accel, inset, gyro, empty])
+    assert plot.main_panels == [accel, gyro, empty]
+    assert plot.titled_panels == [accel, gyro]
+    assert Plot(Sheet().figure, [empty]).titled_panels == [empty]
+
+
+def test_a_sensors_panels_are_its_own_or_those_that_it_shares() -> None:
+    accel, shared = _panel(_LARGE, (0, 0), (0, 1), (1, 0)), _panel(_OTHER, (0, 2), (1, 1))
+    gyro = _panel(_SMALL, (1, 2))
+    assert Plot(Sheet().figure, [accel, shared, gyro]).of_sensor(0) == [accel]
+    assert Plot(Sheet().figure, [accel, shared, gyro]).of_sensor(1) == [gyro]
+    assert Plot(Sheet().figure, [accel, shared]).of_sensor(1) == [accel, shared]
+    assert Plot(Sheet().figure, [gyro]).of_sensor(0) == []
+
+
+def test_what_is_written_along_the_time_axis_may_stand_anywhere() -> None:
+    figure = replace(Sheet().figure, xlabel="Time (s)", texts=("a", "b"))
+    plot = Plot(figure, [_panel(_LARGE, (0, 0), xlabel="t"), _panel(_OTHER, (1, 0), xlabel="", own_ticks=True)])
+    assert plot.x_labels == ["t", "", "Time (s)", "a", "b"]
+    assert plot.own_ticks
+    assert not Plot(figure, plot.panels[:1]).own_ticks
+    assert plot.abscissae == {"time"}
+    assert plot.drawn == {(0, 0), (1, 0)}
+
+
+def _of(n: int, visible: bool = True) -> Figure:
+    axes = Sheet().panels[0]
+    curve: Curve = replace(axes.curves[0], n=n)
+    return replace(Sheet().figure, axes=(replace(axes, visible=visible, curves=(curve,)),))
+
+
+def test_a_figure_has_curves_where_a_visible_one_has_more_than_three_points() -> None:
+    assert plot_runs.has_curves(_of(4))
+    assert not plot_runs.has_curves(_of(3))
+    assert not plot_runs.has_curves(_of(4, visible=False))
+    assert not plot_runs.has_curves(replace(Sheet().figure, axes=()))
+
+
+def test_sensors_are_told_accelerations_first() -> None:
+    assert plot_runs.sensors_in_words({1, 0}) == "acceleration and angular velocity"
+    assert plot_runs.sensors_in_words([1]) == "angular velocity"
+    assert plot_runs.sensors_in_words([]) == ""

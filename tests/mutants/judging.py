@@ -28,6 +28,7 @@ import scipy.special
 import yaml
 
 import grader
+from grader.ground.errors import GraderError
 from tests.mutants import grading
 from tests.mutants.grading import Reasons
 from tests.mutants.operators import Mutant, mutants
@@ -55,7 +56,9 @@ _CASES = 30
 """Tapes that a mutant is held against."""
 _MORE_TESTS = {
     "rubric": ("tests/test_rubric.py",),
-    "findings": ("tests/judging/test_check_sensor_access.py", "tests/test_withheld.py"),
+    "findings": tuple(
+        f"tests/judging/test_{name}.py" for name in ("check_sensor_access", "handed_in", "lost_pictures")
+    ),
     "labels": ("tests/test_languages.py",),
     "figures": ("tests/test_figures.py", "tests/test_sight.py"),
     "noise_laws": ("tests/test_unforeseen_noise_filter.py",),
@@ -228,14 +231,13 @@ def unit_tests(file: str) -> list[str]:
 
 
 def _fails_a_unit_test(mutant: Mutant) -> bool:
+    """Whether a test says so, or cannot be collected: what `conftest.py` cannot load is an error of usage."""
     if not (tests := unit_tests(mutant.file)):
         return False
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
     options = ["-o", "addopts=", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "--rootdir", str(ROOT)]
     code = pytest.main([*options, *tests])
-    assert code != pytest.ExitCode.NO_TESTS_COLLECTED, (
-        code
-    )  # a mutant that conftest.py cannot load is an error of usage
+    assert code != pytest.ExitCode.NO_TESTS_COLLECTED
     return code != pytest.ExitCode.OK
 
 
@@ -243,7 +245,10 @@ def _fails_on_a_tape(mutant: Mutant) -> bool:
     from tests.tapes.losses import disagreements
     from tests.tapes.player import player
 
-    return any(disagreements(player().verdict(case)) for case in _sample(Path(mutant.file).stem))
+    try:
+        return any(disagreements(player().verdict(case)) for case in _sample(Path(mutant.file).stem))
+    except GraderError:  # the checks cannot be loaded
+        return True
 
 
 def _sample(module: str) -> list[Case]:

@@ -157,7 +157,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     drifting = runs.which_drift(student, truth)
     exchanged = diagnosis.bias_mistakes(sensors) == ["swapped-sensors"]  # its bias, on the other sensor's reading
     wrong = [i for i in off if exchanged or not (twins and _bias_is_added(twins[i], sensors[i], drifts=drifting[i]))]
-    redrawn = diagnosis.bias_is_redrawn(sensors, silent)
+    redrawn = not any(drifting) and diagnosis.bias_is_redrawn(sensors, silent)
     if wrong:
         facts, unit = sensors[wrong[0]], SENSOR_UNITS[wrong[0]]
         state = int(np.argmax(np.abs(facts.offset - facts.bias).max(axis=1)))

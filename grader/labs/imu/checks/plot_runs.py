@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from grader.engine.figures import Curve, Figure, Sight
@@ -101,14 +101,14 @@ def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> D
     )
 
 
-def _data(student: Student, truth: Traces, series: Mapping[str, Array]) -> dict[str, Array]:
+def _data(student: Student, truth: Traces, series: dict[str, Array]) -> dict[str, Array]:
     """The true series under the submission's own names, with what else it records."""
     try:
         own = student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
     except (NoAnswer, Missing, Raised):
-        return dict(series)
+        return series
     if any(name.isdigit() for name in own.keys.values()):
-        return dict(series)
+        return series
     return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
 
 
