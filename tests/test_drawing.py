@@ -9,7 +9,10 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from matplotlib.backend_bases import FigureCanvasBase
+from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import FuncFormatter
 from PIL import Image
 
@@ -50,6 +53,34 @@ def bends_shared_axes(figure: Any) -> None:
     figure.axes[0].sharey(figure.axes[1])
     for axes in figure.axes:
         axes.set_aspect("equal", adjustable="datalim")
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(st.from_regex(drawing._PLAIN_MATHEMATICS, fullmatch=True))
+def test_mathematics_that_is_not_parsed_is_well_formed(said: str) -> None:
+    MathTextParser("path").parse(said)
+
+
+@pytest.mark.parametrize(
+    ("said", "plain"),
+    [
+        ("$a_x$", True),
+        (r"filtered $\omega_{roll}^2$, $t_0$", True),
+        ("Acceleration ($m/s^2$)", True),
+        ("5 $", False),
+        ("$a_{x$", False),
+        ("$a_x_y$", False),
+        ("$a^$", False),
+        ("$$", False),
+        (r"$\omgea_x$", False),
+        (r"$\hat$", False),
+        (r"$\frac{a}$", False),
+        (r"\$5 and $x$", False),
+        ("$a$ $b", False),
+    ],
+)
+def test_mathematics_is_parsed_wherever_it_may_be_wrong(said: str, plain: bool) -> None:
+    assert (drawing._PLAIN_MATHEMATICS.fullmatch(said) is not None) == plain
 
 
 @pytest.mark.parametrize("spoil", [unbalanced, of_different_lengths, tells_no_tick, bends_shared_axes])

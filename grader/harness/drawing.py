@@ -25,6 +25,15 @@ _HEADING, _SMALL_PRINT = 30.0, 20.0  # points
 _THIN, _SHORT = 2.5, 12.0  # points of a grid line's width and of a tick's length
 _FEW_ENTRIES, _FEW_TICKS = 8, 40
 _FEW_LETTERS = 120
+_GREEK = (
+    r"\\(?:alpha|beta|[gG]amma|[dD]elta|(?:var)?epsilon|zeta|eta|[tT]heta|iota|kappa|[lL]ambda|mu|nu|[xX]i|[pP]i|rho|[sS]igma|"
+    r"tau|[uU]psilon|[pP]hi|chi|[pP]si|[oO]mega)(?![a-zA-Z])"
+)
+_SCRIPT = rf"(?:[a-zA-Z0-9]|\{{[a-zA-Z0-9]+\}}|{_GREEK})"
+_PLAIN_MATHEMATICS = re.compile(
+    rf"[^$\\\n]*(?:\$(?:[ /]*(?:[a-zA-Z0-9]|{_GREEK})(?:_{_SCRIPT})?(?:\^{_SCRIPT})?)+\$[^$\\\n]*)+"
+)
+"""Letters and numbers with an index and a power: well-formed as they stand, and to parse one takes a millisecond."""
 _READS_BACK = re.compile(
     rb"\bimread\b|\bImage\.open\b|\bbuffer_rgba\b|\bprint_to_buffer\b|\btostring_\w+\b|\bgetsize\b|\bst_size\b|\bgetbuffer\b"
 )
@@ -217,7 +226,8 @@ def _is_small(text: Any, size: float) -> bool:
 
 
 def _examine(text: Any) -> None:
-    if text.get_visible() and ("$" in text.get_text() or text.get_usetex()):
+    said = text.get_text()
+    if text.get_visible() and ("$" in said or text.get_usetex()) and not _PLAIN_MATHEMATICS.fullmatch(said):
         text.get_window_extent()  # parses mathematics
 
 
