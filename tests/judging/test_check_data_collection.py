@@ -316,6 +316,9 @@ COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
 WITHOUT_GYRO = of(told=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
 WITHOUT_TIME = of(told=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
 NOTHING = of(told=lambda *_: None)
+STILL = telling(lambda t, a, g, _m: (t, a * 0 + 1, g * 0 + 1))
+WITHOUT_ACCELERATION = telling(lambda t, a, g, _m: (t, a * 0, g))
+"""As the arrays are where a line that fills one of them is missing."""
 
 CASES = [
     Case(name, check, lambda kind=kind: Made(simulate_and_collect=_function(kind())), marked)  # type: ignore[misc]
@@ -339,7 +342,7 @@ CASES = [
                 (0.0, ["wrong-return-type"]),
             ),
             ("two axes of both", telling(lambda t, a, g, _m: (t, a[:, :2], g[:, :2])), (0.0, ["wrong-return-type"])),
-            ("no rows", NO_STEPS, (0.0, ["wrong-return-type"])),
+            ("no rows", NO_STEPS, (0.0, [])),
             (
                 "other keys, transposed",
                 of(told=lambda _s, t, a, g, _m: {"t": t, "a": a.T, "w": g.T}),
@@ -348,6 +351,8 @@ CASES = [
             ("raises", of(begin=_raises), "raised"),
         ],
         COUNT: [
+            ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
+            ("rows that stand still", STILL, "skipped"),
             ("sound", SOUND, None),
             ("one more", ONE_MORE, None),
             ("always as many", FIXED, (0.0, ["ignores-duration"])),
@@ -408,6 +413,8 @@ CASES = [
             ("beside noise", telling(_noisy), None),
         ],
         TRUTH: [
+            ("zeros in one", WITHOUT_ACCELERATION, (0.5, [])),
+            ("rows that stand still", STILL, (0.0, [])),
             ("sound", SOUND, None),
             ("before each step", Before, (0.5, ["read-before-step"])),
             (
@@ -488,6 +495,8 @@ CASES = [
             ),
         ],
         RESET: [
+            ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
+            ("rows that stand still", STILL, "skipped"),
             ("sound", SOUND, None),
             ("none", NO_RESET, (0.0, ["no-reset"])),
             ("another gravity", of(begin=_heavier), (0.0, ["modifies-model"])),
@@ -517,6 +526,8 @@ CASES = [
             ("always as many", FIXED, None),
         ],
         PUSH: [
+            ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
+            ("rows that stand still", STILL, "skipped"),
             ("sound", SOUND, None),
             ("none", NO_PUSH, (0.0, ["no-perturbation"])),
             ("half of it", HALF, (0.0, ["wrong-perturbation"])),

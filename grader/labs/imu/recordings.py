@@ -7,7 +7,7 @@ import numpy as np
 from grader.engine.findings import Skipped, raised
 from grader.engine.traces import Traces
 
-from .answers import Collection
+from .answers import SENSORS, Collection
 from .compare import Array
 from .diagnosis import collection as diagnosis
 from .diagnosis.collection import Claim, Story, Worlds
@@ -146,8 +146,10 @@ def length(series: Collection) -> int:
 
 def all_alike(series: Collection) -> bool:
     """Whether every row is the same: a robot that stands still moves a little, too."""
-    rows = series.acceleration
-    return rows is not None and len(rows) > 1 and not np.ptp(rows, axis=0).any()
+    there = [
+        rows for key, rows in zip(SENSORS, series.sensors, strict=True) if rows is not None and key != series.absent
+    ]
+    return bool(there) and all(len(rows) > 1 and not np.ptp(rows, axis=0).any() for rows in there)
 
 
 def one_row_follows(student: Student, truth: Traces) -> bool:

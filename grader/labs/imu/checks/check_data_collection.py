@@ -50,6 +50,11 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
         raise Lost(_SHAPES, got, mistakes=mistakes)
     present = [(key, value) for key, value in zip(KEYS, arrays_of(series), strict=True) if key != series.absent]
     sizes = {key: len(value) for key, value in present if value is not None}
+    if not sizes:
+        hint = Ours(
+            "The arrays are there, with no row in them: n_steps = duration_seconds / model.opt.timestep (Step 3)."
+        )
+        raise Lost("rows in every array", "none", hint=hint)
     if len(sizes) < len(KEYS):
         raise Lost(
             _SHAPES, f"no numbers under {', '.join(sorted(set(KEYS) - set(sizes)))}", mistakes=["wrong-return-type"]
@@ -200,9 +205,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     row_faults.of_other_sensors(story)
     run_starts.in_another_model(story, worlds, series, np.asarray(truth["reading_lab"].scalars["gravity"], float))
     if all_alike(series) and not one_row_follows(student, truth):
-        raise Lost(
-            "rows that a simulation made", f"{n} rows, all alike, whatever gravity is", mistakes=["nothing-simulated"]
-        )
+        row_faults.standing_still(n, series)
     if story.aliased:
         raise Lost(
             "rows that differ from step to step", f"{n} rows, all equal to the last sample", mistakes=["aliased-rows"]

@@ -109,6 +109,17 @@ def broken_off(n: int, worlds: Worlds) -> NoReturn:
     raise Lost(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
 
 
+def standing_still(n: int, series: Collection) -> NoReturn:
+    """All rows are alike, and others would be too: no step was made, or none was read."""
+    got, stepped = f"{n} rows, all alike, whatever gravity is", bool(series.first_step)
+    raise Lost(
+        "a reading after every step" if stepped else "rows that a simulation made",
+        got,
+        mistakes=[] if stepped else ["nothing-simulated"],
+        hint=Ours("Read the sensors in every pass of the loop, after mj_step (Step 3).") if stepped else "",
+    )
+
+
 def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     """Rows that no story predicts: told by the sensor that is off, and by the row where it is furthest off."""
     if series.absent:
