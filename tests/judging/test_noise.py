@@ -250,6 +250,7 @@ def _moved(facts: Facts, by: float) -> Facts:
         ([_still(ACCEL, _NO_BIAS), _still(GYRO, GYRO.bias)], None, _OBEYING, ["no-noise"]),
         ([_still(ACCEL, ACCEL.bias + 0.9 * _ATOL), _still(GYRO, [0, -0.9 * _ATOL, 0])], None, _OBEYING, ["no-noise"]),
         ([_still(ACCEL, ACCEL.bias), _still(GYRO, 2 * GYRO.bias)], None, _OBEYING, ["reseeded"]),
+        ([_still(f, f.bias + f.std) for f in (ACCEL, GYRO)], None, _OBEYING, ["no-noise"]),
         (_DRAWN, None, _OBEYING, ["reseeded"]),
         (_DRAWN, [_still(ACCEL, ACCEL.bias - 0.04), _DRAWN[1]], _OBEYING, ["frozen-noise"]),
         (_DRAWN, [_DRAWN[0], _still(GYRO, GYRO.bias + 1e-5)], _OBEYING, ["frozen-noise"]),

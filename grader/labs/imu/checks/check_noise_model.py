@@ -173,6 +173,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
             mistakes=mistakes,
             keeps=0.5 if len(wrong) == 1 else 0.0,
             hint=_ORDER if mistakes == ["swapped-sensors"] else "" if mistakes else _ONCE,
+            belongs_to=_SIZE_CHECK if mistakes == ["biases-exchanged"] and _has_stds_swapped(student, truth) else "",
         )
     another = [i for i in off if not drifting[i] and _has_another_bias(sensors[i], silent[i])]
     if another:
@@ -196,6 +197,12 @@ def check_given_bias(student: Student, truth: Traces) -> None:
             mistakes=["bias-argument-ignored"],
             keeps=0.5,
         )
+
+
+def _has_stds_swapped(student: Student, truth: Traces) -> bool:
+    """Whether each sensor has the other's standard deviation, which noise_size charges."""
+    again, silent = runs.given_again(student, truth), runs.without_noise_or_drift(student, truth)
+    return diagnosis.size_mistakes(runs.steady(student, truth), again, silent) == ["stds-swapped"]
 
 
 def _is_taken(fault: Fault | None) -> None:
