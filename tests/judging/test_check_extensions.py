@@ -228,6 +228,8 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("in samples", _changed(lambda t, a: (t * 80, a)), (0.0, ["tau-wrong"])),
         ("over the rate twice", _changed(lambda t, a: (t / 80, a)), (0.0, ["tau-wrong"])),
         ("beyond the record", _changed(lambda t, a: (t * 1.5, a)), (0.5, [])),
+        ("a hundredth beyond the half", _changed(lambda t, a: (t * 1.01, a)), None),
+        ("from two samples on, over less than a decade", lambda s, r: tuple(x[1:7] for x in deviation(s, r)), (0.5, [])),
         ("over a decade", lambda s, r: tuple(x[:7] for x in deviation(s, r)), None),
         ("over less than a decade", lambda s, r: tuple(x[:6] for x in deviation(s, r)), (0.5, [])),
         ("four of them", lambda s, r: tuple(x[::9] for x in deviation(s, r)), (0.5, [])),
@@ -254,6 +256,8 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         *((f"steeper for {kind} alone", _steeper(kind), (0.0, [])) for kind in ("white", "walk", "quantised", "drift")),
         ("in samples", _changed(lambda t, a: (t * 80, a)), None),
         ("short times alone", lambda s, r: tuple(x[:4] for x in deviation(s, r)), None),
+        ("from half a sample on", _changed(lambda t, a: (t * 0.4, a)), None),
+        ("zero", _changed(lambda t, a: (t, 0 * a)), "skipped"),
         ("long times alone", lambda s, r: tuple(x[-4:] for x in deviation(s, r)), "skipped"),
         ("the same for every record", lambda s, r: (deviation(s, r)[0], deviation(s, r)[0] ** -0.5), (0.0, [])),
     ]),
@@ -313,9 +317,24 @@ def _swapped_and_some(model: Any, data: Any) -> Any:
     return {p: r[::-1] for p, r in every(model, data).items() if p in ("torso", "head", "keel")}
 
 
+def _at_first(empty: type) -> Callable[[Any, Any], Any]:
+    """Nothing on the first call for each model."""
+    known: list[Any] = []
+
+    def read_all_imus(model: Any, data: Any) -> Any:
+        if model in known:
+            return every(model, data)
+        known.append(model)
+        return empty()
+
+    return read_all_imus
+
+
 IMUS: list[tuple[Any, list[Row]]] = [
     (imus.check_finds_every_place, [
         ("sound", every, None),
+        ("none at first", _at_first(dict), (0.0, ["imu-missing"])),
+        ("a list at first", _at_first(list), (0.0, ["wrong-return-type"])),
         ("those of the lab", _those_of_the_lab, (0.5, ["imu-missing"])),
         ("the torso alone", lambda m, d: {"torso": every(m, d).get("torso")}, (0.0, ["imu-missing"])),
         ("a list", lambda m, d: list(every(m, d).values()), (0.0, ["wrong-return-type"])),
@@ -333,6 +352,7 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("sound", every, None),
         ("those of the lab", _those_of_the_lab, None),
         ("the first for all", _first_for_all, (0.0, ["same-imu-repeated"])),
+        ("the first for two", lambda m, d: dict(list(_first_for_all(m, d).items())[:2]), (0.0, ["same-imu-repeated"])),
         ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, ["swapped-sensors"])),
         ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, ["wrong-units"])),
         ("the torso alone, in g", lambda m, d: {p: (r[0] / 9.81, r[1]) for p, r in every(m, d).items() if p == "torso"}, (0.0, ["wrong-units"])),

@@ -73,6 +73,7 @@ def test_samples_are_counted_by_their_name_or_by_n(text: str, counted: bool) -> 
     ("text", "sensors"),
     [
         ("Accelerometer", {0}), ("Gyroscope", {1}), ("Acceleration and angular velocity", {0, 1}), ("x (m/s²)", {0}), ("x (rad/s)", {1}),
+        ("Spin of the torso", {1}), ("Rotation", {1}), ("Winkel", {1}), ("acc x", {0}),
         ("Top", set()), ("Gyroscope (m/s²)", {1}), ("Accelerometer [°/s]", {0}), ("", set()),
     ],
 )  # fmt: skip

@@ -35,6 +35,7 @@ def _read(value: str, read: Callable[[Reader, Any], Any]) -> tuple[Any, list[str
         ("", "", ["it must be text, not ''; write it in quotes"]),
         ("'  '", "", ["it must be text, not '  '; write it in quotes"]),
         ("[a]", "", ["it must be text, not a list or a mapping; write it in quotes"]),
+        ("!!str [a]", "", ["it must be text, not a list or a mapping; write it in quotes"]),
     ],
 )
 def test_text_is_one_printable_line(written: str, text: str, problems: list[str]) -> None:
