@@ -539,6 +539,7 @@ CASES = [
             ("twice", of(bias=_times(2.0)), (0.0, [])),
             ("on other axes", of(bias=_rolled), (0.0, ["bias-axes-exchanged"])),
             ("crossed", of(one=_crossed), (0.0, ["biases-exchanged"])),
+            ("one sensor twice, without noise", both(SILENT, read=lambda s: (Sound.read(s)[1],) * 2), (0.5, [])),
             ("crossed, as the noise is", both(SWAPPED_STDS, one=_crossed), (0.0, ["biases-exchanged"])),
             ("the other sensor first", of(read=_swapped), (0.0, ["swapped-sensors"])),
             ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, [])),

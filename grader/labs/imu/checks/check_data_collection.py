@@ -150,14 +150,14 @@ def check_time_axis(student: Student, truth: Traces) -> None:
     if not np.isfinite(time).all():
         raise Lost("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
     error = diagnosis.time_error(time, _timestep(worlds, series), story or Story())
-    worst = int(np.argmax(error)) if len(error) else 0
-    if not len(error) or error[worst] > TIME_ATOL:
+    worst = float(np.max(error)) if len(error) else np.inf
+    if worst > TIME_ATOL:
         _keeps_timestep(time, worlds.timestep, learnt_timestep(truth))
         raise Lost(
             f"time stamps {worlds.timestep:g} s apart, from {worlds.timestep:g} s (or 0 s) on",
             f"{', '.join(f'{t:g}' for t in time[:3])} … {time[-1]:g} s" if len(time) else "no time stamps",
             mistakes=["time-axis-wrong"],
-            keeps=0.5 if len(error) and error[worst] <= 1.001 * worlds.timestep else 0.0,
+            keeps=0.5 if worst <= 1.001 * worlds.timestep else 0.0,
         )
     _follows_timestep(from_dirt(student, truth), Worlds.of(truth["push_dirty"]), worlds.timestep)
 
@@ -288,8 +288,7 @@ def check_applies_push(student: Student, truth: Traces) -> None:
         assert worlds.claim is not None
         run_starts.with_another_push(worlds.claim)
     elif world.startswith("push"):
-        words = world.replace("push_", "").replace("_", " ")
-        got = f"a series after another push ({words})"
+        got = f"a series after another push ({world.removeprefix('push_')})"
         raise Lost(PUSH, got, mistakes=["wrong-perturbation"])
 
 
