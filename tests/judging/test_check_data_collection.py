@@ -351,6 +351,11 @@ CASES = [
             ("raises", of(begin=_raises), "raised"),
         ],
         COUNT: [
+            (
+                "the same time always, two rows more",
+                of(steps=lambda _s, m, _d: round(1.204 / m.opt.timestep)),
+                (0.0, ["ignores-duration"]),
+            ),
             ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
             ("rows that stand still", STILL, "skipped"),
             ("sound", SOUND, None),
