@@ -295,3 +295,47 @@ def test_a_return_that_a_later_cell_has_is_not_missing(player: Marking) -> None:
     last = str(verbatim()[FILTER]).replace("from noisy_imu import *\n", "")
     assert lost_by(marked(player, _notebook(*cells, silent, last))) == {}
     assert lost_by(marked(player, _notebook(*cells, last, silent))) == {RECURSION: 3.0}
+
+
+LOOP = """for i in range(n_samples):
+    mujoco.mj_step(model, data)
+    noisy_accel, _ = noisy_imu.read()
+    raw_data[i] = noisy_accel
+    filtered_data[i] = accel_filter.update(noisy_accel)
+"""
+ALL_AT_ONCE = """
+    def __call__(self, rows):
+        return np.array([self.update(row) for row in rows])
+"""
+SERIES = """
+    def series(self, n):
+        rows = []
+        for _ in range(n):
+            mujoco.mj_step(self.model, self.data)
+            rows.append(self.read()[0])
+        return np.array(rows)
+"""
+OWN_METHODS: dict[str, tuple[Changes, Changes, set[str]]] = {
+    "a filter that is called": (
+        {LOOP: LOOP.replace("filtered_data[i] = accel_filter.update(noisy_accel)", "") + "filtered_data = accel_filter(raw_data)\n"},
+        {"return self.value.copy()\n": f"return self.value.copy()\n{ALL_AT_ONCE}", "(1 - self.alpha)": "(2 - self.alpha)"},
+        {"filtering"},
+    ),
+    "a noisy IMU that reads a series": (
+        {LOOP: "raw_data = noisy_imu.series(n_samples)\nfiltered_data = np.array([accel_filter.update(row) for row in raw_data])\n"},
+        {"return accel_noisy, gyro_noisy\n": f"return accel_noisy, gyro_noisy\n{SERIES}", "+ self.accel_bias": "+ self.acc_bias"},
+        {"noise_model"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OWN_METHODS.values(), ids=OWN_METHODS)
+def test_what_a_class_has_beside_the_sheets_methods_is_there_in_its_place(
+    case: tuple[Changes, Changes, set[str]], player: Marking
+) -> None:
+    script, faulty, criteria = case
+    files = _changed(verbatim(), FILTER, script)
+    for old, new in faulty.items():
+        path = next(path for path in (FILTER, NOISY) if old in files[path])
+        files = _changed(files, path, {old: new})
+    assert {check.partition(".")[0] for check in lost_by(marked(player, files))} == criteria

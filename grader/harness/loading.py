@@ -277,7 +277,7 @@ def _put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> 
     at_home = [name for name, home in STATE.homes.items() if f"{home}.py" == path]
     for name, own in spelling.slips([unit.node for unit in units], at_home):
         if name in STATE.standins:
-            names[own] = STATE.standins[name]
+            names[own] = _in_place_of(names.get(own), name)
         elif own in names:
             names[name] = names[own]
             yield name, own
@@ -309,10 +309,27 @@ def _units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit
 
 def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], lending: Lending) -> None:
     def after(node: ast.stmt) -> None:
-        names.update({name: STATE.standins[name] for name in stepping.bound(node) if name in STATE.standins})
+        bound = [name for name in stepping.bound(node) if name in STATE.standins]
+        names.update({name: _in_place_of(names.get(name), name) for name in bound})
         lending.after(node, names)
 
     STATE.stepper.run(units, path, names, after)
+
+
+def _in_place_of(own: Any, name: str) -> Any:
+    """The stand-in for a definition; for a class one with the methods that it has beside the sheet's: a script may call those."""
+    standin = STATE.standins[name]
+    if not (issubclass(type(own), type) and isinstance(standin, type)):
+        return standin
+    sheets = {part for kind in standin.__mro__ for part in vars(kind)}
+    methods = (types.FunctionType, classmethod, staticmethod)
+    members = [member for kind in reversed(type.mro(own)) for member in _members_of(kind).items()]
+    beside = {part: value for part, value in members if isinstance(value, methods) and part not in sheets}
+    return type(name, (standin,), beside)
+
+
+_members_of = type.__dict__["__dict__"].__get__
+"""What a class holds, whatever its own class would answer."""
 
 
 def _lending_to(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Lending:

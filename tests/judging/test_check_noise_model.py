@@ -423,6 +423,7 @@ CASES = [
             ("three hundredths", _scaled(1.03), None),
             ("stds exchanged", SWAPPED_STDS, (0.0, ["stds-swapped"])),
             ("the other sensor's noise and bias", both(SWAPPED_STDS, one=_crossed), (0.0, ["stds-swapped"])),
+            ("three stds in place of a draw", of(noise=lambda s, i: 3 * s.stds[i]), (0.0, ["no-noise"])),
             ("the std in place of a draw", of(noise=lambda s, i: np.full(3, s.stds[i])), (0.0, ["no-noise"])),
             ("the variance", of(noise=lambda s, i: s.rng.normal(0, s.stds[i] ** 2, 3)), (0.0, ["variance-as-std"])),
             ("of a fixed size", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), (0.0, ["std-ignored"])),
