@@ -242,7 +242,9 @@ def test_altered_rows_are_told_by_what_was_done_to_them(
     assert (said.mistakes, said.keeps) == (("rows-altered",) if mistakes else (), keeps)
     assert said.hint == ("" if mistakes else _AS_IT_IS)
     off = np.sqrt(np.mean((got - true) ** 2))
-    assert said.off == Size(f"rows under '{key}' are off{ending}", pytest.approx(off), unit)
+    beside = "the other sensor's rows as they should be, and " if len(which) == 1 else ""
+    kind = ending.removesuffix(_OTHERS).removeprefix(": ") or "rows"
+    assert said.off == Size(f"{beside}{kind} under '{key}', off", pytest.approx(off), unit)
 
 
 _BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."

@@ -14,12 +14,12 @@ from grader.labs.imu.diagnosis.collection import Story, Worlds
 
 _BOTH = Ours("Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3).")
 _KINDS = {
-    "sign-flipped": ": the reading with other signs",
-    "axes-permuted": ": the reading with its axes in another order",
-    "precision-lost": ": the reading with digits cut off",
-    "wrong-units": ": the reading in another unit",
-    "gravity-removed": ": the reading with gravity added or taken away",
-    "treated": ": the reading scaled, shifted or mixed",
+    "sign-flipped": "the reading with other signs",
+    "axes-permuted": "the reading with its axes in another order",
+    "precision-lost": "the reading with digits cut off",
+    "wrong-units": "the reading in another unit",
+    "gravity-removed": "the reading with gravity added or taken away",
+    "treated": "the reading scaled, shifted or mixed",
 }
 
 
@@ -86,18 +86,20 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
         gone = f"none that can be made out under {key!r}"
         off = Size(f"no rows that can be made out under {key!r}")
         raise Lost("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
-    keeps, others = (0.5, ", while the other sensor is right") if len(story.altered) == 1 else (0.0, "")
+    alone = len(story.altered) == 1
+    keeps, others = (0.5, ", while the other sensor is right") if alone else (0.0, "")
     if not np.isfinite(got).all():
         raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
     gap = deviation(got, true)
     treatment = diagnosis.treatment(key, got, true)
-    others = f"{_KINDS.get(treatment or '', '')}{others}"
+    kind = _KINDS.get(treatment or "", "")
+    beside = "the other sensor's rows as they should be, and " if alone else ""
     raise Lost(
         f"{told(true[gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
-        f"{told(got[gap.row], true[gap.row])}{others}",
+        f"{told(got[gap.row], true[gap.row])}{kind and ': '}{kind}{others}",
         mistakes=["rows-altered"] if treatment else [],
         keeps=keeps,
-        off=Size(f"rows under {key!r} are off{others}", gap.rms, unit),
+        off=Size(f"{beside}{kind or 'rows'} under {key!r}, off", gap.rms, unit),
         hint="" if treatment else Ours("Store what get_imu_readings returns, as it is (Step 3)."),
     )
 
