@@ -47,7 +47,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         chosen = sorted(drawn, key=chosen.index)
     if options.judging:
         every, read = judging.judging_mutants(there), [mutant for mutant in chosen if judging.is_python(mutant)]
-        return _report(judging.ends(read, options.jobs), judging.reasons(), every, said=True)
+        told: list[int] = []
+        judging.ends(read, options.jobs, lambda ended: told.append(_report(ended, judging.reasons(), every, said=True)))
+        return told[0]
     ended = ((mutant, ", ".join(lost)) for mutant, lost in grading.grade_all(chosen, options.jobs))
     return _report(ended, grading.reasons(), grading.all_mutants(FILES), said=False)
 

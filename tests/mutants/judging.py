@@ -1,12 +1,14 @@
 """Mutants of the judging itself: checks, diagnosis, findings, rubric, recordings; each is looked at without a box.
 
-A mutant meets the unit tests of its module first (arrays in, findings out), then tapes of submissions that the module judges. It is
-killed by a test that fails, or by a case that is not judged as the corpus says. Each one runs in a process forked from one that has
-loaded everything else, so that what is judged with is imported anew, with one module changed.
+A mutant meets the unit tests that come to the line it changes (arrays in, findings out), then tapes that do. It is killed by a test that
+fails, or by a case that is not judged as the corpus says. Each one runs in a process forked from one that has loaded everything: the
+function that is changed gets its new code there, and where a table or a class is changed all is imported anew.
 """
 
 from __future__ import annotations
 
+import ast
+import gc
 import importlib.abc
 import importlib.machinery
 import importlib.util
@@ -16,10 +18,12 @@ import resource
 import signal
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import accumulate
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 
 import matplotlib as mpl
 import numpy as np
@@ -32,11 +36,11 @@ from grader.ground.errors import GraderError
 from tests.mutants import grading
 from tests.mutants.grading import Reasons
 from tests.mutants.operators import Mutant, mutants
-from tests.scoreboard import Case
+from tests.mutants.reach import Collected, Reach, collecting, measured
+from tests.scoreboard import Case, Verdict
 from tests.tapes.storing import shelf, taped
 
 ROOT = Path(grader.__file__).parents[1]
-TESTS = ROOT / "tests" / "judging"
 _PLACES = (
     "grader/labs/imu/checks/*.py",
     "grader/labs/imu/diagnosis/*.py",
@@ -50,47 +54,12 @@ _LOADED = (mpl, np, pytest, scipy.special, yaml)
 """What every mutant needs and none changes: loaded here, before the fork."""
 _KEPT = ("grader.ground", "grader.sandbox", "grader.intake", "tests.tapes", "tests.corpus", "tests.mutants")
 """Modules that stand below what is mutated, or hold data: they stay as they are."""
-_CPU_S = 120
+_CPU_S = 60
 """Of one mutant; one that takes more is in a loop without an end."""
+_TESTS_S = 4.0
+"""Of the tests that a mutant meets, the quickest first."""
 _CASES = 30
 """Tapes that a mutant is held against."""
-_MORE_TESTS = {
-    "rubric": ("tests/test_rubric.py",),
-    "findings": tuple(
-        f"tests/judging/test_{name}.py" for name in ("check_sensor_access", "handed_in", "lost_pictures")
-    ),
-    "labels": ("tests/test_languages.py",),
-    "figures": ("tests/test_figures.py", "tests/test_sight.py"),
-    "noise_laws": ("tests/test_unforeseen_noise_filter.py",),
-    "filter_outputs": ("tests/test_unforeseen_noise_filter.py",),
-    "filtering": ("tests/test_unforeseen_noise_filter.py",),
-    "handling": ("tests/test_unforeseen_reader_collect.py",),
-    "collection": ("tests/test_unforeseen_reader_collect.py",),
-}
-_MORE_TESTS["handed_in"] = ("tests/judging/test_sensors_shown.py",)
-_MORE_TESTS["fitting"] = tuple(f"tests/judging/test_check_{part}.py" for part in ("sensor_access", "filtering"))
-_MORE_TESTS |= dict.fromkeys(
-    ("check_complementary_filter", "tilting", "check_allan_variance", "allan", "check_multiple_imus",
-     "check_realtime_visualization", "liveplot"),
-    ("tests/judging/test_check_extensions.py",),
-)  # fmt: skip
-_MORE_TESTS["rubric_nodes"] = _MORE_TESTS["rubric"]
-"""Tests without a box under another name, by module."""
-_PARTS = {
-    "sensor_access": ("check_sensor_access", "reading", "handling"),
-    "data_collection": ("check_data_collection", "row_faults", "run_starts", "collection", "recordings"),
-    "visualization": (
-        "check_visualization", "plot_runs", "panel_words", "curve_faults", "lost_pictures", "plots", "labels", "comparing",
-        "figures",
-    ),
-    "noise_model": ("check_noise_model", "noise_runs", "noise", "noise_laws", "noise_twins"),
-    "filtering": ("check_filtering", "filtering", "filter_outputs"),
-    "complementary_filter": ("check_complementary_filter", "tilting"),
-    "allan_variance": ("check_allan_variance", "allan"),
-    "multiple_imus": ("check_multiple_imus",),
-    "realtime_visualization": ("check_realtime_visualization", "liveplot"),
-}  # fmt: skip
-"""Which modules judge which part; what stands in no row judges every part."""
 
 
 def files() -> list[str]:
@@ -146,41 +115,150 @@ def is_python(mutant: Mutant) -> bool:
     return True
 
 
-def ends(chosen: Sequence[Mutant], jobs: int) -> Iterator[tuple[Mutant, str]]:
-    """Each mutant with what killed it; "" for a survivor."""
+def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mutant, str]]], None]) -> None:
+    """Tell each mutant with what killed it; "" for a survivor."""
     shelf()
-    with ThreadPoolExecutor(jobs) as pool:  # each waits for its process
-        yield from zip(chosen, pool.map(_end_of, chosen), strict=True)
+
+    def judge(collected: Collected) -> None:
+        judged = _Judged(collected, measured(collected, files(), _verdict, jobs))
+        with ThreadPoolExecutor(jobs) as pool:  # each waits for its process
+            tell(zip(chosen, pool.map(judged.end_of, chosen), strict=True))
+
+    collecting(ROOT, judge)
 
 
 _ENDS = ("", "unit tests", "tapes")
 
 
-def _end_of(mutant: Mutant) -> str:
-    child = os.fork()
-    if not child:
-        try:
-            os._exit(_ENDS.index(_killed_by(mutant)))
-        except BaseException as problem:
-            print(f"{mutant.key}: {type(problem).__name__}: {problem}", file=sys.__stderr__, flush=True)
-            os._exit(len(_ENDS))
-    _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status):
-        return f"signal {signal.Signals(os.WTERMSIG(status)).name}"
-    code = os.WEXITSTATUS(status)
-    assert code < len(_ENDS), f"{mutant.key}: its judgement failed"
-    return _ENDS[code]
+class _Judged:
+    """Mutants against the tests and tapes that come to what they change."""
+
+    def __init__(self, collected: Collected, reach: Reach) -> None:
+        self._collected = collected
+        self._reach = reach
+
+    def end_of(self, mutant: Mutant) -> str:
+        """What killed it; "" for a survivor."""
+        child = os.fork()
+        if not child:
+            try:
+                os._exit(_ENDS.index(self._killed_by(mutant)))
+            except BaseException as problem:
+                print(f"{mutant.key}: {type(problem).__name__}: {problem}", file=sys.__stderr__, flush=True)
+                os._exit(len(_ENDS))
+        _, status = os.waitpid(child, 0)
+        if os.WIFSIGNALED(status):
+            return f"signal {signal.Signals(os.WTERMSIG(status)).name}"
+        code = os.WEXITSTATUS(status)
+        assert code < len(_ENDS), f"{mutant.key}: its judgement failed"
+        return _ENDS[code]
+
+    def _killed_by(self, mutant: Mutant) -> str:
+        resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        warnings.simplefilter("ignore")  # of syntax that a mutant has
+        by_line = self._reach.of(mutant.file, statement(mutant))
+        reached = by_line if function_of(mutant) else self._reached_by_name(mutant)
+        reached = reached or self._reach.of_file(mutant.file)
+        tests = self._quickest(reached)
+        if by_line and put_in_place(mutant):
+            fails = self._collected.fails(tests)
+        else:  # what runs when a module is loaded
+            _change(mutant)
+            fails = bool(tests) and _fails(tests)
+        if fails:
+            return "unit tests"
+        return "tapes" if _fails_on_a_tape(reached) else ""
+
+    def _reached_by_name(self, mutant: Mutant) -> set[str]:
+        """What comes to a line that speaks of what a statement of a module gives a value to."""
+        found: set[str] = set()
+        for name in names_of(mutant):
+            for file in [mutant.file] if name.startswith("_") else files():
+                lines = (ROOT / file).read_text("utf-8").splitlines()
+                found |= self._reach.of(file, [i for i, line in enumerate(lines, 1) if re.search(rf"\b{name}\b", line)])
+        return found
+
+    def _quickest(self, reached: Set[str]) -> list[str]:
+        tests = sorted(reached & set(self._collected.items), key=lambda name: (self._reach.seconds[name], name))
+        total = accumulate(self._reach.seconds[name] for name in tests)
+        return [name for name, till in zip(tests, total, strict=True) if till < _TESTS_S]
 
 
-def _killed_by(mutant: Mutant) -> str:
-    resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    warnings.simplefilter("ignore")  # of syntax that a mutant has
-    _change(mutant)
-    if _fails_a_unit_test(mutant):
-        return "unit tests"
-    return "tapes" if _fails_on_a_tape(mutant) else ""
+# ---------------------------------------------------------------- where a mutant stands
+
+
+@cache
+def _tree(file: str) -> ast.Module:
+    return ast.parse((ROOT / file).read_text("utf-8"))
+
+
+def statement(mutant: Mutant) -> range:
+    """The lines of the innermost statement that is changed, without what stands inside it."""
+    around = [
+        node
+        for node in ast.walk(_tree(mutant.file))
+        if isinstance(node, ast.stmt) and node.lineno <= mutant.line <= _end(node)
+    ]
+    inner = max(around, key=lambda node: (node.lineno, -_end(node)))
+    body = getattr(inner, "body", None)
+    return range(inner.lineno, body[0].lineno if body else _end(inner) + 1)
+
+
+def function_of(mutant: Mutant) -> str | None:
+    """The qualified name of the outermost function in whose body it stands."""
+
+    def search(nodes: Sequence[ast.stmt], place: str) -> str | None:
+        for node in nodes:
+            if isinstance(node, ast.FunctionDef) and node.body[0].lineno <= mutant.line <= _end(node):
+                return place + node.name
+            if isinstance(node, ast.ClassDef) and (found := search(node.body, f"{place}{node.name}.")):
+                return found
+        return None
+
+    return search(_tree(mutant.file).body, "")
+
+
+def names_of(mutant: Mutant) -> list[str]:
+    """What the statement of a module that is changed gives a value to."""
+    for node in _tree(mutant.file).body:
+        if node.lineno <= mutant.line <= _end(node) and isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            return [name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)]
+    return []
+
+
+def _end(node: ast.stmt) -> int:
+    assert node.end_lineno is not None
+    return node.end_lineno
+
+
+# ---------------------------------------------------------------- the changed function
+
+
+def put_in_place(mutant: Mutant) -> bool:
+    """Give the function that is changed its new code, where it stands in one; what is made when a module is loaded is made anew."""
+    name = function_of(mutant)
+    if name is None:
+        return False
+    path = str(ROOT / mutant.file)
+    code = compile(mutant.source, path, "exec")
+    for part in name.split("."):
+        (code,) = [c for c in code.co_consts if isinstance(c, CodeType) and c.co_name == part][-1:]
+    there = [
+        function
+        for function in gc.get_objects()
+        if isinstance(function, FunctionType)
+        and function.__qualname__ == name
+        and function.__code__.co_filename == path
+    ]
+    try:
+        for function in there:
+            function.__code__ = code
+    except ValueError:  # another number of variables from around it
+        return False
+    return bool(there)
 
 
 # ---------------------------------------------------------------- the changed module
@@ -219,45 +297,37 @@ def _change(mutant: Mutant) -> None:
     sys.meta_path.insert(0, _Finder(mutant))
 
 
-# ---------------------------------------------------------------- unit tests, then tapes
+# ---------------------------------------------------------------- tests and tapes anew
 
 
-def unit_tests(file: str) -> list[str]:
-    """The files with tests of a module's functions: its own, those of the checks of its part, and others that are listed."""
-    stem = Path(file).stem
-    parts = [modules[0] for modules in _PARTS.values() if stem in modules]
-    own = [TESTS / f"test_{name}.py" for name in dict.fromkeys((stem, *parts))]
-    return [str(path) for path in (*own, *(ROOT / more for more in _MORE_TESTS.get(stem, ()))) if path.exists()]
-
-
-def _fails_a_unit_test(mutant: Mutant) -> bool:
-    """Whether a test says so, or cannot be collected: what `conftest.py` cannot load is an error of usage."""
-    if not (tests := unit_tests(mutant.file)):
-        return False
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
+def _fails(tests: Sequence[str]) -> bool:
+    """Whether a test of what is imported anew says so, or cannot be collected."""
     options = ["-o", "addopts=", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:faulthandler", "--rootdir", str(ROOT)]
-    code = pytest.main([*options, *tests])
+    code = pytest.main([*options, *(str(ROOT / test) for test in tests)])
     assert code != pytest.ExitCode.NO_TESTS_COLLECTED
     return code != pytest.ExitCode.OK
 
 
-def _fails_on_a_tape(mutant: Mutant) -> bool:
+def _fails_on_a_tape(reached: Set[str]) -> bool:
     from tests.tapes.losses import disagreements
-    from tests.tapes.player import player
 
     try:
-        return any(disagreements(player().verdict(case)) for case in _sample(Path(mutant.file).stem))
+        return any(disagreements(_verdict(case)) for case in _sample(reached))
     except GraderError:  # the checks cannot be loaded
         return True
 
 
-def _sample(module: str) -> list[Case]:
-    """Cases that lose points by a module, and sound ones, spread over the corpus."""
-    from tests.tapes.losses import pinned
+def _verdict(case: Case) -> Verdict:
+    from tests.tapes.player import player
 
-    parts = tuple(f"{part}." for part, modules in _PARTS.items() if module in modules)
-    faulty = [case for case in taped() if any(check.startswith(parts or "") for check in pinned().get(case.id, ()))]
-    sound = [case for case in taped() if case.part == "sound"]
+    return player().verdict(case)
+
+
+def _sample(reached: Set[str]) -> list[Case]:
+    """Cases that come there, sound ones and others, spread over the corpus."""
+    there = [case for case in taped() if case.id in reached]
+    faulty = [case for case in there if case.part != "sound"]
+    sound = [case for case in there if case.part == "sound"]
     return [*_spread(faulty, _CASES), *_spread(sound, _CASES // 5)]
 
 

@@ -1,0 +1,152 @@
+"""Which tests, and which tapes, come to which line of what is mutated: measured once, so that a mutant meets those that can tell.
+
+The tests are those without a box. They are collected once, and every mutant runs some of them in a fork of the process that did.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import coverage
+import pytest
+
+from tests.scoreboard import Case
+from tests.tapes.storing import taped
+
+_ALSO = ("test_rubric",)
+"""Files of tests without a box that are not marked as quick, since they are few."""
+_BATCHES = "tests/tapes/test_corpus.py"
+"""Judges all tapes together; a mutant meets them one by one."""
+Lines = Mapping[str, Mapping[int, frozenset[str]]]
+"""By file and line: what came there, tests by their names and tapes by those of their cases."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What comes where, and how long each test takes."""
+
+    lines: Lines
+    seconds: Mapping[str, float]
+
+    def of(self, file: str, chosen: Iterable[int]) -> set[str]:
+        """What comes to one of these lines."""
+        by_line = self.lines.get(file, {})
+        return {name for line in chosen for name in by_line.get(line, ())}
+
+    def of_file(self, file: str) -> set[str]:
+        return {name for names in self.lines.get(file, {}).values() for name in names}
+
+
+class Collected:
+    """pytest's session, held where its tests would run."""
+
+    def __init__(self, then: Callable[[Collected], None]) -> None:
+        self._then = then
+        self._failed = False
+        self.items: dict[str, pytest.Item] = {}
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        items[:] = [
+            item
+            for item in items
+            if (item.get_closest_marker("quick") or item.path.stem in _ALSO) and not item.nodeid.startswith(_BATCHES)
+        ]
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        self.items = {item.nodeid: item for item in session.items}
+        self._then(self)
+        return True
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self._failed |= report.failed
+
+    def fails(self, names: Sequence[str]) -> bool:
+        """Whether one of these tests fails; those after it are not run."""
+        chosen = [self.items[name] for name in names]
+        for item, following in zip(chosen, [*chosen[1:], None], strict=True):
+            item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
+            if self._failed:
+                return True
+        return False
+
+
+def collecting(root: Path, then: Callable[[Collected], None]) -> int:
+    """Collect the tests without a box and hand them over."""
+    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
+    options = ["-o", "addopts=", "-s", "-p", "no:cacheprovider", "-p", "no:faulthandler", "-p", "no:terminal"]
+    return int(pytest.main([*options, "--rootdir", str(root), str(root / "tests")], plugins=[Collected(then)]))
+
+
+# ---------------------------------------------------------------- measuring
+
+
+def measured(collected: Collected, files: Sequence[str], judge: Callable[[Case], object], jobs: int) -> Reach:
+    """Run all tests and judge all tapes once, in processes that end with it."""
+    tests, tapes = list(collected.items), list(taped())
+    shares = [(tests[i::jobs], tapes[i::jobs]) for i in range(jobs)]
+    with ThreadPoolExecutor(jobs) as pool:
+        made = list(pool.map(lambda share: _in_a_fork(lambda: _measure(collected, files, judge, *share)), shares))
+    lines: defaultdict[str, defaultdict[int, frozenset[str]]] = defaultdict(lambda: defaultdict(frozenset))
+    for reach in made:
+        for file, by_line in reach.lines.items():
+            for line, names in by_line.items():
+                lines[file][line] |= names
+    return Reach(lines, {name: took for reach in made for name, took in reach.seconds.items()})
+
+
+def _in_a_fork(measure: Callable[[], Reach]) -> Reach:
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "reach"
+        child = os.fork()
+        if not child:
+            try:
+                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+                place.write_bytes(pickle.dumps(measure()))
+                os._exit(0)
+            finally:
+                os._exit(1)
+        _, status = os.waitpid(child, 0)
+        assert status == 0, "the tests could not be run to measure what they reach"
+        read: Reach = pickle.loads(place.read_bytes())
+        return read
+
+
+def _measure(
+    collected: Collected,
+    files: Sequence[str],
+    judge: Callable[[Case], object],
+    tests: Sequence[str],
+    tapes: Sequence[Case],
+) -> Reach:
+    root = Path(__file__).parents[2]
+    tool = coverage.Coverage(data_file=None, include=[str(root / file) for file in files], messages=False)
+    seconds: dict[str, float] = {}
+    tool.start()
+    for name, run in _runs(collected, tests, judge, tapes):
+        tool.switch_context(name)
+        begun = time.perf_counter()
+        run()
+        seconds[name] = time.perf_counter() - begun
+    tool.stop()
+    data = tool.get_data()
+    lines = {
+        file: {line: frozenset(names) - {""} for line, names in data.contexts_by_lineno(str(root / file)).items()}
+        for file in files
+    }
+    return Reach(lines, seconds)
+
+
+def _runs(
+    collected: Collected, tests: Sequence[str], judge: Callable[[Case], object], tapes: Sequence[Case]
+) -> Iterator[tuple[str, Callable[[], object]]]:
+    yield from ((test, lambda test=test: collected.fails([test])) for test in tests)  # type: ignore[misc]
+    yield from ((case.id, lambda case=case: judge(case)) for case in tapes)  # type: ignore[misc]

@@ -1,0 +1,56 @@
+"""Where mutants of the judging stand, and that they are put there; `python -m tests.mutants --judging` runs them."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from grader.labs.imu import recordings
+from tests.mutants import judging
+from tests.mutants.operators import Mutant
+
+FILE = "grader/labs/imu/recordings.py"
+SOURCE = (judging.ROOT / FILE).read_text("utf-8")
+
+
+def _at(line: str) -> Mutant:
+    """A mutant of the line that begins like this."""
+    number = next(i for i, text in enumerate(SOURCE.splitlines(), 1) if text.strip().startswith(line))
+    return Mutant(FILE, "", "", number, "", SOURCE)
+
+
+@pytest.mark.parametrize(
+    ("line", "function", "names"),
+    [
+        ("_LEAN =", None, ["_LEAN"]),
+        ("return bool(np.abs(leaning", "one_row_follows", []),
+        ("def one_row_follows", None, []),
+    ],
+)
+def test_a_mutant_knows_whether_it_stands_in_the_body_of_a_function(
+    line: str, function: str | None, names: list[str]
+) -> None:
+    assert judging.function_of(_at(line)) == function
+    assert judging.names_of(_at(line)) == names
+
+
+def test_a_statement_with_a_body_ends_where_that_begins() -> None:
+    lines = judging.statement(_at("def one_row_follows"))
+    assert SOURCE.splitlines()[lines.stop - 1].strip().startswith(('"""', "return", "leaning"))
+
+
+def test_a_function_becomes_the_mutant_where_it_stands_for_whoever_has_it() -> None:
+    line = "return bool(np.abs(leaning"
+    mutant = Mutant(FILE, "", "", _at(line).line, "", SOURCE.replace(line, "return None and bool(np.abs(leaning"))
+    function = recordings.one_row_follows
+    child = os.fork()
+    if not child:
+        before = function.__code__
+        there = judging.put_in_place(mutant)
+        os._exit(0 if there and function.__code__ != before and recordings.one_row_follows is function else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def test_what_runs_when_a_module_is_loaded_is_not_put_in_place() -> None:
+    assert not judging.put_in_place(_at("_LEAN ="))
