@@ -119,12 +119,14 @@ def _extra_credit(result: Result) -> list[dict[str, Any]]:
 
 
 def shares(points: Sequence[float], most: Sequence[float]) -> list[int]:
-    """Whole numbers that sum to the rounded sum of `points`, each next to its own and none above its `most`."""
+    """Whole numbers that sum to the rounded sum of `points`, none above its `most`, each next to its own where that leaves room."""
     whole = [math.floor(each + 1e-9) for each in points]
     open_ = math.floor(round(sum(points), 2) + 0.5) - sum(whole)
     by_remainder = sorted(range(len(points)), key=lambda i: (whole[i] - points[i], i))
-    for i in [i for i in by_remainder if whole[i] < most[i]][: max(open_, 0)]:
-        whole[i] += 1
+    while open_ > 0 and (room := [i for i in by_remainder if whole[i] < most[i]][:open_]):
+        for i in room:
+            whole[i] += 1
+        open_ -= len(room)
     return whole
 
 
