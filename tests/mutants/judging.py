@@ -55,7 +55,7 @@ _KEPT = ("grader.ground", "grader.sandbox", "grader.intake", "tests.tapes", "tes
 """Modules that stand below what is mutated, or hold data: they stay as they are."""
 _CPU_S = 60
 """Of one mutant; one that takes more is in a loop without an end."""
-_TESTS_S = 4.0
+_TESTS_S = 8.0
 """Of the tests that a mutant meets, the quickest first."""
 _CASES = 30
 """Tapes that a mutant is held against."""
