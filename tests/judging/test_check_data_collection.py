@@ -12,6 +12,8 @@ import pytest
 from grader.engine.findings import Lost
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
+from grader.labs.imu.diagnosis import collection as diagnosis
+from grader.labs.imu.diagnosis.collection import Story, Worlds
 from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
@@ -268,6 +270,30 @@ def _noisy_with_a_gap(t: Any, a: Any, g: Any, m: Any) -> Any:
     return t, a, g
 
 
+def _of_chance(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    rng = np.random.default_rng(len(t))
+    return t, rng.normal(0, 5, a.shape), rng.normal(0, 1, g.shape)
+
+
+def _squared(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    """Rows that follow the simulation in a way that no story tells."""
+    return t, np.sign(a) * a**2, np.sign(g) * np.abs(g) ** 1.5
+
+
+def _smoothed(t: Any, a: Any, g: Any, _m: Any) -> Any:
+    """The mean of nine rows, which come near the true ones."""
+
+    def mean(rows: Any) -> Any:
+        return np.stack([np.convolve(column, np.ones(9) / 9, "same") for column in rows.T], axis=1)
+
+    return t, mean(a), mean(g)
+
+
+def _last_row_of_a_recording(t: Any, _a: Any, _g: Any, _m: Any) -> Any:
+    push = truth()["push"]
+    return t, np.tile(push["acceleration"][599], (len(t), 1)), np.tile(push["angular_velocity"][599], (len(t), 1))
+
+
 def _first_row_empty(t: Any, a: Any, g: Any, _m: Any) -> Any:
     return tuple(np.concatenate([column[:1] * 0, column]) for column in (t, a, g))
 
@@ -313,6 +339,9 @@ TWO_STEPS = of(step=lambda _s, m, data, _n: mujoco.mj_step(m, data, 2))
 SWAPPED = telling(lambda t, a, g, _m: (t, g, a))
 MILLISECONDS = telling(lambda t, a, g, _m: (1000 * t, a, g))
 COUNTED = telling(lambda t, a, g, _m: (np.arange(len(t)) * 0.002, a, g))
+SQUARED = telling(_squared)
+SMOOTHED = telling(_smoothed)
+TIME_ALONE = of(told=lambda _s, t, _a, _g, _m: {"time": t})
 WITHOUT_GYRO = of(told=lambda _s, t, a, _g, _m: {"time": t, "acceleration": a})
 WITHOUT_TIME = of(told=lambda _s, _t, a, g, _m: {"acceleration": a, "angular_velocity": g})
 NOTHING = of(told=lambda *_: None)
@@ -348,9 +377,16 @@ CASES = [
                 of(told=lambda _s, t, a, g, _m: {"t": t, "a": a.T, "w": g.T}),
                 (0.0, ["wrong-keys", "arrays-transposed"]),
             ),
+            (
+                "all that can be odd",
+                of(told=lambda _s, t, a, g, _m: {"t": t[:, None], "a": a.T, "w": g.T, "dt": 0.002}),
+                (0.0, ["wrong-keys", "wrong-return-type", "arrays-transposed"]),
+            ),
             ("raises", of(begin=_raises), "raised"),
         ],
         COUNT: [
+            ("numbers of chance", telling(_of_chance), "skipped"),
+            ("squared, twenty too few", both(SQUARED, SHORT), (0.0, [])),
             (
                 "the same time always, two rows more",
                 of(steps=lambda _s, m, _d: round(1.204 / m.opt.timestep)),
@@ -384,6 +420,27 @@ CASES = [
         ],
         TIME: [
             ("sound", SOUND, None),
+            ("and nothing else", TIME_ALONE, None),
+            ("a step and a half too late", stamped(lambda t, dt: t + 1.5 * dt), (0.0, ["time-axis-wrong"])),
+            (
+                "two rows at a usual time step",
+                both(COUNTED, of(steps=lambda *_: 2)),
+                (0.5, ["hard-coded-timestep"]),
+            ),
+            (
+                "a usual time step, with room for more",
+                telling(lambda t, a, g, m: _room((1 + np.arange(len(t))) * 0.002, a, g, m)),
+                (0.5, ["hard-coded-timestep"]),
+            ),
+            (
+                "none in another time step",
+                of(
+                    told=lambda s, t, a, g, m: (
+                        Recorder.told(s, t, a, g, m) if m.opt.timestep == 0.002 else {KEYS[1]: a, KEYS[2]: g}
+                    )
+                ),
+                None,
+            ),
             ("before each step", Before, None),
             ("milliseconds", MILLISECONDS, (0.0, ["time-axis-wrong"])),
             ("a step too late", telling(lambda t, a, g, _m: (t + 0.002, a, g)), (0.5, ["time-axis-wrong"])),
@@ -418,6 +475,9 @@ CASES = [
             ("beside noise", telling(_noisy), None),
         ],
         TRUTH: [
+            ("always the last row of a recording", telling(_last_row_of_a_recording), (0.0, [])),
+            ("squared", SQUARED, (0.0, [])),
+            ("smoothed", SMOOTHED, (0.0, [])),
             ("zeros in one", WITHOUT_ACCELERATION, (0.5, [])),
             ("rows that stand still", STILL, (0.0, [])),
             ("sound", SOUND, None),
@@ -500,6 +560,13 @@ CASES = [
             ),
         ],
         RESET: [
+            ("time alone", TIME_ALONE, "skipped"),
+            ("squared", SQUARED, None),
+            ("smoothed", SMOOTHED, None),
+            ("none, squared", both(SQUARED, NO_RESET), (0.0, ["no-reset"])),
+            ("of all but the pose, squared", both(SQUARED, of(begin=_keeps_pose)), (0.0, [])),
+            ("another pose, smoothed", both(SMOOTHED, of(begin=_in_pose(2, 0.05))), (0.0, [])),
+            ("numbers of chance", telling(_of_chance), "skipped"),
             ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
             ("rows that stand still", STILL, "skipped"),
             ("sound", SOUND, None),
@@ -531,6 +598,11 @@ CASES = [
             ("always as many", FIXED, None),
         ],
         PUSH: [
+            ("time alone", TIME_ALONE, "skipped"),
+            ("squared", SQUARED, None),
+            ("smoothed", SMOOTHED, None),
+            ("half of it, squared", both(SQUARED, HALF), (0.0, ["wrong-perturbation"])),
+            ("numbers of chance", telling(_of_chance), "skipped"),
             ("zeros in one, which the rows are charged for", WITHOUT_ACCELERATION, None),
             ("rows that stand still", STILL, "skipped"),
             ("sound", SOUND, None),
@@ -672,3 +744,71 @@ def test_one_fault_is_charged_by_one_check(kind: Callable[[], Recorder], charged
     student = Made(simulate_and_collect=_function(kind()))
     cases = [Case("", check, lambda: student) for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)]
     assert [case.check for case in cases if finding(case) is not None] == charged
+
+
+@pytest.mark.quick
+def test_stamps_at_the_time_step_of_the_students_own_model_are_hard_coded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "learnt_timestep", lambda _truth: 0.001)
+    kind = stamped(lambda t, _: np.arange(len(t)) * 0.001)
+    lost = finding(Case("learnt", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
+    assert isinstance(lost, Lost)
+    assert (lost.keeps, lost.mistakes) == (0.5, ("hard-coded-timestep",))
+
+
+def _counted(first: int, second: int, *, skips: bool = False) -> list[str]:
+    """How rows of 1.2 s at 0.002 s and of 0.6 s at 0.004 s are explained: 600 and 150 are right."""
+    runs = [Worlds({}, 0.002, 1.2, 600), Worlds({}, 0.004, 0.6, 150)]
+    return checks._count_mistakes(list(zip((first, second), runs, strict=True)), skips=skips)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("first", "second", "named"),
+    [
+        (0, 0, []),
+        (0, 1, []),
+        (600, 600, ["ignores-duration"]),
+        (602, 301, ["ignores-duration"]),
+        (300, 290, []),
+        (601, 300, ["hard-coded-timestep"]),
+        (603, 300, []),
+        (60, 300, []),
+    ],
+)
+def test_the_numbers_of_rows_tell_what_they_were_made_of(first: int, second: int, named: list[str]) -> None:
+    assert _counted(first, second) == named
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("first", "second", "named"),
+    [
+        (60, 30, "fixed-rate"),
+        (58, 30, "fixed-rate"),
+        (57, 30, "samples-skipped"),
+        (60, 60, "samples-skipped"),
+        (300, 75, "samples-skipped"),
+    ],
+)
+def test_rows_of_every_few_steps_are_at_a_fixed_rate_where_both_runs_have_as_many_a_second(
+    first: int, second: int, named: str
+) -> None:
+    assert _counted(first, second, skips=True) == [named]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("steps", "enough"), [(600, diagnosis.FEWEST_ROWS), (24, 12)])
+def test_a_series_ends_at_once_that_has_fewer_rows_than_tell_how_it_goes_on(steps: int, enough: int) -> None:
+    worlds, rows = Worlds({}, 0.002, 1.2, steps), np.ones((enough, 3))
+    assert not checks._ends_at_once(Collection(None, rows, rows), worlds, Story())
+    fewer = Collection(None, rows[1:], rows[1:])
+    assert checks._ends_at_once(fewer, worlds, Story())
+    assert not checks._ends_at_once(fewer, worlds, Story(skip=2))
+
+
+@pytest.mark.quick
+def test_a_time_step_that_was_set_to_nothing_leaves_the_number_of_steps() -> None:
+    worlds = Worlds({}, 0.002, 1.2, 600)
+    series = Collection(None, None, None, changed=("opt.timestep",), first_step={"timestep": np.zeros(1)})
+    own = checks._own_timestep(worlds, series)
+    assert (own.timestep, own.steps) == (0.0, 600)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from grader.engine.findings import Fault, Lost
+from grader.ground.text import printable
 from grader.labs.imu.checks import check_filtering as checks
+from grader.labs.imu.compare import vector
 from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
 RECURSION, FIRST, CONSTANT, NOISE, SIGNAL, OWN = (
@@ -320,6 +325,25 @@ def _raises(self: Any, measurement: np.ndarray) -> Any:
     raise RuntimeError("broken")
 
 
+class StuckAfterTheFirst(Sound):
+    """Zeros, then the same numbers, whatever goes in."""
+
+    def out(self, y: np.ndarray) -> Any:
+        first, self.told = not hasattr(self, "told"), True
+        return np.zeros(3) if first else np.array([1.0, 2.0, 3.0])
+
+
+class HighPassFromZero(Sound):
+    """What a low-pass filter that starts from zero takes away."""
+
+    def begin(self) -> None:
+        self.low = np.zeros(3)
+
+    def update(self, measurement: np.ndarray) -> Any:
+        self.low = self.next(measurement, self.low)
+        return measurement - self.low
+
+
 WRONG_TYPE = (0.0, ["wrong-return-type"])
 THE_SAME = of(update=lambda _s, x: x.copy())
 STILL = of(update=lambda _s, x: np.array([1.0, 2.0, 3.0]))
@@ -419,6 +443,11 @@ CASES = FITTING + [
         ],
         FIRST: [
             ("sound", Sound, None),
+            (
+                "the initial value is ignored, with a weight below zero",
+                of(__init__=_ignores_initial, next=lambda _s, x, y: 1.2 * x - 0.2 * y),
+                (0.5, ["initial-value-ignored"]),
+            ),
             ("from zero", FROM_ZERO, (0.0, ["zero-initial-state"])),
             ("zero", of(first=lambda _s, x: 0 * x), (0.0, ["zero-initial-state"])),
             ("from elsewhere", of(first=lambda _s, x: x + 1), (0.0, [])),
@@ -456,6 +485,8 @@ CASES = FITTING + [
         ],
         CONSTANT: [
             ("sound", Sound, None),
+            ("off by a little", of(out=lambda _s, y: y + 0.0015), (0.0, [])),
+            ("a high-pass from zero", HighPassFromZero, "skipped"),
             ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
             ("an average", Averaging, None),
             ("one that adds", Adding, (0.0, [])),
@@ -476,6 +507,7 @@ CASES = FITTING + [
         ],
         NOISE: [
             ("sound", Sound, None),
+            ("stuck after the first", StuckAfterTheFirst, "skipped"),
             ("an average", Averaging, None),
             ("noisier than before", Noisy, (0.0, [])),
             ("a high-pass", HighPass, None),
@@ -532,3 +564,26 @@ def test_the_charts_of_a_report_find_the_runs() -> None:
     student = Made(LowPassFilter=Sound)
     OWN(student, truth())
     assert [len(run.output) for run in student.answered("filter")[:4]] == [400, 400, 400, 100]
+
+
+@pytest.mark.quick
+def test_why_there_is_no_filter_without_alpha_is_told_with_its_place_and_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    for file, begins in (("filters.py", "TypeError at filters.py, line 7: "), (None, "TypeError: ")):
+        fault = Fault("TypeError", "x" * 190 + "\x1b[0m" + "y" * 100, file, file and 7, None)
+        monkeypatch.setattr(checks, "_cases", lambda *_, fault=fault: SimpleNamespace(needs_alpha=fault))
+        with pytest.raises(Lost) as lost:
+            checks._needs_no_alpha(Made(), truth())
+        assert lost.value.got == begins + printable(fault.message, 200)
+        assert lost.value.fault is fault
+
+
+@pytest.mark.quick
+def test_the_measurement_that_met_the_initial_value_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    student = Made(LowPassFilter=of(__init__=_halves_initial))
+    cases = checks._cases(student, truth())
+    signal = np.arange(180.0).reshape(60, 3)
+    changed = replace(cases, from_initial=(signal, cases.from_initial[1]))
+    monkeypatch.setattr(checks, "_cases", lambda *_: changed)
+    with pytest.raises(Lost) as lost:
+        checks._follows_initial_value(student, truth())
+    assert f"from the measurement {vector(signal[0])} after" in lost.value.expected

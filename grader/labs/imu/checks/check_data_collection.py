@@ -96,7 +96,6 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
         mistakes=(mistakes := _count_mistakes(seen, skips=story is not None and story.skip > 1)),
-        keeps=0.0,
         hint=""
         if mistakes
         else Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3)."),
@@ -125,7 +124,7 @@ def _are_too_many(student: Student, truth: Traces) -> bool:
 
 def _count_mistakes(seen: list[tuple[int, Worlds]], *, skips: bool) -> list[str]:
     (first, a), (second, b) = seen
-    if not first and not second:
+    if not (first and second):
         return []
     if skips:
         same_rate = abs(first / a.duration_s - second / b.duration_s) <= 1 / min(a.duration_s, b.duration_s)
@@ -164,9 +163,8 @@ def check_time_axis(student: Student, truth: Traces) -> None:
 
 def _follows_timestep(series: Collection, worlds: Worlds, usual: float) -> None:
     """Whether the stamps keep to another time step, too; where they start is a matter of the reset."""
-    if series.time is None or len(series.time) < 2:
-        return
-    _keeps_timestep(series.time[: worlds.steps - 1], _timestep(worlds, series), usual)
+    if series.time is not None:
+        _keeps_timestep(series.time[: worlds.steps - 1], _timestep(worlds, series), usual)
 
 
 def _keeps_timestep(time: Array, timestep: float, usual: float) -> None:

@@ -177,7 +177,7 @@ def check_starts_from_first_measurement(student: Student, truth: Traces) -> None
     alpha, x, run = _plain(student, truth)[0]
     y = _output(run)
     if _cases(student, truth).nothing_at_first:
-        got = f"{run.odd or 'nothing'} from the first update(), vectors from the next ones"
+        got = f"{run.odd} from the first update(), vectors from the next ones"
         raise Lost(vector(x[0]), got, mistakes=["wrong-return-type"], off=Size("no vector from the first update()"))
     if not same(y[0], x[0], outputs.ATOL):
         zero = same(y[0], alpha * x[0], outputs.ATOL) or same(y[0], (1 - alpha) * x[0], outputs.ATOL) or not y[0].any()
@@ -321,11 +321,8 @@ def _is_rounded(student: Student, truth: Traces) -> bool:
 
 
 def _is_limited(runs: list[tuple[float, Array, Array]]) -> bool:
-    """Whether outputs are cut off, and the recursion holds where they are not."""
-    cut = [outputs.limits(*run) is not None for run in runs]
-    return any(cut) and all(
-        c or diagnosis.obeys(x, y, alpha, 1 - alpha) for c, (alpha, x, y) in zip(cut, runs, strict=True)
-    )
+    """Whether the recursion holds where outputs are not cut off, of runs in which it does not hold everywhere."""
+    return all(outputs.limits(*run) is not None or diagnosis.obeys(run[1], run[2], run[0], 1 - run[0]) for run in runs)
 
 
 def _shares_state(student: Student, truth: Traces) -> bool:
