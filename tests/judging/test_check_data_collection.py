@@ -812,3 +812,12 @@ def test_a_time_step_that_was_set_to_nothing_leaves_the_number_of_steps() -> Non
     series = Collection(None, None, None, changed=("opt.timestep",), first_step={"timestep": np.zeros(1)})
     own = checks._own_timestep(worlds, series)
     assert (own.timestep, own.steps) == (0.0, 600)
+
+
+@pytest.mark.quick
+def test_rows_that_no_story_tells_go_on_where_they_are_near_a_run_that_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    kind = both(SQUARED, SOUND)
+    for near, loses in (("no_reset", True), ("push_half", False)):
+        monkeypatch.setattr(checks, "recognised", lambda *_, near=near: near)
+        found = finding(Case(near, RESET, lambda: Made(simulate_and_collect=_function(kind()))))
+        assert isinstance(found, Lost) is loses

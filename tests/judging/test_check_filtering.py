@@ -569,12 +569,12 @@ def test_the_charts_of_a_report_find_the_runs() -> None:
 @pytest.mark.quick
 def test_why_there_is_no_filter_without_alpha_is_told_with_its_place_and_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     for file, begins in (("filters.py", "TypeError at filters.py, line 7: "), (None, "TypeError: ")):
-        fault = Fault("TypeError", "x" * 190 + "\x1b[0m" + "y" * 100, file, file and 7, None)
+        fault = Fault("TypeError", "x" * 190 + "\x1b[0m" + "y" * 100, file, 7, None)
         monkeypatch.setattr(checks, "_cases", lambda *_, fault=fault: SimpleNamespace(needs_alpha=fault))
         with pytest.raises(Lost) as lost:
             checks._needs_no_alpha(Made(), truth())
         assert lost.value.got == begins + printable(fault.message, 200)
-        assert lost.value.fault is fault
+        assert lost.value.where == fault.at
 
 
 @pytest.mark.quick
@@ -582,8 +582,13 @@ def test_the_measurement_that_met_the_initial_value_is_told(monkeypatch: pytest.
     student = Made(LowPassFilter=of(__init__=_halves_initial))
     cases = checks._cases(student, truth())
     signal = np.arange(180.0).reshape(60, 3)
-    changed = replace(cases, from_initial=(signal, cases.from_initial[1]))
+    run = cases.from_initial[1]
+    assert run.output is not None
+    output = np.vstack([run.output[:1], run.output[1:] + 1e6])
+    changed = replace(cases, from_initial=(signal, replace(run, output=output)))
     monkeypatch.setattr(checks, "_cases", lambda *_: changed)
     with pytest.raises(Lost) as lost:
         checks._follows_initial_value(student, truth())
     assert f"from the measurement {vector(signal[0])} after" in lost.value.expected
+    wanted = cases.initial_alpha * signal[0] + (1 - cases.initial_alpha) * cases.initial
+    assert str(lost.value.off) == str(checks._off(output[0], wanted))

@@ -1,12 +1,16 @@
-"""Which part of a curve is told to lie outside the limits."""
+"""Which part of a curve is told to lie outside the limits, and what is told of units."""
 
 from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from grader.engine.figures import Sight
-from grader.labs.imu.checks.curve_faults import _outside
+from grader.engine.findings import Lost
+from grader.labs.imu.checks.curve_faults import _outside, against_no_time, in_another_unit
 
 PARTS = {
     "acceleration x outside the limits of the axes": (),
@@ -15,6 +19,7 @@ PARTS = {
     "41 % of the time of acceleration x outside the limits of the axes": [*range(58), 59],
     "the first 5 % of the time of acceleration x outside the limits of the axes": range(5, 100),
     "4 % of the time of acceleration x outside the limits of the axes": range(96),
+    "31 % of the time of acceleration x outside the limits of the axes": [*range(30, 98), 99],
     "60 % of the time of acceleration x outside the limits of the axes": range(30, 70),
     "50 % of the time of acceleration x outside the limits of the axes": range(0, 100, 2),
     "11 % of the time of acceleration x outside the limits of the axes": [*range(80), *range(84, 93)],
@@ -26,3 +31,28 @@ PARTS = {
 def test_the_part_outside_is_told_as_it_is(told: str, inside: range) -> None:
     seen = np.isin(np.arange(100), list(inside))
     assert _outside({(0, 0): Sight(inside=seen, seen=seen)}) == told
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("label", "fair"), [("TIME [MS]", True), ("Time in $\\mathrm{ms}$", True), ("", True), ("Time [s]", False)]
+)
+def test_milliseconds_are_told_by_the_label_in_whichever_letters(label: str, fair: bool) -> None:
+    plot: Any = SimpleNamespace(abscissae={"ms"}, x_labels=[label], own_ticks=False)
+    if fair:
+        against_no_time(plot)
+    else:
+        with pytest.raises(Lost, match="curves against milliseconds"):
+            against_no_time(plot)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("label", "told"), [("", "numbers in g under no label"), ("Force [N]", "numbers in g under the label “Force [N]”")]
+)
+def test_numbers_in_another_unit_are_told_with_the_label_that_is_there(label: str, told: str) -> None:
+    panel = SimpleNamespace(axes=SimpleNamespace(ylabel=label, title=""), shown=[SimpleNamespace(sensor=0, unit="g")])
+    plot = cast(Any, SimpleNamespace(panels=[panel], figure=SimpleNamespace(ylabel="")))
+    with pytest.raises(Lost) as lost:
+        in_another_unit(plot)
+    assert lost.value.got == told

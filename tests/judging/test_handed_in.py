@@ -12,8 +12,10 @@ import pytest
 
 from grader.engine.figures import Figure, Picture, Stray
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Fault, Missing
+from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, Drawing
 from grader.labs.imu.checks import handed_in
+from grader.labs.imu.checks.plot_runs import series_of
 from tests.judging.made import truth
 from tests.judging.test_check_visualization import Plotted, Sheet, _compared, _curve, _figure, _with_curves
 
@@ -158,6 +160,7 @@ RESTING, ACCELERATED, TURNED = _of(REST), _of(*ACCEL), _of(*RATE)
 AGAINST_CODE: dict[str, tuple[Handing, str]] = {
     "the plot": (Handing(drawing(SHEET)), ""),
     "the acceleration": (Handing(drawing(ACCELERATED)), "angular velocity"),
+    "two axes of the acceleration": (Handing(drawing(_of(*ACCEL[:2]))), "angular velocity"),
     "the angular velocity": (Handing(drawing(TURNED)), "acceleration"),
     "nothing that moves": (Handing(drawing(RESTING)), "acceleration and angular velocity"),
     "both in other units": (Handing(drawing(_of(*(3 + 7 * ACCEL), *(5 * RATE)))), ""),
@@ -173,6 +176,8 @@ AGAINST_CODE: dict[str, tuple[Handing, str]] = {
     "one sensor, and a script that broke": (Handing(drawing(ACCELERATED), drawing(ACCELERATED, fault=FAULT)), ""),
     "the rate, and a comparison of the acceleration by a script": (Handing(drawing(TURNED), drawing(_named(COMPARED, "b.png"))), "acceleration"),
     "the rate, and a comparison under the name of the plot": (Handing(drawing(TURNED), drawing(_named(COMPARED, "imu_data.png"))), ""),
+    "one sensor, and the other by a script under another name": (Handing(drawing(ACCELERATED), drawing(_named(TURNED, "a.png"))), ""),
+    "one sensor, and more than a hundred curves by a script": (Handing(drawing(ACCELERATED), drawing(_named(_of(*[REST] * 101), "imu_data.png"))), ""),
     "a hundred curves": (Handing(drawing(_of(*[REST] * 99, REST + 1))), "acceleration and angular velocity"),
     "more than a hundred curves": (Handing(drawing(_of(*[REST] * 101))), ""),
     "a tiny picture": (Handing(drawing(ACCELERATED), picture=replace(SEEN, size_px=(600, 149))), ""),
@@ -216,3 +221,18 @@ def test_curves_of_either_run_are_of_their_sensor(run: str) -> None:
     handed_in.hold_against_code(student, truth())
     assert len(student.notes) == 1
     assert "shows no angular velocity" in student.notes[0]
+
+
+@pytest.mark.usefixtures("shown")
+def test_pictures_are_held_against_the_public_run_and_curves_against_that_as_well() -> None:
+    secret, asked = replace(truth(), name="secret"), []
+
+    def series(traces: Traces, run: str = "tumbling") -> Mapping[str, np.ndarray]:
+        asked.append((traces.name, run))
+        return series_of(traces, run)
+
+    with mock.patch.object(handed_in, "series_of", series):
+        assert handed_in._shows_both(SEEN, secret)
+        handed_in._missing_from([], secret)
+    public = truth().name
+    assert asked == [(public, "push"), ("secret", "tumbling"), ("secret", "push"), (public, "push")]

@@ -149,12 +149,12 @@ def check_time_axis(student: Student, truth: Traces) -> None:
     if not np.isfinite(time).all():
         raise Lost("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
     error = diagnosis.time_error(time, _timestep(worlds, series), story or Story())
-    worst = float(np.max(error)) if len(error) else np.inf
+    worst = float(np.max(error))
     if worst > TIME_ATOL:
         _keeps_timestep(time, worlds.timestep, learnt_timestep(truth))
         raise Lost(
             f"time stamps {worlds.timestep:g} s apart, from {worlds.timestep:g} s (or 0 s) on",
-            f"{', '.join(f'{t:g}' for t in time[:3])} … {time[-1]:g} s" if len(time) else "no time stamps",
+            f"{', '.join(f'{t:g}' for t in time[:3])} … {time[-1]:g} s",
             mistakes=["time-axis-wrong"],
             keeps=0.5 if worst <= 1.001 * worlds.timestep else 0.0,
         )
@@ -280,8 +280,7 @@ def check_applies_push(student: Student, truth: Traces) -> None:
         off = Size("a series that starts with another velocity in every run")
         raise Lost(f"{PUSH}, in every run", got, mistakes=["random-push"], off=off)
     if world == "no_push":
-        mistake = "no-perturbation" if story else "wrong-perturbation"
-        raise Lost(PUSH, "a series that starts without a push", mistakes=[mistake])
+        raise Lost(PUSH, "a series that starts without a push", mistakes=["no-perturbation"])
     if world in (diagnosis.CLAIMED_WORLD, diagnosis.OWN_WORLD):
         assert worlds.claim is not None
         run_starts.with_another_push(worlds.claim)
