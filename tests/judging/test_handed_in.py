@@ -176,7 +176,7 @@ AGAINST_CODE: dict[str, tuple[Handing, str]] = {
     "one sensor, and a script that broke": (Handing(drawing(ACCELERATED), drawing(ACCELERATED, fault=FAULT)), ""),
     "the rate, and a comparison of the acceleration by a script": (Handing(drawing(TURNED), drawing(_named(COMPARED, "b.png"))), "acceleration"),
     "the rate, and a comparison under the name of the plot": (Handing(drawing(TURNED), drawing(_named(COMPARED, "imu_data.png"))), ""),
-    "one sensor, and the other by a script under another name": (Handing(drawing(ACCELERATED), drawing(_named(TURNED, "a.png"))), ""),
+    "one sensor, and an axis of the other by a script under another name": (Handing(drawing(ACCELERATED), drawing(_named(_of(RATE[0]), "a.png"))), ""),
     "one sensor, and more than a hundred curves by a script": (Handing(drawing(ACCELERATED), drawing(_named(_of(*[REST] * 101), "imu_data.png"))), ""),
     "a hundred curves": (Handing(drawing(_of(*[REST] * 99, REST + 1))), "acceleration and angular velocity"),
     "more than a hundred curves": (Handing(drawing(_of(*[REST] * 101))), ""),

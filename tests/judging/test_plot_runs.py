@@ -295,3 +295,20 @@ def test_sensors_are_told_accelerations_first() -> None:
     assert plot_runs.sensors_in_words({1, 0}) == "acceleration and angular velocity"
     assert plot_runs.sensors_in_words([1]) == "angular velocity"
     assert plot_runs.sensors_in_words([]) == ""
+
+
+def test_of_two_figures_in_one_those_that_stand_at_the_end_come_before_those_that_were_ever_saved() -> None:
+    first, second = _panel_alone(0), _panel_alone(1, path="gyro.png")
+    drawing = Drawing((first, replace(first, event="overwritten"), second))
+    *_, standing, ever = plot_runs.candidates(Plotted(drawing), truth(), drawing)
+    assert (len(standing.panels), len(ever.panels)) == (2, 3)
+
+
+def test_a_figure_shows_more_by_its_curves_then_by_hidden_ones_then_in_a_file() -> None:
+    plot = _plot(_sighted(Sheet().figure, _sight(100, 0), (0, 1), (0, 2)))
+    assert plot_runs._showing(plot) == (4, 2, True)
+    assert isinstance(plot_runs._showing(plot)[2], bool)
+
+
+def test_sensors_are_told_in_their_order() -> None:
+    assert plot_runs.sensors_in_words([1, 0]) == "acceleration and angular velocity"

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from grader.engine.findings import Lost, Size
+from grader.engine.findings import Lost, Ours, Size
 from grader.labs.imu.answers import SENSORS, Array, Collection
 from grader.labs.imu.checks import row_faults
 from grader.labs.imu.compare import vector
@@ -91,6 +91,8 @@ def test_rows_without_a_step_are_of_no_simulation() -> None:
         (_series(time=_TIME + 0.001), False),
         (_series(time=_TIME - 0.001), False),
         (_series(time=2 * _TIME), False),
+        (_series(time=np.array([-0.002, 0.002])), False),
+        (_series(time=np.zeros(2)), False),
         (_series(time=_TIME[:1]), False),
         (_series(time=_TIME[:2]), True),
         (_series(time=None), False),
@@ -288,3 +290,9 @@ def test_rows_that_end_at_once_are_counted(n: int, rows: str) -> None:
     with pytest.raises(Lost) as lost:
         row_faults.broken_off(n, _worlds())
     assert str(lost.value.off) == "a few rows from the start, then nothing"
+
+
+def test_ids_of_the_students_own_model_are_told_in_a_hidden_run_as_well() -> None:
+    with pytest.raises(Lost) as lost:
+        row_faults.of_other_sensors(Story(LEARNT_IDS))
+    assert isinstance(lost.value.hint, Ours)
