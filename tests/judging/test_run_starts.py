@@ -65,7 +65,12 @@ def test_runs_of_which_one_says_nothing_are_not_told_apart() -> None:
 
 
 @pytest.mark.parametrize(
-    "claim", [replace(_CLAIM, timestep=0.002 + 1.5e-9), replace(_CLAIM, gravity=np.array([0, 0.0015, -9.81]))]
+    "claim",
+    [
+        replace(_CLAIM, timestep=0.002 + 1.5e-9),
+        replace(_CLAIM, gravity=np.array([0, 0.0015, -9.81])),
+        replace(_CLAIM, gravity=np.array([0, -0.0015, -9.81])),
+    ],
 )
 def test_another_model_is_charged_where_it_was_put_back(claim: Claim) -> None:
     with pytest.raises(Lost):
@@ -104,7 +109,7 @@ def _lost(claim: Claim) -> Lost:
 
 
 @pytest.mark.parametrize(
-    "qvel", [[0.5, 1.5e-9, 0, 0], [0.5 + 1.5e-9, 0, 0, 0], [0.5 - 1.5e-9, 0, 0, 0], [0, 0.5, 0, 0]]
+    "qvel", [[0.5, 1.5e-9, 0, 0], [0.5 + 1.5e-9, 0, 0, 0], [0.5 - 1.5e-9, 0, 0, 0], [0, 0.5, 0, 0], [-0.5, 0, 0, 0]]
 )
 def test_another_velocity_is_another_push(qvel: list[float]) -> None:
     lost = _lost(replace(_CLAIM, qvel=np.array(qvel, float)))
