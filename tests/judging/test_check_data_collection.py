@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import mujoco
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from grader.engine.findings import Lost
+from grader.labs.imu import recordings
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
 from grader.labs.imu.diagnosis import collection as diagnosis
@@ -250,6 +252,12 @@ def _raises(*_: Any) -> Any:
     raise RuntimeError("broken")
 
 
+def _raises_with_another_time_step(self: Any, model: Any, data: Any) -> None:
+    if model.opt.timestep != 0.002:
+        raise RuntimeError("broken")
+    mujoco.mj_resetData(model, data)
+
+
 def _recorded(*_: Any) -> tuple[Any, Any, Any]:
     push = truth()["push"]
     return push["time"][:600], push["acceleration"][:600] * 1.01, push["angular_velocity"][:600] * 1.01
@@ -385,6 +393,7 @@ CASES = [
             ("raises", of(begin=_raises), "raised"),
         ],
         COUNT: [
+            ("raises with another time step", of(begin=_raises_with_another_time_step), "raised"),
             ("numbers of chance", telling(_of_chance), "skipped"),
             ("squared, twenty too few", both(SQUARED, SHORT), (0.0, [])),
             (
@@ -821,3 +830,43 @@ def test_rows_that_no_story_tells_go_on_where_they_are_near_a_run_that_does(monk
         monkeypatch.setattr(checks, "recognised", lambda *_, near=near: near)
         found = finding(Case(near, RESET, lambda: Made(simulate_and_collect=_function(kind()))))
         assert isinstance(found, Lost) is loses
+
+
+def _squaring(model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
+    """A reader of numbers that no treatment of a reading explains."""
+    _, accel, gyro = Recorder().row(model, data, accel_id, gyro_id)
+    return np.sin(accel) + accel**2, np.sin(gyro) + gyro**2
+
+
+class OwnReader(Recorder):
+    """One that stores what its submission's own reader gives."""
+
+    def row(self, model: Any, data: Any, accel_id: int, gyro_id: int) -> tuple[Any, Any, Any]:
+        return data.time, *_squaring(model, data, accel_id, gyro_id)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("check", [COUNT, TIME, TRUTH, RESET, PUSH], ids=lambda check: check.check.id)
+def test_rows_that_the_submissions_own_reader_gives_are_the_readers_fault_alone(check: Any) -> None:
+    def student() -> Made:
+        return Made(simulate_and_collect=_function(OwnReader()), get_imu_readings=_squaring)
+
+    assert finding(Case("of its own reader", check, student)) is None
+
+
+@pytest.mark.quick
+def test_the_charts_of_a_report_find_the_recording() -> None:
+    student = Made(simulate_and_collect=_function(Recorder()))
+    COUNT(student, truth())
+    assert len(student.answered("push").time) == 600
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("steps", "asked"), [(600, 602), (10**6, 3000)])
+def test_a_run_is_simulated_again_by_two_steps_more_and_never_without_an_end(steps: int, asked: int) -> None:
+    replays: list[int] = []
+    student: Any = SimpleNamespace(replay=lambda _first, rows: replays.append(rows))
+    worlds = Worlds({}, 0.002, 1.2, 600)
+    series = Collection(None, None, None, first_step={"steps": np.array([float(steps)])})
+    assert recordings._with_claim(student, truth(), series, worlds) is worlds
+    assert replays == [asked]

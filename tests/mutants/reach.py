@@ -13,6 +13,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import coverage
@@ -71,8 +72,8 @@ class Collected:
 
     def fails(self, names: Sequence[str]) -> bool:
         """Whether one of these tests fails; those after it are not run."""
-        chosen = [self.items[name] for name in names]
-        for item, following in zip(chosen, [*chosen[1:], None], strict=True):
+        for item, following in pairwise([*(self.items[name] for name in names), None]):
+            assert item is not None
             item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
             if self._failed:
                 return True
