@@ -53,12 +53,12 @@ _LOADED = (mpl, np, pytest, scipy.special, yaml)
 """What every mutant needs and none changes: loaded here, before the fork."""
 _KEPT = ("grader.ground", "grader.sandbox", "grader.intake", "tests.tapes", "tests.corpus", "tests.mutants")
 """Modules that stand below what is mutated, or hold data: they stay as they are."""
-_CPU_S = 60
+_CPU_S = 180
 """Of one mutant; one that takes more is in a loop without an end."""
-_TESTS_S = 8.0
-"""Of the tests that a mutant meets, the quickest first."""
-_CASES = 30
-"""Tapes that a mutant is held against."""
+_TESTS_S, _ALL_TESTS_S = 8.0, 60.0
+"""Of the tests that a mutant meets, the quickest first: of one that is known to survive, and of any other."""
+_CASES, _MOST_CASES = 30, 120
+"""Tapes that a mutant is held against, likewise."""
 
 
 def files() -> list[str]:
@@ -159,7 +159,8 @@ class _Judged:
         by_line = self._reach.of(mutant.file, statement(mutant))
         reached = by_line if function_of(mutant) else self._reached_by_name(mutant)
         reached = reached or self._reach.of_file(mutant.file)
-        tests = self._quickest(reached)
+        tests_s, cases = (_TESTS_S, _CASES) if reasons().of(mutant) else (_ALL_TESTS_S, _MOST_CASES)
+        tests = self._quickest(reached, tests_s)
         if by_line and put_in_place(mutant):
             fails = self._collected.fails(tests)
         else:  # what runs when a module is loaded
@@ -167,7 +168,7 @@ class _Judged:
             fails = bool(tests) and _fails(tests)
         if fails:
             return "unit tests"
-        return "tapes" if _fails_on_a_tape(reached) else ""
+        return "tapes" if _fails_on_a_tape(_sample(reached, cases)) else ""
 
     def _reached_by_name(self, mutant: Mutant) -> set[str]:
         """What comes to a line that speaks of what a statement of a module gives a value to."""
@@ -178,10 +179,10 @@ class _Judged:
                 found |= self._reach.of(file, [i for i, line in enumerate(lines, 1) if re.search(rf"\b{name}\b", line)])
         return found
 
-    def _quickest(self, reached: Set[str]) -> list[str]:
+    def _quickest(self, reached: Set[str], most_s: float) -> list[str]:
         tests = sorted(reached & set(self._collected.items), key=lambda name: (self._reach.seconds[name], name))
         total = accumulate(self._reach.seconds[name] for name in tests)
-        return [name for name, till in zip(tests, total, strict=True) if till < _TESTS_S]
+        return [name for name, till in zip(tests, total, strict=True) if till < most_s]
 
 
 # ---------------------------------------------------------------- where a mutant stands
@@ -306,11 +307,11 @@ def _fails(tests: Sequence[str]) -> bool:
     return code != pytest.ExitCode.OK
 
 
-def _fails_on_a_tape(reached: Set[str]) -> bool:
+def _fails_on_a_tape(cases: Sequence[Case]) -> bool:
     from tests.tapes.losses import disagreements
 
     try:
-        return any(disagreements(_verdict(case)) for case in _sample(reached))
+        return any(disagreements(_verdict(case)) for case in cases)
     except Exception:  # the checks cannot be loaded, or judging stops at a loss
         return True
 
@@ -321,12 +322,12 @@ def _verdict(case: Case) -> Verdict:
     return player().verdict(case)
 
 
-def _sample(reached: Set[str]) -> list[Case]:
+def _sample(reached: Set[str], most: int) -> list[Case]:
     """Cases that come there, sound ones and others, spread over the corpus."""
     there = [case for case in taped() if case.id in reached]
     faulty = [case for case in there if case.part != "sound"]
     sound = [case for case in there if case.part == "sound"]
-    return [*_spread(faulty, _CASES), *_spread(sound, _CASES // 5)]
+    return [*_spread(faulty, most), *_spread(sound, most // 5)]
 
 
 def _spread(cases: Sequence[Case], most: int) -> Sequence[Case]:
