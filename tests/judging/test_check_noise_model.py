@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import mujoco
 import numpy as np
 import pytest
 
+from grader.engine.findings import Fault, Lost
 from grader.labs.imu.checks import check_noise_model as checks
-from tests.judging.made import Case, Made, is_as_marked, misfits
+from grader.labs.imu.checks import noise_runs as runs
+from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
@@ -215,6 +218,21 @@ class Drifting(Sound):
         return super().one(which)
 
 
+class DriftingMuch(Sound):
+    """A bias that walks as far in a read as the noise goes."""
+
+    def one(self, which: int) -> Any:
+        self.biases[which] = self.biases[which] + self.rng.normal(0, (0.05, 0.005)[which], 3)
+        return super().one(which)
+
+
+class GyroWalking(Walking):
+    """Noise of the gyroscope that adds up."""
+
+    def noise(self, which: int) -> Any:
+        return super().noise(which) if which else self.drawn(which)
+
+
 class Redrawn(Sound):
     """A bias that is drawn on every read."""
 
@@ -290,6 +308,14 @@ def _beside_its_own_below_zero(self: Any, which: int, size: float, given: Any) -
 
 def _unless_zero(self: Any, which: int, size: float, given: Any) -> Any:
     return np.array(given) if given is not None and np.any(given) else self.rng.normal(0, size, 3)
+
+
+def _below_zero(self: Any, which: int, size: float, given: Any) -> Any:
+    return -np.abs(self.rng.normal(0, size, 3)) if given is None else np.array(given)
+
+
+def _unless_zero_below(self: Any, which: int, size: float, given: Any) -> Any:
+    return _below_zero(self, which, size, given if given is not None and np.any(given) else None)
 
 
 def _of_accel_alone(self: Any, which: int, size: float, given: Any) -> Any:
@@ -462,6 +488,12 @@ CASES = [
             ("one that remembers, of no seed", unseeded(Remembering), None),
             ("one that remembers, twice, of no seed", unseeded(_larger(Remembering)), (0.0, [])),
             ("beside a drift, twice", _larger(Drifting), (0.0, [])),
+            ("beside a drift, half as large", _larger(Drifting, 0.5), (0.0, [])),
+            ("beside a drift that is as large", DriftingMuch, None),
+            ("beside a drift that is as large, twice", _larger(DriftingMuch), (0.0, [])),
+            ("beside a drift that is as large, half as large", _larger(DriftingMuch, 0.5), (0.0, [])),
+            ("an exponential law below zero", of(noise=lambda s, i: -s.rng.exponential(s.stds[i], 3)), None),
+            ("one of the gyroscope that adds up", GyroWalking, None),
             ("beside a bias drawn on every read, three times", _larger(Redrawn, 3.0), (0.0, [])),
             ("of no seed", unseeded(), None),
             ("of one seed", OneSeed, None),
@@ -493,6 +525,12 @@ CASES = [
         ],
         GIVEN: [
             ("sound", Sound, None),
+            ("zero taken for one below zero", of(bias=_unless_zero_below), (0.5, ["bias-argument-ignored"])),
+            (
+                "on the other sensor's reading",
+                of(clean=lambda s, i: Sound.clean(s, 1 - i)),
+                (0.0, ["swapped-sensors"]),
+            ),
             ("zero taken for none", of(bias=_unless_zero), (0.5, ["bias-argument-ignored"])),
             ("zero taken for none, without noise", both(SILENT, bias=_unless_zero), (0.5, ["bias-argument-ignored"])),
             ("raises where one is given", of(bias=_of_numbers), "raised"),
@@ -556,6 +594,7 @@ CASES = [
         ],
         DEFAULT: [
             ("sound", Sound, None),
+            ("below zero", of(bias=_below_zero), None),
             ("none", of(bias=_none), (0.5, ["bias-not-random"])),
             ("none, whatever is given", of(bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
             ("none of one sensor", of(bias=_only_for(0)), (0.5, ["bias-not-random"])),
@@ -655,6 +694,7 @@ CASES = [
         ],
         APART: [
             ("sound", Sound, None),
+            ("one of the gyroscope that adds up", GyroWalking, None),
             ("one number for all axes", SAME_ON_AXES, (0.0, ["same-noise-on-axes"])),
             ("opposite on two axes", of(noise=_opposite), (0.0, ["same-noise-on-axes"])),
             (
@@ -702,3 +742,72 @@ CASES = [
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_noisy_imu_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+@pytest.mark.quick
+def test_noise_that_is_off_is_told_by_one_number_and_by_each_axis_where_the_number_hides_it() -> None:
+    steps = np.arange(3.0)[None, :, None] - 1  # whose root mean square is 0.816
+
+    def words(*sizes: float) -> str:
+        centred = steps * np.array(sizes) / np.sqrt(2 / 3)
+        pooled = float(np.sqrt(np.mean(centred**2)))
+        return checks._size_in_words(cast(Any, SimpleNamespace(pooled_spread=pooled, std=1.0, centred=centred)))
+
+    assert words(1.07, 1.07, 1.07) == "1.07"
+    assert words(1.12, 1.0, 1.0) == "1.12 on x and 1 on y and 1 on z"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("file", "place"), [("noisy_imu.py", " at noisy_imu.py, line 7"), (None, "")])
+def test_a_bias_that_is_asked_whether_it_is_true_is_told_with_its_place(file: str | None, place: str) -> None:
+    fault = Fault("ValueError", "The truth value of an array with more than one element is ambiguous", file, 7, None)
+    with pytest.raises(Lost) as lost:
+        checks._is_taken(fault)
+    assert lost.value.got == f"an exception{place}: the bias, an array, was asked whether it is true or false"
+    assert lost.value.where == fault.at
+
+
+def _moves(bias: np.ndarray) -> tuple[str, ...]:
+    """The mistakes of a bias (instances, reads, 3) without noise."""
+    try:
+        checks._bias_is_constant(bias, "accel", noisy=False)
+    except Lost as lost:
+        return lost.mistakes
+    return ()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("size", [1e6, -1e6])
+def test_a_large_bias_stays_where_it_moves_by_its_last_digits(size: float) -> None:
+    bias = np.full((4, 3, 3), size)
+    bias[:, 1] += 1e-4
+    assert _moves(bias) == ()
+    bias[:, 1] += 1e-2
+    assert _moves(bias) != ()
+
+
+@pytest.mark.quick
+def test_a_bias_that_moves_is_told_by_what_the_later_reads_have() -> None:
+    first = np.arange(12.0).reshape(4, 1, 3)
+    none, another = np.zeros((4, 1, 3)), -0.1 * (1 + first)
+    assert _moves(np.concatenate([first + 1, none, none], axis=1)) == ("bias-drifts",)
+    assert _moves(np.concatenate([first + 1, another, none], axis=1)) == ("bias-redrawn",)
+    assert _moves(np.concatenate([first + 1, another, another], axis=1)) == ("bias-redrawn",)
+    assert _moves(np.concatenate([first + 1, none - 2, none - 2], axis=1)) == ("bias-shared",)
+
+
+@pytest.mark.quick
+def test_the_reads_that_a_report_draws_are_those_with_given_noise_and_biases() -> None:
+    called: list[tuple[str, bool, str]] = []
+    sound = Made(NoisyIMU=Sound)
+
+    def noise(**question: Any) -> Any:
+        called.append((key, given, question["called"]))
+        return sound.noise(**question)
+
+    student: Any = SimpleNamespace(noise=noise)
+    for key in ("given", "again", "silent"):
+        for given in (True, False):
+            runs.asked(student, truth(), key, given=given)
+    assert [name for *_, name in called] == ["noise"] + [""] * (len(called) - 1)
+    assert called[0][:2] == ("given", True)
