@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.findings import Fault
+from grader.engine.findings import Fault, Lost
 from grader.labs.imu.checks import check_allan_variance as allan
 from grader.labs.imu.checks import check_complementary_filter as tilt
 from grader.labs.imu.checks import check_multiple_imus as imus
@@ -68,6 +68,17 @@ def _off_at_first(self: Any, accel: Any, gyro: Any) -> Any:
     return (roll, pitch + 0.5) if at_first else (roll, pitch)
 
 
+class Growing(Tilt):
+    """One that goes further off with each update."""
+
+    reads = 0
+
+    def update(self, accel: np.ndarray, gyro: np.ndarray) -> Any:
+        self.reads += 1
+        roll, pitch = super().update(accel, gyro)
+        return roll, pitch + 0.01 * self.reads
+
+
 def _own_time_step(self: Any, dt: float) -> None:
     Tilt.__init__(self, 0.01)
 
@@ -79,6 +90,7 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("off by half a degree", _tilted(shift=math.radians(0.5)), None),
         ("off by a turn", _tilted(shift=2 * math.pi), None),
         ("the pitch off at first", _tilted(update=_off_at_first), (0.0, [])),
+        ("further off with each update", Growing, (0.0, [])),
         ("a list without numbers", _tilted(update=lambda *_: [math.nan, 0.0]), (0.0, ["not-finite"])),
         ("an array without numbers", _tilted(update=lambda *_: np.array([math.nan, 0.0])), (0.0, ["not-finite"])),
         ("three angles", _tilted(update=lambda s, a, g: (*Tilt.update(s, a, g), 0.0)), None),
@@ -90,6 +102,7 @@ TILT: list[tuple[Any, list[Row]]] = [
     (tilt.check_settles_at_tilt, [
         ("sound", Tilt, None),
         ("never", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
+        ("further off with each update", Growing, (0.0, [])),
         ("in degrees", _tilted(**_DEGREES), (0.0, ["degrees-not-radians"])),
         ("pitch of the other sign", _tilted(of_accel=lambda s, a: Tilt.of_accel(s, a) * [1, -1]), (0.0, ["tilt-sign-wrong"])),
         ("the sine for the pitch", _tilted(of_accel=lambda _s, a: np.array([math.atan2(-a[1], -a[2]), a[0] / 9.81])), (0.5, [])),
@@ -201,6 +214,11 @@ def _raises_for_axes(samples: Any, rate: float) -> Any:
     return deviation(samples, rate) if samples.ndim == 1 else _raises()
 
 
+def _a_little_more_for_axes(samples: Any, rate: float) -> Any:
+    taus, adev = deviation(samples, rate)
+    return taus, adev * (1 if samples.ndim == 1 else 1 + 1e-7)
+
+
 def _fewer_for_axes(samples: Any, rate: float) -> Any:
     step = 1 if samples.ndim == 1 else 2
     return tuple(part[::step] for part in deviation(samples, rate))
@@ -220,6 +238,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("sound", deviation, None),
         ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
         ("seven tenths of a sample", _changed(lambda t, a: (t * 0.7, a)), None),
+        ("four of them, each twice", lambda s, r: tuple(np.repeat(x[::9], 2) for x in deviation(s, r)), (0.5, [])),
         ("half a sample", _changed(lambda t, a: (t * 0.4, a)), (0.5, [])),
         ("one for all", _changed(lambda t, a: (0 * t + 1, a)), (0.5, [])),
         ("five over a decade", lambda s, r: tuple(x[:7][[0, 1, 2, 4, 6]] for x in deviation(s, r)), None),
@@ -241,6 +260,8 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("without the half", _changed(lambda t, a: (t, a * 2**0.5)), (0.0, ["allan-factor-missing"])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
         ("another curve", _changed(lambda t, a: (t, a * 1.3)), (0.0, [])),
+        ("another curve from four samples on", _changed(lambda t, a: (t[3:], a[3:] * 1.7)), (0.0, [])),
+        ("another curve from less than a sample on", _changed(lambda t, a: (t * 0.7, a * 1.3)), (0.0, [])),
         ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
         ("some that are no numbers", _changed(_some_unknown), None),
         ("wrong for long times", _changed(lambda t, a: (t, np.where(t > t[len(t) // 2], 3 * a, a))), (0.0, [])),
@@ -266,6 +287,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("one axis of three", _one_axis, (0.0, [])),
         ("the first for all", _same_for_all, (0.0, [])),
         ("the first for the last", _first_for_last, (0.0, [])),
+        ("off by a ten-millionth for more than one axis", _a_little_more_for_axes, (0.0, [])),
         ("unknown for the longest", _unknown_at_the_end, None),
         ("raises for more than one axis", _raises_for_axes, "raised"),
         ("half as many for more than one axis", _fewer_for_axes, (0.0, [])),
@@ -357,6 +379,7 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, ["wrong-units"])),
         ("the torso alone, in g", lambda m, d: {p: (r[0] / 9.81, r[1]) for p, r in every(m, d).items() if p == "torso"}, (0.0, ["wrong-units"])),
         ("one of the lab", _changing(lambda p, r: r[::-1] if p == "head" else r), (0.0, [])),
+        ("never above zero", _changing(lambda _p, r: (r[0], np.minimum(r[1], 0.0))), (0.0, [])),
         ("limited", _changing(lambda _p, r: (r[0], np.clip(r[1], -3.5, 3.5))), (0.0, [])),
         ("the accelerometer alone", _changing(lambda _p, r: r[:1]), (0.0, [])),
         ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), (0.0, [])),
@@ -426,6 +449,9 @@ LIVE: list[tuple[Any, list[Row]]] = [
         ("four times", _seen((0.1, 0.3, 0.5, 0.7)), None),
         ("three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
         ("within a moment", _seen((0.1, 0.11, 0.12, 0.13, 0.14)), (0.5, [])),
+        ("twice, and at the end", _seen((0.2, 0.6, 1.0)), (0.5, [])),
+        ("once, and twice before", _seen((0.0, 0.0, 0.5)), (0.0, [])),
+        ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
         ("over four tenths", _seen((0.1, 0.2, 0.3, 0.5)), None),
         ("once", _seen((0.5, 0.5)), (0.0, ["plot-not-live"])),
         ("at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),
@@ -434,6 +460,9 @@ LIVE: list[tuple[Any, list[Row]]] = [
         ("sound", _seen(), None),
         ("nothing", _seen(()), "skipped"),
         ("short ones", _seen(curves=[(_T[:9], _T[:9])]), (0.0, ["curves-missing"])),
+        ("of ten points", _seen(curves=[(_T[:10], truth()["watched"]["pushed"][:10, 0])]), None),
+        ("wrong ones, and then right ones", _seen(curves=[_WRONG] * 30 + [(_T, truth()["watched"]["pushed"][:, 0])] * 24), None),
+        ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
         ("wrong ones", _seen(curves=[_WRONG] * 3), (0.0, ["wrong-data-plotted"])),
         ("one that is right", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0])] + [_WRONG] * 2), (0.5, [])),
         ("half of them", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0]), _WRONG]), None),
@@ -469,3 +498,13 @@ def test_where_another_robot_is_graded_on_the_labs_own_is_the_sheets() -> None:
     sheet = replace(truth()["reading_lab"], name="reading_sheet")
     other = replace(truth(), scenarios={**truth().scenarios, "reading_sheet": sheet})
     assert imus._lab(other) is sheet
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("single", ["accel_alone_rms", "gyro_alone_rms"])
+def test_a_steep_ride_is_to_beat_the_better_one_of_both_sensors(single: str) -> None:
+    ride = truth()["tilt_steep"]
+    better = replace(ride, scalars={**ride.scalars, single: 0.001})
+    held = replace(truth(), scenarios={**truth().scenarios, "tilt_steep": better})
+    with pytest.raises(Lost, match=tilt._SINGLE[single]):
+        tilt.check_holds_when_steep(Made(ComplementaryFilter=Tilt), held)
