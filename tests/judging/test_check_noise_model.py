@@ -506,6 +506,12 @@ CASES = [
                 of(read=lambda s: dict(zip(("accel", "gyro"), Sound.read(s), strict=True))),
                 (0.5, ["wrong-return-type"]),
             ),
+            ("none, beside a drift", both(Drifting, SILENT), (0.0, [])),
+            (
+                "no numbers of the accelerometer",
+                of(noise=lambda s, i: Sound.noise(s, i) * (np.nan, 1)[i]),
+                (0.0, ["not-finite"]),
+            ),
             (
                 "no numbers of the gyroscope",
                 of(noise=lambda s, i: Sound.noise(s, i) * (1, np.nan)[i]),
@@ -687,6 +693,11 @@ CASES = [
             ("a bias beside its own", _beside_its_own(0, 1), None),
             ("raises with a bias, stale", both(Stale, bias=_of_numbers), None),
             ("raises without a bias", of(bias=_raises_without), None),
+            (
+                "a mean of its own, raises without a bias",
+                both(SHIFTED, bias=_raises_without),
+                (0.0, ["noise-not-zero-mean"]),
+            ),
             ("a mean of its own, never large, which is the bias's", both(RefusingMuch, SHIFTED), None),
             ("the other's bias", of(one=_crossed), None),
             ("the other sensor first", of(read=_swapped), None),

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.findings import Fault, Lost
+from grader.engine.findings import Fault, Lost, Unusable
+from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks import check_sensor_access as checks
-from tests.judging.made import Case, Made, is_as_marked, misfits
+from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
 
 Reader = Callable[..., Any]
 RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
@@ -85,6 +88,25 @@ def _resetting(model: Any, data: Any, a: int, g: int) -> Any:
     mujoco.mj_resetData(model, data)
     mujoco.mj_forward(model, data)
     return sound(model, data, a, g)
+
+
+def _strange_and_stepping(model: Any, data: Any, a: int, g: int) -> Any:
+    data.qpos[0] += 1e-6
+    return altered(_strange, _strange)(model, data, a, g)
+
+
+def _constant_and_stopping(model: Any, data: Any, a: int, g: int) -> Any:
+    data.qvel[:] = 0
+    return np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
+
+
+def _twice_as_much_and_swapped_elsewhere(model: Any, data: Any, a: int, g: int) -> Any:
+    return tuple(2 * x + 1 for x in elsewhere(lambda m, d, a, g: sound(m, d, g, a))(model, data, a, g))
+
+
+def _fixed_and_strange_elsewhere(model: Any, data: Any, a: int, g: int) -> Any:
+    of_the_torso = (model.nsensor, a, g) == (18, 2, 4)
+    return (_at(data, 20), _at(data, 30)) if of_the_torso else altered(_strange, _strange)(model, data, a, g)
 
 
 def _by_chance(read: Reader) -> Reader:
@@ -206,6 +228,8 @@ CASES = [
             ("a strange gyroscope", altered(gyro=_strange), (0.5, [])),
             ("strange", altered(_strange, _strange), (0.0, [])),
             ("limited", altered(_limited), (0.5, ["reading-clipped"])),
+            ("strange, and a change of the pose", _strange_and_stepping, (0.0, [])),
+            ("a constant, and other velocities", _constant_and_stopping, (0.0, [])),
             ("reset before", _resetting, (0.0, ["disturbs-simulation"])),
             ("swapped, which is a place", lambda m, d, a, g: sound(m, d, g, a), None),
             ("always the torso's", lambda _m, d, _a, _g: (_at(d, 5), _at(d, 11)), None),
@@ -235,6 +259,9 @@ CASES = [
             ("in degrees elsewhere", elsewhere(altered(gyro=np.degrees)), (0.0, [])),
             ("swapped elsewhere", elsewhere(lambda m, d, a, g: sound(m, d, g, a)), (0.0, ["swapped-sensors"])),
             ("one axis elsewhere", elsewhere(altered(_x_only)), None),
+            ("twice as much, swapped elsewhere", _twice_as_much_and_swapped_elsewhere, (0.0, [])),
+            ("another pair of places, strange elsewhere", _fixed_and_strange_elsewhere, (0.0, [])),
+            ("a constant, and other velocities", _constant_and_stopping, "skipped"),
             ("strange", altered(_strange, _strange), None),
             ("strange and of the torso", _strange_at(5, 14), (0.0, [])),
             ("strange and by name", _strange_by_name, (0.0, ["hard-coded-address"])),
@@ -300,10 +327,80 @@ def test_what_is_raised_elsewhere_is_told_with_its_place() -> None:
 
 
 @pytest.mark.quick
+def test_what_is_raised_elsewhere_is_told_as_it_can_be_shown_and_cut() -> None:
+    fault = Fault("KeyError", "torso\x1b" + "s" * 300, None, None, None)
+    none = np.full((1, 1, 3), np.nan)
+    with pytest.raises(Lost) as lost:
+        checks._ignores_ids(Readings(none, none, none[0], none[0], (), np.zeros((0, 4)), fault))
+    assert lost.value.got == f"KeyError: {printable(fault.message, 200)}"
+
+
+def _read(accel: float, gyro: float, later: float = 0.0) -> Readings:
+    """Readings of one IMU in one state, all axes alike, and what a view of the accelerometer has a step later."""
+    a, g = np.full((1, 1, 3), accel), np.full((1, 1, 3), gyro)
+    return Readings(a, g, a[0] + later, g[0], (), np.zeros((1, 4)), None)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("first", "second", "apart"),
+    [
+        (_read(1, 2), _read(1, 2), 0.0),
+        (_read(1, 2), _read(4, 2), 3.0),
+        (_read(4, 2), _read(1, 2), 3.0),
+        (_read(np.nan, 2), _read(1, 1), 1.0),
+        (_read(np.nan, np.nan), _read(1, 1), 0.0),
+    ],
+)
+def test_readings_are_apart_by_their_largest_difference_in_either_direction(
+    first: Readings, second: Readings, apart: float
+) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert checks._apart(first, second) == apart
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("later", [1.0, -1.0])
+def test_a_view_is_told_by_the_sensor_that_moved(later: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "_torso", lambda *_: _read(5, 2, later))
+    with pytest.raises(Lost) as lost:
+        checks.check_reading_is_a_copy(Made(get_imu_readings=sound), truth())
+    assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] one step later"
+
+
+@pytest.mark.quick
+def test_no_more_than_two_oddities_of_a_reading_are_told() -> None:
+    odd: Any = SimpleNamespace(oddities=("a list", "of text", "of length 7"))
+    assert checks._oddities(odd) == "a list; of text"
+
+
+@pytest.mark.quick
+def test_a_reading_is_of_use_where_one_sensor_has_numbers() -> None:
+    for accel, gyro in ((1.0, np.nan), (np.nan, 1.0)):
+        checks._is_usable(replace(_read(accel, gyro), oddities=("a list",)))
+    with pytest.raises(Unusable):
+        checks._is_usable(replace(_read(np.nan, np.nan), oddities=("a list",)))
+
+
+@pytest.mark.quick
+def test_sensors_are_put_before_the_models_own_once() -> None:
+    assert checks.with_others_first("<!-- <mujoco> --><mujoco model='a'><mujoco>").count("two_of_a_user") == 1
+
+
+@pytest.mark.quick
+def test_the_place_of_a_robot_with_one_imu_is_told_by_another_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "_elsewhere_too", lambda _truth: [("reading_shuffled", slice(None))])
+    found = finding(Case("one", FOLLOWS, lambda: Made(get_imu_readings=lambda _m, d, *_: (_at(d, 20), _at(d, 30)))))
+    assert isinstance(found, Lost)
+    assert found.mistakes == ("hard-coded-address",)
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize(("imus", "places"), [(1, ["reading_shuffled"]), (2, ["reading_lab", "reading_shuffled"])])
 def test_other_imus_of_the_robot_are_read_where_it_has_some(imus: int, places: list[str]) -> None:
-    truth: Any = {"reading_lab": {"pairs": np.zeros((imus, 2), int)}}
-    assert [name for name, _ in checks._elsewhere_too(truth)] == places
+    robot: Any = {"reading_lab": {"pairs": np.zeros((imus, 2), int)}}
+    assert [name for name, _ in checks._elsewhere_too(robot)] == places
 
 
 _WAVE = np.sin(np.arange(26.0)).reshape(1, 13, 2).repeat(2, axis=0)
