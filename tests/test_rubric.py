@@ -18,6 +18,7 @@ from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, RubricError
 from grader.engine.rubric_nodes import Reader
 from grader.ground.errors import RequestError
+from grader.ground.text import printable
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 
@@ -148,6 +149,7 @@ def test_without_a_late_policy_there_is_none_and_of_one_only_the_date_is_needed(
     policy = rubric.parse(LAB, with_late(DUE).encode()).late
     assert policy is not None
     assert (policy.grace_minutes, policy.per_day, policy.cut_off_days, policy.extensions) == (0.0, 0.0, None, {})
+    assert rubric.LatePolicy(policy.due, 0.0, 0.0, None) == policy
     assert rubric.parse(LAB, with_late(DUE, "per_day: 7.5").encode()).late.per_day == 7.5  # type: ignore[union-attr]
 
 
@@ -253,6 +255,81 @@ def test_mistakes_cost_what_the_rubric_says_in_whichever_order() -> None:
     assert one.asked_sha256 == rubric.load(LAB).asked_sha256
 
 
+def test_without_prices_no_mistake_has_one() -> None:
+    assert rubric.load(LAB).mistakes == {}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (
+            "limits:\n",
+            "limits: 3\nmore:\n",
+            "limits must be `key: value` lines with the keys call_cpu_s, submission_cpu_s",
+        ),
+        (
+            "  - id: allan_variance\n",
+            "  - 3\n  - id: allan_variance\n",
+            "this extension must be `key: value` lines with the keys id, title, file, points, checks",
+        ),
+        (
+            "      returns: 2\n",
+            '      "re\\eturns": no\n',
+            "the weight of re\\x1bturns must be a number from 0 to 1000, not 'no'; correct it",
+        ),
+    ],
+)
+def test_what_is_told_of_a_line_can_be_shown_and_names_its_keys_in_their_order(old: str, new: str, told: str) -> None:
+    text = edited(old, new)
+    assert f"rubric.yaml:{line_of(text, new)}: {told}" in problems(text)
+
+
+def test_the_price_of_a_mistake_with_an_odd_name_is_told_as_it_can_be_shown() -> None:
+    told = problems(SHIPPED.decode() + 'mistakes: {"no\\ebias": much}\n')
+    assert any("what no\\x1bbias costs must be a number" in line for line in told)
+
+
+def test_an_extension_of_the_due_date_stands_once() -> None:
+    text = with_late(DUE, "extensions:", "  jane: 2026-11-24T23:59+01:00", "  jane: 2026-11-25T23:59+01:00")
+    (told,) = problems(text)
+    assert "'jane' stands twice in extensions (first on line " in told
+
+
+def test_points_of_several_parts_are_whole_hundredths_together() -> None:
+    text = SHIPPED.decode()
+    for points in ("0.1", "0.2", "0", "0", "0"):
+        text = text.replace("points: 20\n", f"points: {points}\n", 1)
+    assert rubric.parse(LAB, text.encode()).max_score == 0.3
+    for name, points in (("complementary_filter", "0.1"), ("allan_variance", "0.2")):
+        text = text.replace(f"    file: {name}.py\n", f"    file: {name}.py\n    points: {points}\n", 1)
+    assert rubric.parse(LAB, text.encode()).extra_credit_cap == 0.3
+
+
+@pytest.mark.parametrize("empty", ["checks: ~", "checks:", "checks: []", "checks: {}", ""])
+def test_an_extension_may_have_no_checks(empty: str) -> None:
+    text = re.sub(r"(file: live_plot\.py\n)    checks:\n(?:      .*\n)*", rf"\1    {empty}\n", SHIPPED.decode())
+    assert rubric.parse(LAB, text.encode()).extensions[-1].checks == ()
+
+
+def test_a_slip_in_the_name_of_a_check_alone_is_told_by_the_checks_that_there_are() -> None:
+    slipped = rubric.parse(LAB, edited("follows_address: 6", "follows_adress: 6").encode())
+    with pytest.raises(RubricError, match=r"there is no check sensor_access\.follows_adress"):
+        rubric.match_checks(slipped, {check.id: "a title" for check in rubric.load(LAB).checks})
+
+
+def test_checks_without_a_weight_are_told_in_the_order_of_their_names() -> None:
+    shipped = rubric.load(LAB)
+    more = [f"magic.{name}" for name in "hgfedcba"]
+    with pytest.raises(RubricError) as refusal:
+        rubric.match_checks(shipped, dict.fromkeys((*more, *(check.id for check in shipped.checks)), "new"))
+    assert re.findall(r"the check (magic\.\w) ", str(refusal.value)) == sorted(more)
+
+
+def test_the_checks_of_a_rubric_can_be_gone_through_more_than_once() -> None:
+    checks = rubric.load(LAB).checks
+    assert list(checks) == list(checks) != []
+
+
 # ---- what is asked for ----
 
 
@@ -265,6 +342,8 @@ def test_a_part_that_the_rubric_has_is_known_and_another_is_refused_with_the_nea
     assert str(near.value) == "--only filterin: the rubric has no such criterion; did you mean filtering?"
     with pytest.raises(RequestError) as far:
         rubric.know_part(shipped, "zzz")
+    with pytest.raises(RequestError, match=r"^--only fil\\x1btering: "):
+        rubric.know_part(shipped, "fil\x1btering")
     names = ", ".join(part.id for part in (*shipped.criteria, *shipped.extensions))
     assert str(far.value) == f"--only zzz: the rubric has no such criterion; there are {names}"
 
@@ -280,6 +359,44 @@ def test_the_own_checks_beside_a_rubric_are_its_python_files_in_their_order(tmp_
     assert rubric.own_checks(LAB, tmp_path) == (("a.py", b"# a.py\n"), ("b.py", b"# b.py\n"))
     assert rubric.parse(LAB, SHIPPED, folder=tmp_path).own_checks == rubric.own_checks(LAB, tmp_path)
     assert rubric.parse(LAB, SHIPPED).own_checks == ()
+
+
+def test_own_checks_are_read_in_the_order_of_their_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "checks").mkdir()
+    for name in "abc":
+        (tmp_path / "checks" / f"{name}.py").touch()
+    found = sorted((tmp_path / "checks").glob("*.py"))
+    for order in (found, found[::-1]):
+        monkeypatch.setattr(Path, "glob", lambda _self, _pattern, order=order: iter(order))
+        assert [name for name, _ in rubric.own_checks(LAB, tmp_path)] == ["a.py", "b.py", "c.py"]
+
+
+def test_marks_and_what_is_asked_depend_on_what_own_checks_say(tmp_path: Path) -> None:
+    (tmp_path / "checks").mkdir()
+
+    def hashes(content: str, data: bytes = SHIPPED) -> tuple[str, str]:
+        (tmp_path / "checks" / "check_a.py").write_text(content)
+        read = rubric.parse(LAB, data, folder=tmp_path)
+        return read.sha256, read.asked_sha256
+
+    without = rubric.load(LAB)
+    one, other = hashes("# one"), hashes("# other")
+    assert len({one[0], other[0], without.sha256}) == len({one[1], other[1], without.asked_sha256}) == 3
+    assert all(re.fullmatch(r"[0-9a-f]{64}", digest) for digest in (*one, *other))
+    dearer = hashes("# one", edited("points: 20\n", "points: 21\n").encode())
+    assert (dearer[0] != one[0], dearer[1]) == (True, one[1])
+    slower = rubric.parse(LAB, edited("call_cpu_s: 10", "call_cpu_s: 9").encode())
+    assert slower.asked_sha256 != without.asked_sha256
+
+
+def test_the_rubric_of_an_installation_lies_with_the_lab(tmp_path: Path) -> None:
+    class Kit(Lab):
+        folder = tmp_path  # type: ignore[assignment]
+
+    kit = Kit(**{each.name: getattr(LAB, each.name) for each in fields(LAB)})
+    assert rubric.shipped(kit) == rubric.shipped(LAB)
+    (tmp_path / "rubric.yaml").write_bytes(SHIPPED)
+    assert rubric.shipped(kit) == tmp_path / "rubric.yaml"
 
 
 def test_a_kits_own_checks_lie_beside_the_labs(tmp_path: Path) -> None:
@@ -311,17 +428,18 @@ def _refuses(*_: object, **__: object) -> None:
 
 
 def test_files_that_cannot_be_read_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "checks").mkdir()
-    (tmp_path / "checks" / "a.py").touch()
+    folder = tmp_path / "od\x1bd" / "checks"
+    folder.mkdir(parents=True)
+    (folder / "a.py").touch()
     monkeypatch.setattr(Path, "read_bytes", _refuses)
     with pytest.raises(RubricError) as refusal:
-        rubric.own_checks(LAB, tmp_path)
-    assert str(refusal.value) == f"{tmp_path / 'checks'}: cannot be read (Permission denied)"
+        rubric.own_checks(LAB, folder.parent)
+    assert str(refusal.value) == f"{printable(str(folder), 500)}: cannot be read (Permission denied)"
     monkeypatch.setattr(builtins, "open", _refuses)
     with pytest.raises(RubricError) as refusal:
-        rubric.load(LAB, tmp_path / "checks" / "a.py")
+        rubric.load(LAB, folder / "a.py")
     assert str(refusal.value) == (
-        f"{tmp_path / 'checks' / 'a.py'}: cannot be read (Permission denied); check its permissions"
+        f"{printable(str(folder / 'a.py'), 500)}: cannot be read (Permission denied); check its permissions"
     )
 
 
@@ -381,6 +499,7 @@ def test_the_checks_of_a_part_must_be_lines_and_of_a_criterion_one_at_least() ->
         (10.0, [1, 1, 1], [3.34, 3.33, 3.33]),
         (1.0, [1, 5, 1], [0.14, 0.72, 0.14]),
         (0.05, [3, 2, 4], [0.02, 0.01, 0.02]),
+        (5.0, [2.9, 1.3, 2.2], [2.27, 1.01, 1.72]),  # equal remainders of decimals, which no float has
         (1.0, [0.1, 0.1, 0.1], [0.34, 0.33, 0.33]),
         (10.0, [2, 0, 2], [5.0, 0.0, 5.0]),
         (5.0, [0, 0], [0.0, 0.0]),

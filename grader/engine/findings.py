@@ -79,7 +79,7 @@ class Size:
     def __str__(self) -> str:
         if self.value is None:
             return self.what
-        if not math.isfinite(self.value) or not 1e-12 < abs(self.value) < 1e12:
+        if not 1e-12 < abs(self.value) < 1e12:  # NaN is not, either
             return f"{self.what}, beyond all measure"
         power = math.floor(math.log10(abs(self.value)))
         return f"{self.what} by {_power(power)} to {_power(power + 1)} {self.unit}".rstrip()

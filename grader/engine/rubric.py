@@ -302,7 +302,7 @@ def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tup
         if id_ not in known
     ]
     lines = {part.id: part.line for part in parts}
-    for check_id in sorted(set(known) - listed.keys()):
+    for check_id in sorted(known.keys() - listed.keys()):
         part, _, name = check_id.partition(".")
         what = f"the check {check_id} ({printable(known[check_id], 100)}) has no weight under {part}"
         problems.append((lines.get(part, 1), f"{what}; add the line `{name}: WEIGHT` to its checks"))
@@ -374,11 +374,12 @@ def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | N
 
 def _shares(points: float, weights: Sequence[float]) -> list[float]:
     """Points in proportion to the weights, in whole hundredths that sum to them (largest remainder; ties: first)."""
-    total = sum(map(Fraction, weights))
+    decimals = [Fraction(str(weight)) for weight in weights]
+    total = sum(decimals)
     if not total:
         return [0.0] * len(weights)
     hundredths = round(points * 100)
-    exact = [hundredths * Fraction(weight) / total for weight in weights]
+    exact = [hundredths * weight / total for weight in decimals]
     parts = [math.floor(share) for share in exact]
     by_remainder = sorted(range(len(parts)), key=lambda i: parts[i] - exact[i])
     for i in by_remainder[: hundredths - sum(parts)]:

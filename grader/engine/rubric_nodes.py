@@ -154,7 +154,7 @@ class Reader:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
             self.say(node, f"{what} must be text, not {quote(node)}; write it in quotes")
-        elif len(node.value) > 200 or printable(node.value) != node.value:
+        elif printable(node.value, 200) != node.value:
             self.say(node, f"{what} must be one line of at most 200 printable characters; shorten it")
         elif pattern is not None and not pattern.fullmatch(node.value):
             self.say(node, f"{what} must be {like}, not {quote(node)}; correct it")

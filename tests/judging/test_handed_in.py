@@ -236,3 +236,7 @@ def test_pictures_are_held_against_the_public_run_and_curves_against_that_as_wel
         handed_in._missing_from([], secret)
     public = truth().name
     assert asked == [(public, "push"), ("secret", "tumbling"), ("secret", "push"), (public, "push")]
+
+
+def test_a_person_is_asked_to_look_at_both() -> None:
+    assert ANOTHER_VERSION.endswith("and a person may look at both")

@@ -111,14 +111,14 @@ def test_of_nothing_nothing_is_told() -> None:
 
 def test_a_key_is_one_word_that_stands_once() -> None:
     reader = Reader("rubric.yaml")
-    root = reader.compose(b"? [a, b]\n: 1\n? {}\n: 1\nc: 1\nc: 2\nc: 3\nd: 4\n")
+    root = reader.compose(b"? [a, b]\n: 1\n? {}\n: 1\nc:\n  1\nc: 2\nc: 3\nd: 4\n")
     assert {name: (key.value, value.value) for name, (key, value) in reader.pairs(root, "it").items()} == {
         "c": ("c", "1"),
         "d": ("d", "4"),
     }
     word = "a key of it must be a word, not a list or a mapping; correct it"
     twice = "'c' stands twice in it (first on line 5); remove one"
-    assert reader.problems == [(1, word), (3, word), (6, twice), (7, twice)]
+    assert reader.problems == [(1, word), (3, word), (7, twice), (8, twice)]
 
 
 def test_a_misspelt_key_is_not_missing_as_well() -> None:
@@ -202,3 +202,21 @@ def test_fifty_problems_are_told_in_the_order_of_their_lines(count: int, last: s
         refuse("r", [(n, "wrong") for n in range(count, 0, -1)])
     lines = str(refusal.value).splitlines()
     assert (lines[0], lines[49], lines[-1]) == ("r:1: wrong", "r:50: wrong", last)
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        (b"a: 1\nb: \xff\nc: 2\nd: 3\n", "rubric.yaml:2: this is not UTF-8; save the file as UTF-8"),
+        (b"a: 1\nb: \x01\nc: 2\nd: 3\n", "rubric.yaml:2: the character U+0001 is not text; remove it"),
+    ],
+)
+def test_what_is_no_text_is_told_with_its_line(data: bytes, told: str) -> None:
+    with pytest.raises(RubricError) as refusal:
+        Reader("rubric.yaml").compose(data)
+    assert str(refusal.value) == told
+
+
+def test_a_list_is_no_share_of_the_points() -> None:
+    told = ["it must be a number from 0 to 1000, not a list or a mapping; correct it"]
+    assert _read("[50%]", lambda reader, node: reader.share(node, "it", 20.0)) == (None, told)
