@@ -242,22 +242,36 @@ def put_in_place(mutant: Mutant) -> bool:
     if name is None:
         return False
     path = str(ROOT / mutant.file)
-    code = compile(mutant.source, path, "exec")
-    for part in name.split("."):
-        (code,) = [c for c in code.co_consts if isinstance(c, CodeType) and c.co_name == part][-1:]
-    there = [
-        function
-        for function in gc.get_objects()
-        if isinstance(function, FunctionType)
-        and function.__qualname__ == name
-        and function.__code__.co_filename == path
-    ]
+    before = _code_of(name, (ROOT / mutant.file).read_text("utf-8"), path)
+    after = _code_of(name, mutant.source, path)
+    inner = list(_inside(before)), list(_inside(after))
+    closures = dict(zip(*inner, strict=True)) if len(inner[0]) == len(inner[1]) else {}
+    there = [f for f in gc.get_objects() if isinstance(f, FunctionType) and f.__code__.co_filename == path]
+    changed = False
     try:
         for function in there:
-            function.__code__ = code
+            if function.__qualname__ == name and function.__code__.co_name == before.co_name:
+                function.__code__, changed = after, True
+            elif function.__code__ in closures:  # made when the module was loaded
+                function.__code__ = closures[function.__code__]
     except ValueError:  # another number of variables from around it
         return False
-    return bool(there)
+    return changed
+
+
+def _code_of(name: str, source: str, path: str) -> CodeType:
+    code = compile(source, path, "exec")
+    for part in name.split("."):
+        (code,) = [c for c in code.co_consts if isinstance(c, CodeType) and c.co_name == part][-1:]
+    return code
+
+
+def _inside(code: CodeType) -> Iterator[CodeType]:
+    """The functions that are made in it, from the outside in."""
+    for inner in code.co_consts:
+        if isinstance(inner, CodeType):
+            yield inner
+            yield from _inside(inner)
 
 
 # ---------------------------------------------------------------- the changed module
