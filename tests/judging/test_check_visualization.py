@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Sight, Stray
-from grader.engine.findings import Fault
+from grader.engine.findings import Fault, Lost
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
 from grader.labs.imu.student import Student
@@ -534,3 +534,60 @@ CASES += misfits(SAVES, drawn(), "plot_imu_data", 0.0)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
 def test_a_made_up_figure_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
+
+
+_ONE, _OTHER = np.arange(5.0), np.arange(5.0) ** 2
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("series", "unseen", "words"),
+    [
+        ([], [], "a plot without a curve"),
+        ([_ONE], [], "a plot with one curve alone"),
+        ([_ONE], ["raw"], "a plot with one curve alone"),
+        ([_ONE, _ONE], [], "a plot with the same series in every curve"),
+        ([_ONE, _ONE], ["raw"], "a plot with the same series in every curve"),
+        ([_ONE, _OTHER], ["raw"], "a plot on which the curve “raw” cannot be seen"),
+        ([_ONE, _OTHER], [""], "a plot on which the curve cannot be seen"),
+        ([_ONE, _OTHER, _ONE], [], "a plot with 3 curves, none of which is a smoother version of another"),
+    ],
+)
+def test_a_plot_that_compares_nothing_is_told_by_its_curves(
+    series: list[Array], unseen: list[str], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checks.comparing, "series_drawn", lambda _figure: series)
+    monkeypatch.setattr(checks.comparing, "unseen", lambda _figure: unseen)
+    assert checks._curves_in_words(Sheet().figure) == words
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("name", "pairs", "meant"), [("filtered_imu.png", [], True), ("a.png", ["pair"], True), ("a.png", [], False)]
+)
+def test_a_comparison_is_meant_by_the_name_of_its_file_or_of_its_curves(
+    name: str, pairs: list[str], meant: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checks.comparing, "named_comparisons", lambda _figure: pairs)
+    assert checks._is_meant(replace(Sheet().figure, path=name)) is meant
+
+
+@pytest.mark.quick
+def test_what_is_in_a_figure_that_is_not_meant_is_not_told() -> None:
+    other = Drawing((replace(Sheet().figure, path="a.png"),))
+    with pytest.raises(Lost) as lost:
+        checks.check_comparison_plot(Plotted(Drawing(()), (other,)), truth())
+    assert lost.value.got == "no code that draws it and no readable filtered_imu.png"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("kind", "belongs"), [("SyntaxError", ("filtering.follows_recursion",)), ("ValueError", ())])
+def test_a_script_that_stops_is_told_and_one_that_is_no_python_is_charged_where_its_names_are_missed(
+    kind: str, belongs: tuple[str, ...]
+) -> None:
+    fault = Fault(kind, "broken", "plots.py", 7, None)
+    for scripts in ((Drawing((), fault),), (Drawing((), fault), Drawing(()))):
+        with pytest.raises(Lost) as lost:
+            checks.check_comparison_plot(Plotted(Drawing(()), scripts), truth())
+        assert (lost.value.belongs_to, lost.value.where, lost.value.mistakes) == (belongs, fault.at, ())
+        assert lost.value.hint.startswith("Run the file by itself")

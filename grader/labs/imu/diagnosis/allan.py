@@ -119,7 +119,7 @@ def unit_of_times(records: list[Record], rate: float) -> tuple[bool, Sized] | No
 
 def thinned(taus: Array, curve: Array) -> tuple[Array, Array]:
     """At most `_MOST` points of a curve, the first and the last among them: two hundred tell as much as a million."""
-    chosen = np.unique(np.linspace(0, len(taus) - 1, min(len(taus), _MOST)).round().astype(int))
+    chosen = np.linspace(0, len(taus) - 1, min(len(taus), _MOST)).round().astype(int)
     return taus[chosen], curve[chosen]
 
 
