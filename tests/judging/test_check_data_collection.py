@@ -569,6 +569,11 @@ CASES = [
             ),
         ],
         RESET: [
+            (
+                "numbers of chance in another time step",
+                telling(lambda t, a, g, m: (t, a, g) if m.opt.timestep == 0.002 else _of_chance(t, a, g, m)),
+                "skipped",
+            ),
             ("time alone", TIME_ALONE, "skipped"),
             ("squared", SQUARED, None),
             ("smoothed", SMOOTHED, None),

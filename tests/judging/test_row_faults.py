@@ -296,3 +296,14 @@ def test_ids_of_the_students_own_model_are_told_in_a_hidden_run_as_well() -> Non
     with pytest.raises(Lost) as lost:
         row_faults.of_other_sensors(Story(LEARNT_IDS))
     assert isinstance(lost.value.hint, Ours)
+
+
+def test_rows_that_stand_still_are_told_by_whether_a_step_was_made() -> None:
+    with pytest.raises(Lost) as stepped:
+        row_faults.standing_still(10, _series())
+    assert (stepped.value.expected, stepped.value.mistakes) == ("a reading after every step", ())
+    assert isinstance(stepped.value.hint, Ours)
+    with pytest.raises(Lost) as never:
+        row_faults.standing_still(10, Collection(_TIME, _ACCEL, _GYRO))
+    assert (never.value.expected, never.value.mistakes) == ("rows that a simulation made", ("nothing-simulated",))
+    assert never.value.got == stepped.value.got == "10 rows, all alike, whatever gravity is"
