@@ -8,8 +8,10 @@ from datetime import datetime, timezone
 from typing import Any
 
 import pytest
+import yaml
 
-from grader.engine.rubric_nodes import Reader, RubricError, guess_at, nearest, quote, refuse
+from grader.engine.rubric_nodes import Reader, RubricError, _syntax_problem, guess_at, nearest, quote, refuse
+from grader.ground.text import printable
 
 pytestmark = pytest.mark.quick
 
@@ -220,3 +222,12 @@ def test_what_is_no_text_is_told_with_its_line(data: bytes, told: str) -> None:
 def test_a_list_is_no_share_of_the_points() -> None:
     told = ["it must be a number from 0 to 1000, not a list or a mapping; correct it"]
     assert _read("[50%]", lambda reader, node: reader.share(node, "it", 20.0)) == (None, told)
+
+
+def test_what_yaml_says_is_told_as_it_can_be_shown_and_cut_and_without_a_word_or_a_place_it_is_line_one() -> None:
+    mark = yaml.Mark("rubric.yaml", 0, 4, 0, None, None)
+    line, told = _syntax_problem(yaml.MarkedYAMLError("while it read", None, "odd\x1b" + "s" * 200, mark))
+    shown = printable("while it read, odd\x1b" + "s" * 200, 150)
+    assert (line, told) == (5, f"YAML cannot be read here: {shown}; correct the line or the one before")
+    line, told = _syntax_problem(yaml.MarkedYAMLError())
+    assert (line, told) == (1, "YAML cannot be read here: this is not YAML; correct the line or the one before")
