@@ -229,3 +229,35 @@ def test_what_is_drawn_and_what_nobody_sees_is_told() -> None:
     assert comparing.unseen(replace(drawn, axes=(replace(drawn.axes[0], visible=False),))) == ["raw", "filtered"]
     assert comparing.series_drawn(replace(drawn, axes=(replace(drawn.axes[0], visible=False),))) == []
     assert comparing.unseen(figure(replace(hidden, colour="#abcdef"), legend=())) == [""]
+
+
+def test_of_a_long_curve_the_last_points_are_looked_at() -> None:
+    n = comparing._MOST_POINTS + 7
+    x, y = comparing._last_points(curve(np.arange(float(n)) + 5, x=np.arange(float(n))))
+    assert (x[0], y[0], len(x), len(y)) == (7.0, 12.0, n - 7, n - 7)
+
+
+@pytest.mark.parametrize(
+    ("strength", "follows"), [(1.0, True), (0.3, True), (0.2, False), (3.5, True), (4.5, False), (-1.0, False)]
+)
+def test_what_follows_a_running_mean_is_about_as_large(strength: float, follows: bool) -> None:
+    mean = _averaged(9)(NOISY)
+    level = float(mean[N // 2 :].mean())
+    assert comparing._follows(NOISY, level + strength * (mean - level), 9) is follows
+
+
+def test_fifty_points_are_enough() -> None:
+    raw = np.sin(np.arange(50) / 8) + np.tile([0.3, -0.3], 25)
+    smooth = np.sin(np.arange(50) / 8)
+    assert comparing._is_smoothed(raw, smooth, 1)
+    assert not comparing._is_smoothed(raw[:49], smooth[:49], 1)
+
+
+def test_mean_and_spread_of_runs_of_rows_are_those_of_their_rows() -> None:
+    values = np.concatenate([NOISY[:40], np.full(20, 3.0)])
+    begins, ends = np.array([0, 10, 5, 40]), np.array([40, 30, 60, 60])
+    means, widths = comparing._moments(values, begins, ends)
+    runs = [values[begin:end] for begin, end in zip(begins, ends, strict=True)]
+    assert np.allclose(means, [run.mean() for run in runs], rtol=1e-12)
+    assert np.allclose(widths, [run.std() for run in runs], rtol=1e-6, atol=0)
+    assert widths[-1] == 0
