@@ -14,6 +14,7 @@ import pytest
 from grader.engine.figures import Mask
 from grader.labs.imu.answers import KEYS, Array
 from grader.labs.imu.diagnosis import handed_in
+from grader.labs.imu.diagnosis import handed_in as diagnosis
 from grader.labs.imu.diagnosis.following import Weight
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from tests.judging.made import truth
@@ -386,3 +387,10 @@ def test_sensors_are_shown_where_curves_stand(
     weights: Mapping[Any, Sequence[tuple[float, float]]], shown: set[int]
 ) -> None:
     assert _weighing(weights) == shown
+
+
+@pytest.mark.quick
+def test_the_sheets_own_duration_is_looked_for_first_and_each_once() -> None:
+    durations = diagnosis.DURATIONS
+    assert durations[0] == 5.0
+    assert len(set(durations)) == len(durations)
