@@ -14,7 +14,6 @@ import pytest
 from grader.engine.figures import Mask
 from grader.labs.imu.answers import KEYS, Array
 from grader.labs.imu.diagnosis import handed_in
-from grader.labs.imu.diagnosis import handed_in as diagnosis
 from grader.labs.imu.diagnosis.following import Weight
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from tests.judging.made import truth
@@ -391,6 +390,6 @@ def test_sensors_are_shown_where_curves_stand(
 
 @pytest.mark.quick
 def test_the_sheets_own_duration_is_looked_for_first_and_each_once() -> None:
-    durations = diagnosis.DURATIONS
+    durations = handed_in.DURATIONS
     assert durations[0] == 5.0
     assert len(set(durations)) == len(durations)
