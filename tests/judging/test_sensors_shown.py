@@ -393,3 +393,13 @@ def test_the_sheets_own_duration_is_looked_for_first_and_each_once() -> None:
     durations = handed_in.DURATIONS
     assert durations[0] == 5.0
     assert len(set(durations)) == len(durations)
+
+
+@pytest.mark.quick
+def test_the_search_ends_where_both_sensors_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    for found, shown in (([{0, 1}, {0}], {0, 1}), ([{0}, {0, 1}], {0, 1}), ([set(), {1}], {1})):
+        left = iter(found)
+        monkeypatch.setattr(handed_in, "_regions", lambda *_: [])
+        monkeypatch.setattr(handed_in, "_groups", lambda *_: ["group"])
+        monkeypatch.setattr(handed_in, "_shown", lambda _group, left=left: next(left, set()))
+        assert sensors_shown(np.zeros((2, 2), np.uint8), np.zeros((256, 3), np.uint8), {}) >= shown
