@@ -389,9 +389,13 @@ def test_sensors_are_shown_where_curves_stand(
 
 
 @pytest.mark.quick
-def test_the_sheets_own_duration_is_looked_for_first_and_each_once() -> None:
-    durations = handed_in.DURATIONS
+def test_the_sheets_own_duration_is_looked_for_first_and_each_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[float] = []
+    monkeypatch.setattr(handed_in, "Curves", lambda _time, _rows, duration: tried.append(duration))
+    handed_in._groups([], {key: truth()["push"][key] for key in KEYS})
+    durations = tried[::2]  # of both sensors
     assert durations[0] == 5.0
+    assert tried[1::2] == durations
     assert len(set(durations)) == len(durations)
 
 
