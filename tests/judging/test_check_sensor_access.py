@@ -169,6 +169,10 @@ class _Chance:
         return self._rng.normal(size=3), self._rng.normal(size=3)
 
 
+def _nothing(*_: Any) -> Any:
+    return None
+
+
 def _a_constant(*_: Any) -> Any:
     return np.array([0.0, 0.0, -9.81]), np.zeros(3)
 
@@ -278,6 +282,9 @@ CASES = [
                 _where(26, _raises(KeyError), altered(_strange, _strange)),
                 (0.0, ["hard-coded-address"]),
             ),
+            ("strange, and nothing behind other sensors", _where(20, _nothing, altered(_strange, _strange)), (0.0, [])),
+            ("strange, and nothing of other IMUs", _where(18, _nothing, altered(_strange, _strange), 9), (0.0, [])),
+            ("strange, and nothing in another model", _where(26, _nothing, altered(_strange, _strange)), (0.0, [])),
             ("strange and lagging", _Lagging(altered(_strange, _strange)), None),
             ("what was read before", _Late(sound), None),
             ("the first for good", _Cached(), "skipped"),
@@ -349,7 +356,7 @@ def _read(accel: float, gyro: float, later: float = 0.0) -> Readings:
         (_read(1, 2), _read(4, 2), 3.0),
         (_read(4, 2), _read(1, 2), 3.0),
         (_read(np.nan, 2), _read(1, 1), 1.0),
-        (_read(np.nan, np.nan), _read(1, 1), 0.0),
+        (_read(np.nan, np.nan), _read(1, 1), np.inf),
     ],
 )
 def test_readings_are_apart_by_their_largest_difference_in_either_direction(

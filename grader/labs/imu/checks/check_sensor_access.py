@@ -46,9 +46,12 @@ def _oddities(readings: Readings) -> str:
 
 def _is_usable(readings: Readings) -> None:
     """There are numbers in it, in whatever form: otherwise nothing can be judged."""
-    numbers = np.isfinite(readings.accel).any() or np.isfinite(readings.gyro).any()
-    if readings.oddities and not numbers:
+    if readings.oddities and not _has_numbers(readings):
         raise Unusable(_FORM, _oddities(readings), mistakes=["wrong-return-type"])
+
+
+def _has_numbers(readings: Readings) -> bool:
+    return bool(np.isfinite(readings.accel).any() or np.isfinite(readings.gyro).any())
 
 
 @check("sensor_access.matches_truth", lab_step=2)
@@ -166,14 +169,16 @@ def _follows_by_difference(student: Student, truth: Traces) -> None:
         other = _readings(student, truth, name, pairs)
         if other.fault is not None:
             _ignores_ids(other)
+        if not all(_has_numbers(other.of_pair(i)) for i in range(len(other.accel))):
+            _place_lost(other, Scene.of(truth[name], pairs), [])
         if name == "reading_lab" and _apart(torso, other.of_pair(0)) <= diagnosis.ATOL:
             _place_lost(other, Scene.of(truth[name], pairs), ["hard-coded-address"])
 
 
 def _apart(readings: Readings, others: Readings) -> float:
-    """How far two sets of readings of one IMU are apart in the same states."""
+    """How far two sets of readings of one IMU are apart in the same states: infinitely, where they share no number."""
     gaps = np.abs(np.stack([readings.accel - others.accel, readings.gyro - others.gyro]))
-    return float(np.nanmax(gaps)) if np.isfinite(gaps).any() else 0.0
+    return float(np.nanmax(gaps)) if np.isfinite(gaps).any() else np.inf
 
 
 def _behind_others(student: Student, truth: Traces) -> Readings:
