@@ -252,6 +252,7 @@ def _moved(facts: Facts, by: float) -> Facts:
         ([_still(ACCEL, ACCEL.bias), _still(GYRO, 2 * GYRO.bias)], None, _OBEYING, ["reseeded"]),
         ([_still(f, f.bias + f.std) for f in (ACCEL, GYRO)], None, _OBEYING, ["no-noise"]),
         ([_still(f, f.bias - 0.4 * f.std) for f in (ACCEL, GYRO)], None, _OBEYING, ["no-noise"]),
+        ([_still(f, f.bias + f.std + 0.9 * _ATOL * _AXES[0]) for f in (ACCEL, GYRO)], None, _OBEYING, ["no-noise"]),
         ([_still(ACCEL, ACCEL.bias + ACCEL.std), _still(GYRO, GYRO.bias - GYRO.std)], None, _OBEYING, ["reseeded"]),
         (_DRAWN, None, _OBEYING, ["reseeded"]),
         (_DRAWN, [_still(ACCEL, ACCEL.bias - 0.04), _DRAWN[1]], _OBEYING, ["frozen-noise"]),

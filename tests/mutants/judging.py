@@ -245,8 +245,12 @@ def put_in_place(mutant: Mutant) -> bool:
     before = _code_of(name, (ROOT / mutant.file).read_text("utf-8"), path)
     after = _code_of(name, mutant.source, path)
     inner = list(_inside(before)), list(_inside(after))
-    closures = dict(zip(*inner, strict=True)) if len(inner[0]) == len(inner[1]) else {}
     there = [f for f in gc.get_objects() if isinstance(f, FunctionType) and f.__code__.co_filename == path]
+    if len(inner[0]) != len(inner[1]):
+        if any(function.__code__ in inner[0] for function in there):
+            return False  # which of those made when the module was loaded became which is not known
+        inner = [], []
+    closures = dict(zip(*inner, strict=True))
     changed = False
     try:
         for function in there:

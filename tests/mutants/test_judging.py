@@ -7,6 +7,7 @@ import os
 import pytest
 
 from grader.labs.imu import recordings
+from grader.labs.imu.diagnosis import noise
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
 
@@ -54,3 +55,16 @@ def test_a_function_becomes_the_mutant_where_it_stands_for_whoever_has_it() -> N
 
 def test_what_runs_when_a_module_is_loaded_is_not_put_in_place() -> None:
     assert not judging.put_in_place(_at("_LEAN ="))
+
+
+def test_a_mutant_that_makes_another_number_of_functions_when_loaded_is_not_put_in_place() -> None:
+    file = noise.__name__.replace(".", "/") + ".py"
+    source = (judging.ROOT / file).read_text("utf-8")
+    made = "return lambda seen: all(predicts("
+    mutant = Mutant(
+        file, "", "", source[: source.index(made)].count("\n") + 1, "", source.replace(made, "return all((")
+    )
+    child = os.fork()
+    if not child:
+        os._exit(judging.put_in_place(mutant))
+    assert os.waitpid(child, 0)[1] == 0
