@@ -35,7 +35,7 @@ import grader
 from tests.mutants import grading
 from tests.mutants.grading import Reasons
 from tests.mutants.operators import Mutant, mutants
-from tests.mutants.reach import Collected, Reach, collecting, measured
+from tests.mutants.reach import Collected, Reach, collecting, measured, remembering
 from tests.scoreboard import Case, Verdict
 from tests.tapes.storing import shelf, taped
 
@@ -241,6 +241,8 @@ def put_in_place(mutant: Mutant) -> bool:
     name = function_of(mutant)
     if name is None:
         return False
+    for remembered in remembering([mutant.file]):
+        remembered.cache_clear()
     path = str(ROOT / mutant.file)
     before = _code_of(name, (ROOT / mutant.file).read_text("utf-8"), path)
     after = _code_of(name, mutant.source, path)

@@ -7,9 +7,10 @@ import os
 import pytest
 
 from grader.labs.imu import recordings
-from grader.labs.imu.diagnosis import noise
+from grader.labs.imu.diagnosis import noise, reading
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
+from tests.mutants.reach import remembering
 
 FILE = "grader/labs/imu/recordings.py"
 SOURCE = (judging.ROOT / FILE).read_text("utf-8")
@@ -68,3 +69,8 @@ def test_a_mutant_that_makes_another_number_of_functions_when_loaded_is_not_put_
     if not child:
         os._exit(judging.put_in_place(mutant))
     assert os.waitpid(child, 0)[1] == 0
+
+
+def test_what_a_function_remembers_is_found_to_be_forgotten() -> None:
+    assert reading._by_cost in remembering(["grader/labs/imu/diagnosis/reading.py"])
+    assert not remembering(["grader/labs/imu/diagnosis/noise.py"])
