@@ -35,6 +35,7 @@ CURVES: dict[str, tuple[Array, Array, set[int]]] = {
     "at rest": (TIME, np.full_like(Y, 9.81), set()),
     "at zero": (TIME, np.zeros_like(Y), set()),
     "at rest but for the last digit": (TIME, 9.81 + 1e-12 * Y, set()),
+    "at rest below zero but for the last digit": (TIME, -9.81 + 1e-12 * Y, set()),
     "beyond all numbers": (1e308 * TIME, 1e308 * Y, {1}),
     "of the other sensor": (TIME, ACCEL[:, 0], {0}),
     "of the third axis": (TIME, ACCEL[:, 2], {0}),
