@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.engine.figures import Curve, Figure, Sight
+from grader.engine.figures import Curve, Figure, Placed, Sight
 from grader.labs.imu.answers import Array
 from grader.labs.imu.diagnosis import comparing
 from grader.labs.imu.diagnosis.comparing import Compared
@@ -74,7 +74,7 @@ def test_a_smoother_version_is_one(smooth: Array) -> None:
     assert comparing.comparisons(figure(curve(NOISY, "raw"), curve(smooth, "filtered"))) == [Compared("raw", "filtered", True)]  # fmt: skip
 
 
-@pytest.mark.parametrize("scale", [1e-3, 0.1, 9.81, 1e4])
+@pytest.mark.parametrize("scale", [1e-7, 1e-3, 0.1, 9.81, 1e4])
 @pytest.mark.parametrize(
     ("smooth", "found"), [(FILTERED, True), (NO_SMOOTHER["far below"], False), (NO_SMOOTHER["much smaller"], False)]
 )
@@ -111,8 +111,9 @@ def test_anything_else_is_none(smooth: Array) -> None:
 )
 def test_curves_may_be_thinned_to_fifty_points(raw_every: int, smooth_every: int, found: bool) -> None:
     raw = curve(NOISY[::raw_every], "raw", TIME[::raw_every])
-    smooth = curve(_averaged(31)(NOISY)[::smooth_every], "filtered", TIME[::smooth_every])
-    assert bool(comparing.comparisons(figure(raw, smooth))) is found
+    smooth = curve(CLEAN[::smooth_every], "filtered", TIME[::smooth_every])
+    pairs = [(pair.raw, pair.smooth) for pair in comparing.comparisons(figure(raw, smooth))]
+    assert pairs == ([("raw", "filtered")] if found else [])
 
 
 def test_straight_lines_between_thinned_points_are_no_filter() -> None:
@@ -161,6 +162,11 @@ def test_curves_of_two_panels_are_compared_in_one_unit(above: str, below: str, p
     assert comparing.comparisons(_figure(upper, replace(lower, visible=False))) == []
 
 
+def test_a_curve_has_the_name_of_the_legend_whatever_else_is_written_in_its_colour() -> None:
+    written = (Placed("peak", (0.5, 9.0), RAW.colour),)
+    assert comparing.comparisons(figure(RAW, SMOOTH, texts=written)) == [Compared("raw", "filtered", True)]
+
+
 def test_six_channels_have_six_comparisons_and_no_end_of_curves_has_an_end() -> None:
     curves = [curve(NOISY + 100 * number, "raw") for number in range(6)]
     filtered = [curve(FILTERED + 100 * number, "filtered") for number in range(6)]
@@ -180,6 +186,7 @@ def test_six_channels_have_six_comparisons_and_no_end_of_curves_has_an_end() -> 
         (CLEAN + 1e-3 * (NOISY - CLEAN), True),
         (CLEAN, False),
         (CLEAN.astype(np.float32).astype(float), False),
+        (-9.81 + 1e-8 * NOISY, False),
         (CLEAN + 1e-5 * (NOISY - CLEAN), False),
         (_slow(NOISY), False),
         (np.zeros(N), False),
@@ -244,6 +251,13 @@ def test_what_follows_a_running_mean_is_about_as_large(strength: float, follows:
     mean = _averaged(9)(NOISY)
     level = float(mean[N // 2 :].mean())
     assert comparing._follows(NOISY, level + strength * (mean - level), 9) is follows
+
+
+@pytest.mark.parametrize(("widths", "near"), [(2.9, True), (-2.9, True), (3.1, False), (-3.1, False)])
+def test_what_is_alike_is_near_by_three_times_its_width(widths: float, near: bool) -> None:
+    wave = np.sin(np.arange(N))
+    begins, ends = np.array([0]), np.array([N])
+    assert comparing._alike(wave, wave + widths * wave.std(), begins, ends, begins) is near
 
 
 def test_fifty_points_are_enough() -> None:

@@ -215,6 +215,10 @@ _WAVE = np.sin(2 * np.pi * _LATE / 40)[:, None] * [1.0, 2, 0.5]
 _NOISE = np.random.default_rng(4).normal(0, 1, (400, 3))
 
 
+def test_weights_that_never_change_and_have_another_sum_are_a_gain() -> None:
+    assert filtering.mistakes([(alpha, _X, _of(0.2, 0.85, _X)) for alpha in _ALPHAS]) == ["gain-not-one"]
+
+
 def test_noise_and_signal_are_measured_over_the_second_half() -> None:
     loud = np.vstack([100 * _NOISE[:200], _NOISE[200:]])
     assert filtering.noise_gain(_NOISE, 0.5 * loud[::1]) == pytest.approx(0.25)
@@ -222,6 +226,7 @@ def test_noise_and_signal_are_measured_over_the_second_half() -> None:
     assert filtering.noise_gain(_NOISE[:401], _NOISE * [2, 0, 0]) == pytest.approx(4 / 3, rel=0.2)
     assert filtering.signal_error(_WAVE, np.vstack([loud[:200], 0.5 * _WAVE[200:]])) == pytest.approx(0.5)
     assert filtering.signal_error(_WAVE + 9, _WAVE + 9) == 0
+    assert filtering.signal_error(_WAVE + [0, 5, -9], 0.5 * _WAVE + [0, 5, -9]) == pytest.approx(0.5)
     begins_loud = np.vstack([9 * _WAVE[:200], _WAVE[200:]])
     assert filtering.signal_error(begins_loud, 0.5 * begins_loud) == pytest.approx(0.5)
     assert filtering.signal_error(_WAVE * [1, 1, 1], _WAVE * [2, 1, 1]) == pytest.approx((1 / 5.25) ** 0.5)

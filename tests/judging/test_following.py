@@ -222,6 +222,10 @@ def test_a_place_that_is_right_or_too_short_stays(moved: dict[str, float]) -> No
     assert following.settled(start := at(**moved)) is start
 
 
+def test_a_place_that_is_too_short_is_followed_by_less_than_nothing() -> None:
+    assert following._followed(at(ink=blank(of=True), last=60.0)) < following._followed(at(ink=blank()))
+
+
 def test_where_nothing_is_drawn_a_place_stays() -> None:
     assert following.settled(start := at(ink=blank())) is start
 
@@ -273,6 +277,11 @@ def test_a_curve_elsewhere_is_not_followed() -> None:
 def test_low_and_short_curves_weigh_nothing(moved: dict[str, float], followed: float) -> None:
     weight = following.weighed(at(ink=blank(of=True), **moved))
     assert (weight.followed, weight.evidence) == pytest.approx((followed, 0.0), abs=0.5)
+
+
+def test_curves_that_hardly_move_weigh_nothing_however_far_apart() -> None:
+    calm = replace(CURVES, values=0.1 * np.tile(np.sin(9 * TIME), (3, 1)) + [[0.0], [1], [2]])
+    assert following.weighed(at(calm, drawn(calm))) == following.Weight(0.0, 0.0)
 
 
 @pytest.mark.parametrize("below", [True, False])

@@ -282,9 +282,9 @@ _THINNED = 1.2
 
 
 def _missing_at_first(series: Collection, worlds: Worlds, world: str) -> int:
-    """How many samples of a world come before the first row, by the row of it that is nearest."""
+    """How many samples of a world come before the first row, by the row of it that is nearest; none where that has no numbers."""
     assert series.acceleration is not None
-    if not len(series.acceleration) or not np.isfinite(series.acceleration[0]).all():
+    if not len(series.acceleration):
         return 0
     return int(np.argmin(np.abs(worlds.series[world][0] - series.acceleration[0]).max(axis=1)))
 

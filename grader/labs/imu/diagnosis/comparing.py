@@ -134,13 +134,13 @@ def _has_noise(raw: Array) -> bool:
 
 
 def _follows(raw: Array, smooth: Array, window: int) -> bool:
-    """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at."""
+    """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
+
+    Both are as long, and longer than four windows: a lag leaves two thirds of the rows.
+    """
     mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
     lags = np.arange(min(2 * window, len(mean) // 4) + 1)
     ends = np.minimum(len(mean), len(smooth) - window // 2 - lags)
-    lags, ends = lags[ends > 1], ends[ends > 1]
-    if not len(lags):
-        return False
     cut = int(ends.min()) // 2
     wanted, got = mean[cut:], smooth[window // 2 + cut :]
     level = float(wanted.mean())  # what both are measured from: sums of squares then lose no digits
@@ -153,11 +153,10 @@ def _alike(wanted: Array, got: Array, begins: Index, ends: Index, lags: Index) -
     its_means, its_widths = _moments(got, begins + lags, ends + lags)
     rows = zip(begins, ends, lags, strict=True)
     products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in rows])
-    power = widths * its_widths
-    alike = products / (ends - begins) - means * its_means > 0.75 * power
+    alike = products / (ends - begins) - means * its_means > 0.75 * widths * its_widths
     near = np.abs(means - its_means) <= 3 * widths + 1e-12
     as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
-    return bool(np.any((power > 0) & alike & near & as_large))
+    return bool(np.any(alike & near & as_large))
 
 
 def _moments(values: Array, begins: Index, ends: Index) -> tuple[Array, Array]:
