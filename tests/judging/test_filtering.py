@@ -226,7 +226,8 @@ def test_noise_and_signal_are_measured_over_the_second_half() -> None:
     assert filtering.noise_gain(_NOISE[:401], _NOISE * [2, 0, 0]) == pytest.approx(4 / 3, rel=0.2)
     assert filtering.signal_error(_WAVE, np.vstack([loud[:200], 0.5 * _WAVE[200:]])) == pytest.approx(0.5)
     assert filtering.signal_error(_WAVE + 9, _WAVE + 9) == 0
-    assert filtering.signal_error(_WAVE + [0, 5, -9], 0.5 * _WAVE + [0, 5, -9]) == pytest.approx(0.5)
+    apart = np.array([0.0, 5, -9])
+    assert filtering.signal_error(_WAVE + apart, 0.5 * _WAVE + apart) == pytest.approx(0.5)
     begins_loud = np.vstack([9 * _WAVE[:200], _WAVE[200:]])
     assert filtering.signal_error(begins_loud, 0.5 * begins_loud) == pytest.approx(0.5)
     assert filtering.signal_error(_WAVE * [1, 1, 1], _WAVE * [2, 1, 1]) == pytest.approx((1 / 5.25) ** 0.5)
