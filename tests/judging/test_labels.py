@@ -18,7 +18,7 @@ UNITS: dict[str | None, list[str]] = {
     "mg": ["Acceleration (mg)", "a [mg]"],
     "rad/s": [
         "Angular velocity (rad/s)", "rad s^-1", r"$\frac{rad}{s}$", "rad⁄s", "radians per second", "rad·s⁻¹", "1/s", "rad/sec", "RAD/S",
-        r"$\omega$ [rad/s]",
+        r"$\omega$ [rad/s]", "角速度 弧度/秒",
     ],
     "mrad/s": ["mrad/s"],
     "deg/s": ["°/s", "º/s", "deg/s", "(dps)", r"$^\circ/s$", r"$\degree$/s", "degrees per second", "°s⁻¹", "Angular velocity in deg/s"],
@@ -79,6 +79,7 @@ def test_samples_are_counted_by_their_name_or_by_n(text: str, counted: bool) -> 
 )  # fmt: skip
 def test_a_text_speaks_of_a_sensor_by_its_words_or_else_by_its_unit(text: str, sensors: set[int]) -> None:
     assert labels.claims(text) == sensors
+    assert isinstance(labels.claims(text), frozenset)  # it is kept for whoever asks next
 
 
 @pytest.mark.parametrize(
@@ -108,9 +109,10 @@ AXES: dict[int | None, list[str]] = {
         "rate x",
         r"$a_x$",
         "$\\omega_x$",
+        "Roll",
     ],
-    1: ["y", "ay", "omega_y", "GyrY", "filtered y", "fy"],
-    2: ["z", "gz", "ang z", "Achse Z", "f z"],
+    1: ["y", "ay", "omega_y", "GyrY", "filtered y", "fy", "Pitch"],
+    2: ["z", "gz", "ang z", "Achse Z", "f z", "Yaw"],
     None: ["", "x and y", "xyz", "exact", "magnitude", "a", "max"],
 }
 
@@ -123,7 +125,7 @@ def test_an_axis_is_known_by_its_letter(axis: int | None, text: str) -> None:
 @pytest.mark.parametrize(
     ("name", "raw", "smooth"),
     [
-        ("raw", True, False), ("Raw x", True, False), ("filtered", False, True), ("unfiltered", True, False), ("low-pass", False, True),
+        ("raw", True, False), ("Raw x", True, False), ("filtered", False, True), ("Filtered", False, True), ("unfiltered", True, False), ("low-pass", False, True),
         ("denoised", False, True), ("x", False, False), ("raw and filtered", True, False), ("", False, False),
     ],
 )  # fmt: skip
