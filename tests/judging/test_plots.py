@@ -279,7 +279,7 @@ EXTRAS: dict[str, tuple[Collection, str, Array, Array]] = {
     "zeros of the named axis": (RESTING, "gyro_y", np.zeros(10), RATE[:, 1]),
     "zeros of the other sensor": (RESTING, "az", np.zeros(10), ACCEL[:, 2]),
     "zeros of a series": (RESTING, "gyro_z", np.zeros((10, 3)), RATE),
-    "nanoseconds left": (OWN, "left", -1e9 / 0.7 * OWN.time, -1e9 / 0.7 * TIME),
+    "large numbers below nought": (OWN, "left", -1e12 / 0.7 * OWN.time, -1e12 / 0.7 * TIME),
     "large numbers": (OWN, "large", 1e12 / 0.7 * OWN.time, 1e12 / 0.7 * TIME),
     "huge numbers": (OWN, "big", 1e200 * OWN.acceleration[:, 0], 1e200 * ACCEL[:, 0]),
 }  # fmt: skip
