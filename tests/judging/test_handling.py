@@ -100,6 +100,11 @@ def test_two_sensors_that_were_handled_differently_have_no_name_together() -> No
     assert handling.handled(got, (_ACCEL, _GYRO), _POSES, _ATOL) is None
 
 
+def test_of_a_reading_that_never_changes_nothing_is_told() -> None:
+    held = np.tile(_ACCEL[0], (_N, 1))
+    assert handling.handled((held, _GYRO), (_ACCEL, _GYRO), _POSES, _ATOL) is None
+
+
 def test_numbers_beyond_all_reason_are_of_no_mistake() -> None:
     true = 1e9 * _ACCEL
     for low, high, told in ((-0.9e9, 0.9e9, "reading-clipped"), (-1.1e9, 0.9e9, None), (-0.9e9, 1.1e9, None)):
@@ -128,6 +133,15 @@ def test_a_limit_is_passed_by_more_than_the_tolerance() -> None:
     further = np.array([[0.0, 0, 0], [1, 0, 0], [1 + 1.5e-5, 0, 0], [1 + 1.9e-5, 0, 0]])
     assert handling.clipped(np.minimum(further, 1), further, _ATOL)
     assert handling.clipped(np.maximum(-further, -1), -further, _ATOL)
+
+
+@pytest.mark.parametrize(("never_moves", "read", "told"), [(9.81, 9.81, True), (9.81, -50, False), (9.81, 50, False)])
+def test_an_axis_that_never_moves_is_within_a_limit_where_it_is_right(
+    never_moves: float, read: float, told: bool
+) -> None:
+    true = np.column_stack([_ACCEL[:, :2], np.full(_N, never_moves)])
+    got = np.column_stack([_ACCEL[:, :2].clip([-1, -0.5], [0.6, 0.8]), np.full(_N, read)])
+    assert handling.clipped(got, true, _ATOL) is told
 
 
 def _new_at(*rows: int) -> Array:
@@ -185,6 +199,13 @@ def test_a_smoothed_reading_is_a_mean_of_the_latest_or_of_the_new_one_and_the_on
     got: Array, smoothed: bool
 ) -> None:
     assert handling.smoothed(got, _ACCEL[: len(got)], _ATOL) == smoothed
+
+
+@pytest.mark.parametrize("off", [0.01, -0.01])
+def test_a_mean_that_is_off_by_the_same_everywhere_is_none(off: float) -> None:
+    true = np.outer(_ACCEL[:, 0], [1, -1, 0])
+    assert handling.smoothed(_mean_of(2)(true), true, _ATOL)
+    assert not handling.smoothed(_mean_of(2)(true) + np.array([off, off, 0]), true, _ATOL)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from grader.labs.imu.diagnosis import labels
@@ -11,14 +13,14 @@ UNITS: dict[str | None, list[str]] = {
     "m/s²": [
         "Acceleration (m/s²)", "a [m/s^2]", "m/s**2", "$m/s^2$", r"$\mathrm{m/s^2}$", r"$\frac{m}{s^2}$", r"$\dfrac{m}{s^{2}}$", "m s^-2",
         r"m$\cdot$s$^{-2}$", "m/s/s", "mps2", "m/sec²", "m/sec/sec", "meters per second squared", "ms⁻²", "м/с²", "m⁄s²", "m/(s^2)",
-        r"$\mathit{m}/\text{s}^2$", "Accel, m/s2", "m·s−2", r"\left(m/s^2\right)",
+        r"$\mathit{m}/\text{s}^2$", "Accel, m/s2", "m·s−2", r"\left(m/s^2\right)", "метров на секунду в квадрате",
     ],
     "cm/s²": ["Acceleration (cm/s²)"],
     "g": ["Acceleration (g)", "a [g]", "accel / g", "Accel, g", "Beschleunigung in g"],
     "mg": ["Acceleration (mg)", "a [mg]"],
     "rad/s": [
         "Angular velocity (rad/s)", "rad s^-1", r"$\frac{rad}{s}$", "rad⁄s", "radians per second", "rad·s⁻¹", "1/s", "rad/sec", "RAD/S",
-        r"$\omega$ [rad/s]",
+        r"$\omega$ [rad/s]", "角速度 弧度/秒", "Угловая скорость, радиан в секунду",
     ],
     "mrad/s": ["mrad/s"],
     "deg/s": ["°/s", "º/s", "deg/s", "(dps)", r"$^\circ/s$", r"$\degree$/s", "degrees per second", "°s⁻¹", "Angular velocity in deg/s"],
@@ -31,6 +33,10 @@ def test_a_unit_is_known_however_it_is_written(unit: str | None, text: str) -> N
     assert labels.unit_of(text) == unit
     assert labels.has_unit_of(0, text) is (unit in ("m/s²", "cm/s²", "g", "mg"))
     assert labels.has_unit_of(1, text) is (unit in ("rad/s", "mrad/s", "deg/s"))
+
+
+def test_of_no_words_none_is_found() -> None:
+    assert re.search(labels._any_of([]), "x") is None
 
 
 def test_a_label_of_both_units_has_both() -> None:
@@ -51,7 +57,7 @@ TIMES = {
         "Time (s.)",
         r"$t\,[s]$",
     ],
-    "ms": ["Time (ms)", "t / ms", "time_ms", "milliseconds", "Time [ms]", "Time in ms"],
+    "ms": ["Time (ms)", "t / ms", "time_ms", "milliseconds", "Time [ms]", "Time in ms", "Time (ms) since the start"],
     "": ["Time", "x", "Angular velocity (rad)", ""],
 }
 
@@ -79,6 +85,7 @@ def test_samples_are_counted_by_their_name_or_by_n(text: str, counted: bool) -> 
 )  # fmt: skip
 def test_a_text_speaks_of_a_sensor_by_its_words_or_else_by_its_unit(text: str, sensors: set[int]) -> None:
     assert labels.claims(text) == sensors
+    assert isinstance(labels.claims(text), frozenset)  # it is kept for whoever asks next
 
 
 @pytest.mark.parametrize(
@@ -108,9 +115,10 @@ AXES: dict[int | None, list[str]] = {
         "rate x",
         r"$a_x$",
         "$\\omega_x$",
+        "Roll",
     ],
-    1: ["y", "ay", "omega_y", "GyrY", "filtered y", "fy"],
-    2: ["z", "gz", "ang z", "Achse Z", "f z"],
+    1: ["y", "ay", "omega_y", "GyrY", "filtered y", "fy", "Pitch"],
+    2: ["z", "gz", "ang z", "Achse Z", "f z", "Yaw"],
     None: ["", "x and y", "xyz", "exact", "magnitude", "a", "max"],
 }
 
@@ -123,7 +131,7 @@ def test_an_axis_is_known_by_its_letter(axis: int | None, text: str) -> None:
 @pytest.mark.parametrize(
     ("name", "raw", "smooth"),
     [
-        ("raw", True, False), ("Raw x", True, False), ("filtered", False, True), ("unfiltered", True, False), ("low-pass", False, True),
+        ("raw", True, False), ("Raw x", True, False), ("filtered", False, True), ("Filtered", False, True), ("unfiltered", True, False), ("low-pass", False, True),
         ("denoised", False, True), ("x", False, False), ("raw and filtered", True, False), ("", False, False),
     ],
 )  # fmt: skip

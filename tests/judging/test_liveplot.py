@@ -62,6 +62,10 @@ SHOWN: dict[str, tuple[Array, Array]] = {
     "three readings before each step, from the first": (STAMPS[:201:100] - DT, RATE[:201:100]),
     "three readings to the last": (STAMPS[399::100], RATE[399::100]),
     "five readings in any order": (STAMPS[MIXED], RATE[MIXED]),
+    "five readings, with times that are rounded": (
+        STAMPS[MIXED] + 1e-9 * np.array([1, -1, 1, -1, 1]),
+        RATE[MIXED],
+    ),
     "five readings in degrees": (STAMPS[MIXED] - DT, np.degrees(RATE[MIXED])),
     "five readings over milliseconds": (1000 * STAMPS[MIXED], RATE[MIXED]),
     "its last part": (STAMPS[LAST], RATE[LAST]),
@@ -102,6 +106,11 @@ OTHERS: dict[str, tuple[Array, Array]] = {
     "two readings": (STAMPS[100:300:100], np.array([5.0, 6.0])),
     "nothing that is a number": (STAMPS, np.full(COUNT, np.nan)),
     "nothing": (np.zeros(0), np.zeros(0)),
+    "over anything else, seven from the first, and before them the last": (np.zeros(8), np.append(RATE[-1], RATE[:7])),
+    "over anything else, seven from the first, every tenth, and before them a late one": (
+        np.zeros(8),
+        np.append(RATE[-10], RATE[:61:10]),
+    ),
     "seven readings over anything else": (np.zeros(7), RATE[450:520:10]),
     "over anything else, every sixty-first": (-np.arange(9.0), RATE[61::61][:9]),
     "over anything else, at rest": (np.zeros(100), np.full(100, RATE[450])),
@@ -156,3 +165,17 @@ def test_noise_alone_is_no_channel_that_moves_a_little() -> None:
     channels = np.column_stack([CHANNELS[:, :5], moving])
     assert liveplot.shows(STAMPS, moving + noise, channels, DT)
     assert not liveplot.shows(STAMPS, jolt + noise, channels, DT)
+
+
+def test_noise_over_a_part_of_the_motion_is_no_channel() -> None:
+    jolt = 2.0 * (np.arange(COUNT) < 2)
+    moving = 0.6 * np.sin(20 * STAMPS) + jolt
+    channels = np.column_stack([moving, CHANNELS[:, 1:]])
+    assert liveplot.shows(STAMPS, moving + RNG.uniform(-0.2, 0.2, COUNT), channels, DT)
+    assert not liveplot.shows(STAMPS, 0.2 * moving + 0.8 * jolt + RNG.uniform(-0.4, 0.4, COUNT), channels, DT)
+
+
+def test_a_line_that_ends_flat_is_no_channel_that_begins_at_rest() -> None:
+    channels = np.vstack([np.zeros((20, 6)), CHANNELS])
+    flat = np.append(np.cos(STAMPS[:200]), np.zeros(8))
+    assert not liveplot.shows(np.zeros(len(flat)), flat, channels, DT)

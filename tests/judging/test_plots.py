@@ -80,6 +80,7 @@ ABSCISSAE: dict[str, tuple[Array, Array, str | None]] = {
     "every third moment": (TIME[::3], ACCEL[::3], "s"),
     "fifty moments": (TIME[:: len(TIME) // 50][:50], ACCEL[:: len(TIME) // 50][:50], "s"),
     "most of the time": (TIME[:550], ACCEL[:550], "s"),
+    "less than nine tenths of the time": (TIME[:530], ACCEL[:530], None),
     "half of the time": (TIME[:300], ACCEL[:300], None),
     "minutes": (TIME / 60, ACCEL, None),
     "from another moment": (TIME + 1, ACCEL, None),
@@ -112,6 +113,22 @@ def test_a_curve_is_a_channel_within_a_thousandth_of_its_range(change: Change, k
     assert (shown(TIME, np.degrees(change(RATE[:, 1]))) is not None) is known
 
 
+@pytest.mark.parametrize("start", [0.0, 5.0])
+@pytest.mark.parametrize(("origin", "kind"), [(0.0, "s"), (5.0, "s from start")])
+def test_a_recording_may_start_at_any_moment(start: float, origin: float, kind: str) -> None:
+    late = SERIES | {"time": TIME - TIME[0] + start}
+    drawn = _curve(late["time"] - min(origin, start), ACCEL[:, 2], "z", "#ff0000")
+    (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn)), late)
+    assert [(found.channel, found.x) for found in panel.shown] == [((0, 2), kind if start else "s")]
+
+
+def test_a_channel_that_never_moves_is_known_by_its_value() -> None:
+    resting = SERIES | {"acceleration": np.tile([0.0, 0.0, 9.81], (len(TIME), 1))}
+    drawn = _curve(TIME, resting["acceleration"][:, 2], "z", "#ff0000")
+    (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn, ODD)), resting)
+    assert [found.channel for found in panel.shown] == [(0, 2)]
+
+
 # --- panels --------------------------------------------------------------------------------------------------------------
 
 X, Y, RATE_X = (_curve(TIME, y, name, colour) for y, name, colour in (
@@ -125,7 +142,7 @@ def test_a_panel_holds_channels_strange_curves_and_hidden_channels() -> None:
     hidden = replace(Y, sight=UNSEEN)
     panel = panel_of(X, ODD, hidden, FLAT, replace(ODD, sight=UNSEEN), replace(RATE_X, kind="nothing"))
     assert panel is not None
-    assert [s.curve for s in panel.shown] == [X]
+    assert panel.shown == (Shown(0, 0, "m/s²", "s", X),)
     assert [s.curve for s in panel.hidden] == [hidden]
     assert panel.strange == (ODD,)
     assert (panel.channels, panel.sensors, panel.mainly) == ({(0, 0)}, {0}, {0})
@@ -231,6 +248,16 @@ RESTING = Collection(0.01 * np.arange(1, 11), np.zeros((10, 3)), np.zeros((10, 3
 assert OWN.time is not None
 assert OWN.acceleration is not None
 assert OWN.angular_velocity is not None
+
+
+def _lowered(column: Array) -> Array:
+    """The same but for two rows, which are lower: of all multiples of the column it still fits best by itself."""
+    up, down = column.argmax(), column.argmin()
+    low = column.copy()
+    low[[up, down]] += column[down], -column[up]
+    return low
+
+
 STRETCHED = np.linspace(0, 9, len(TIME)).round().astype(int)
 EXTRAS: dict[str, tuple[Collection, str, Array, Array]] = {
     "a number": (OWN, "dt", np.array(0.01), np.array(0.01)),
@@ -246,11 +273,14 @@ EXTRAS: dict[str, tuple[Collection, str, Array, Array]] = {
     "rows of something else": (OWN, "joints", RNG.normal(size=(10, 4)), None),  # type: ignore[dict-item]
     "another length": (OWN, "names", np.arange(7.0), np.arange(7.0)),
     "nearly a column": (OWN, "ay", OWN.acceleration[:, 1] + 1e-6, None),  # type: ignore[dict-item]
+    "a column with two lower rows": (OWN, "ay", _lowered(OWN.acceleration[:, 1]), None),  # type: ignore[dict-item]
     "nothing beside it": (Collection(None, None, None), "t", OWN.time, OWN.time),
     "one sensor alone": (replace(OWN, acceleration=None), "gz", OWN.angular_velocity[:, 2], RATE[:, 2]),
     "zeros of the named axis": (RESTING, "gyro_y", np.zeros(10), RATE[:, 1]),
     "zeros of the other sensor": (RESTING, "az", np.zeros(10), ACCEL[:, 2]),
     "zeros of a series": (RESTING, "gyro_z", np.zeros((10, 3)), RATE),
+    "large numbers below nought": (OWN, "left", -1e12 / 0.7 * OWN.time, -1e12 / 0.7 * TIME),
+    "large numbers": (OWN, "large", 1e12 / 0.7 * OWN.time, 1e12 / 0.7 * TIME),
     "huge numbers": (OWN, "big", 1e200 * OWN.acceleration[:, 0], 1e200 * ACCEL[:, 0]),
 }  # fmt: skip
 

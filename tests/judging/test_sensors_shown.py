@@ -121,6 +121,21 @@ def faint(ink: int) -> Picture:
     return picture
 
 
+def ten_seconds() -> Picture:
+    picture = Picture(height=500, width=900)
+    drawn = {"seconds": 10.0, "inks": (BLACK,) * 3}
+    return picture.panel(0.05, 0.45, ACCEL, **drawn).panel(0.55, 0.95, GYRO, **drawn)  # type: ignore[arg-type]
+
+
+def on_lined_paper() -> Picture:
+    """Two of five rows are a little darker than the others: they are neither ground nor drawn."""
+    picture = two(inks=(LIGHT,) * 3, frame=LIGHT)
+    lines = np.isin(np.arange(picture.height) % 5, (0, 1))[:, None] & (picture.pixels == WHITE)
+    picture.pixels[lines] = GREY
+    picture.palette[GREY] = 231
+    return picture
+
+
 def dashed(gap: int) -> Picture:
     picture = two(inks=(BLACK,) * 3)
     for columns in range(60, 490, 3 * gap):
@@ -132,11 +147,14 @@ def dashed(gap: int) -> Picture:
 RECOGNISED = {
     "as the sheet draws it": two(),
     "of two seconds": two(seconds=2.0),
+    "of three seconds": two(seconds=3.0),
     "of five seconds": two(seconds=5.0),
+    "of ten seconds": ten_seconds(),
     "without frames": two(frame=None),
     "in one colour": two(inks=(BLACK,) * 3),
     "in light grey": two(inks=(LIGHT,) * 3, frame=LIGHT),
     "in the lightest grey": faint(234),
+    "in light grey on lined paper": on_lined_paper(),
     "on a dark ground": Picture(DARK).panel(0.05, 0.45, ACCEL, frame=WHITE).panel(0.55, 0.95, GYRO, frame=WHITE),
     "on grounds of their own": two(ground=LIGHT, frame=WHITE),
     "beneath a grid": gridded(),
@@ -211,6 +229,7 @@ SPANS: dict[str, tuple[Mask, list[Mask], list[tuple[int, int]]]] = {
     "borders of two panels": (
         _lined(10, 139, 160, 289), [], [(23, 277), (10, 290), (16, 134), (10, 140), (166, 284), (160, 290)],
     ),
+    "a border in the middle": (_lined(10, 150, 289), [], [(23, 277), (10, 290), (156, 284), (150, 290)]),
     "lines that are as tall as a border": (_lined(30, 279, tall=12), [], [(41, 269), (30, 280)]),
     "lines that are shorter": (_lined(30, 279, tall=11), [], []),
     "panels that are too narrow": (_lined(210, 278), [], []),
@@ -220,6 +239,8 @@ SPANS: dict[str, tuple[Mask, list[Mask], list[tuple[int, int]]]] = {
     "a colour over half of them": (_lined(), [_stroke(80, 229)], [(80, 230), (150, 230), (100, 200)]),
     "a colour that fills a fifth": (_lined(), [_stroke(0, 299, 20)], [(0, 300), (0, 150), (150, 300), (0, 100), (100, 200), (200, 300)]),
     "a colour that fills more": (_lined(), [_stroke(0, 299, 21)], []),
+    "two colours that end together": (_lined(), [_stroke(40, 199), _stroke(20, 199)],
+                                      [(40, 200), (20, 200), (40, 150), (20, 150), (20, 100), (100, 200)]),
     "two colours that are next to each other": (_lined(), [_stroke(20, 290), _stroke(22, 292)],
                                                 [(20, 291), (20, 150), (150, 291), (20, 100), (100, 200), (200, 291)]),
     "two colours that are not": (_lined(), [_stroke(20, 149), _stroke(23, 149)], [(20, 150), (23, 150), (20, 100), (23, 100)]),
@@ -284,6 +305,7 @@ GROUNDS: dict[str, tuple[np.ndarray, list[tuple[int, int, int, int, int]]]] = {
     "a panel": (_plain((10, 60, 20, 90, DARK)), [_WHOLE, (10, 60, 20, 90, DARK)]),
     "a panel that is small": (_plain((10, 30, 20, 39, DARK)), [_WHOLE]),
     "a panel that is just large enough": (_plain((10, 30, 20, 40, DARK)), [_WHOLE, (10, 30, 20, 40, DARK)]),
+    "two panels that are small": (_plain((10, 25, 20, 40, DARK), (50, 65, 20, 40, DARK)), [_WHOLE]),
     "two panels of one colour": (
         _plain((5, 45, 5, 95, DARK), (55, 95, 5, 95, DARK)), [(5, 45, 5, 95, DARK), (55, 95, 5, 95, DARK)],
     ),
@@ -300,6 +322,11 @@ GROUNDS: dict[str, tuple[np.ndarray, list[tuple[int, int, int, int, int]]]] = {
 @pytest.mark.parametrize(("preview", "grounds"), GROUNDS.values(), ids=GROUNDS)
 def test_grounds_are_what_one_colour_fills(preview: np.ndarray, grounds: list[tuple[int, int, int, int, int]]) -> None:
     assert _grounds(preview) == grounds
+
+
+def test_two_shades_that_nobody_tells_apart_are_one_ground() -> None:
+    palette = np.repeat(np.array([[1.0], [0.97]], np.float32), 3, axis=1)
+    assert len(list(handed_in._grounds(_plain((60, 100, 0, 100, 1)), palette))) == 1
 
 
 @pytest.mark.parametrize(("rows", "regions"), [(30, 1), (31, 0)])
@@ -352,6 +379,23 @@ def test_a_group_promises_what_its_likeliest_panels_do(promises: Mapping[Any, fl
 )
 def test_groups_are_alike_by_duration_and_width(duration_s: float, width: float, alike: bool) -> None:
     assert _group({}).is_like(_group({}, duration_s, width)) is alike
+
+
+def test_groups_are_of_places_that_are_as_wide_the_likeliest_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    def places(promise: float, first: int, last: int, _curves: object) -> list[Any]:
+        return [(_ALL, SimpleNamespace(width=last - first, promise=promise))]
+
+    monkeypatch.setattr(handed_in, "places", places)
+    spans: Any = [(0.2, (0, 400)), (0.3, (9, 300)), (0.6, (5, 407)), (0.4, (50, 450))]
+    groups = handed_in._groups(spans, {key: truth()["push"][key] for key in KEYS})
+    assert [group.duration_s for group in groups] == list(handed_in.DURATIONS)
+    for group in groups:
+        for sensor in (0, 1):
+            assert [(its.width, its.promise) for its in group.places[sensor, _ALL]] == [
+                (402, 0.6),
+                (400, 0.4),
+                (400, 0.2),
+            ]
 
 
 def _weighing(weights: Mapping[Any, Sequence[tuple[float, float]]]) -> set[int]:

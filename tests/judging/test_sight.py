@@ -70,6 +70,7 @@ class Canvas:
 def looked(figure: Figure, pixels: int = 60_000_000) -> list[Sight]:
     axes = sight.looked_at(figure, Patience(pixels)).axes
     assert len(axes) == 1
+    assert len(axes[0].curves) == len(figure.axes[0].curves)
     return [each.sight for each in axes[0].curves]
 
 
@@ -87,10 +88,15 @@ IN_THE_OPEN: dict[str, Figure] = {
     "on a panel of its own colour": Canvas(DARK).fill(WHITE).draw().figure(curve()),
     "grey": Canvas().draw(colour=GREY).figure(curve(colour=GREY)),
     "in light grey": Canvas().draw(colour=(225, 225, 225)).figure(curve(colour=(225, 225, 225))),
-    "more than opaque": Canvas().draw().figure(curve(alpha=5.0)),
+    "more than opaque": Canvas().draw(opacity=0.45).figure(curve(alpha=5.0)),
     "faint": Canvas().draw(colour=(244, 244, 244)).figure(curve(colour=(244, 244, 244))),
     "on a half that is tinted": Canvas().fill((255, 140, 140), 0.55).draw().figure(curve()),
     "as points": Canvas().draw().figure(curve(kind="points", style="None", marker="o", width=4.0)),
+    "as points that the smoothing half covers": Canvas().draw(opacity=0.45).figure(curve(kind="points", style="None", marker="o", width=4.0)),
+    "as tiny points": Canvas().draw(opacity=0.05, thick=1).figure(curve(kind="points", marker="o", width=0.5)),
+    "as tiny markers": Canvas().draw(opacity=0.05, thick=1).figure(curve(style="None", marker="o", width=0.5)),
+    "nearly through": Canvas().draw(opacity=0.2).figure(curve(alpha=0.2)),
+    "nearly through by its colour": Canvas().draw(opacity=0.2).figure(curve(inks=("#ff000033",))),
     "half through": Canvas().draw(opacity=0.5).figure(curve(alpha=0.5)),
     "half through by its colour": Canvas().draw(opacity=0.5).figure(curve(inks=("#ff000080",))),
     "half covered by the smoothing": Canvas().draw(opacity=0.45).figure(curve()),
@@ -103,6 +109,8 @@ IN_THE_OPEN: dict[str, Figure] = {
     "from the right": Canvas().draw(x=1 - X).figure(curve(), x_limits=(1.0, 0.0)),
     "a pixel beside": Canvas().draw(Y + 1 / 150).figure(curve()),
     "with gaps in its numbers": Canvas().draw().figure(curve(np.where(np.arange(400) % 9 == 0, np.nan, Y))),
+    "in a panel that is turned around": Canvas().draw(x=1 - X).figure(curve(), position=(RIGHT, LOW, LEFT, HIGH)),
+    "in a panel that is on its head": Canvas().draw(1 - Y).figure(curve(), position=(LEFT, HIGH, RIGHT, LOW)),
     "in any order": Canvas().draw().figure(curve(Y[::-1].copy(), x=X[::-1].copy())),
     "beside another": Canvas().draw().draw(LOWER, BLUE).figure(curve(), curve(LOWER, BLUE)),
     "beside grid lines": Canvas().draw(np.full(400, 0.3), (200, 200, 200)).draw().figure(curve()),
@@ -128,6 +136,11 @@ NOT_THERE: dict[str, Figure] = {
     "behind another curve": Canvas().draw().draw(colour=BLUE, thick=4).figure(curve(), curve(colour=BLUE)),
     "in the colour of its ground": Canvas().draw(colour=(250, 250, 250)).figure(curve(colour=(250, 250, 250))),
     "all but through": Canvas().draw(opacity=0.02).figure(curve(alpha=0.02)),
+    "all but through, over something of its colour": Canvas().draw().figure(curve(alpha=0.02)),
+    "fainter than anyone sees": Canvas().draw(opacity=0.02, thick=1).figure(curve(width=0.05)),
+    "grey, and fainter than anyone sees": Canvas()
+    .draw(colour=(230, 230, 230), opacity=0.2, thick=1)
+    .figure(curve(colour=(230, 230, 230), width=0.5)),
     "too faint for its stroke": Canvas().draw(opacity=0.2).figure(curve()),
     "behind a tint of its colour": Canvas().draw().fill(WHITE).fill((255, 140, 140), 0.55).figure(curve()),
     "behind a picture of its colours": Canvas()
@@ -198,7 +211,9 @@ def test_a_part_beyond_the_limits_is_outside(limits: dict[str, tuple[float, floa
     assert np.count_nonzero(found.inside != wanted) <= 1
 
 
-@pytest.mark.parametrize(("y", "share"), [(2 * X, 0.5), (2 * X - 1, 0.5), (X, 1.0), (X + 1.001, 0.0), (X - 1.001, 0.0)])
+@pytest.mark.parametrize(
+    ("y", "share"), [(2 * X, 0.5), (2 * X - 1, 0.5), (X, 1.0), (0 * X, 1.0), (X + 1.001, 0.0), (X - 1.001, 0.0)]
+)
 def test_what_is_above_or_below_the_limits_is_outside(y: Array, share: float) -> None:
     (found,) = looked(Canvas().figure(curve(y)))
     assert found.inside.mean() == pytest.approx(share, abs=0.02)
@@ -209,6 +224,49 @@ def test_what_has_no_logarithm_is_outside() -> None:
     (found,) = looked(Canvas(log=True).figure(curve(np.where(X < 0.5, 0.1, -0.1), x=0.002 + 0.9 * X)))
     assert found.inside[:49].all()
     assert not found.inside[51:].any()
+
+
+@pytest.mark.parametrize(("wide", "there"), [(0.029, False), (0.035, True)])
+def test_what_is_no_wider_or_no_higher_than_a_stroke_is_no_panel(wide: float, there: bool) -> None:
+    narrow = Canvas().draw(X, x=X * wide / (RIGHT - LEFT)).figure(curve(X), position=(LEFT, LOW, LEFT + wide, HIGH))
+    low = Canvas().draw(X * wide / (HIGH - LOW)).figure(curve(X), position=(LEFT, LOW, RIGHT, LOW + wide))
+    for figure in (narrow, low):
+        assert (seen(figure) > 0.5) is there
+        assert looked(figure)[0].seen.any() == there
+
+
+@pytest.mark.parametrize(
+    ("position", "x", "marks"),
+    [
+        ((LEFT, 0.5, RIGHT, 1.5), X, np.s_[:3, :]),
+        ((LEFT, -0.5, RIGHT, 0.5), X, np.s_[-3:, :]),
+        ((-0.5, LOW, 0.5, HIGH), 0.4 * X, np.s_[:, :3]),
+        ((0.5, LOW, 1.5, HIGH), 0.6 + 0.4 * X, np.s_[:, -3:]),
+    ],
+)
+def test_what_is_beyond_the_picture_is_not_seen_at_its_edge(
+    position: tuple[float, float, float, float], x: Array, marks: tuple[slice, slice]
+) -> None:
+    canvas = Canvas()
+    canvas.pixels[marks] = RED
+    height = 0.1 if position[1] < 0 else 0.9
+    (found,) = looked(canvas.figure(curve(np.full(400, height), x=x), position=position))
+    assert found.inside.all()
+    assert not found.seen.any()
+
+
+@pytest.mark.parametrize("position", [(-0.5, LOW, 0.5, HIGH), (0.5, LOW, 1.5, HIGH), (-0.5, LOW, 1.5, 1.5)])
+def test_of_a_panel_that_goes_beyond_the_picture_what_is_in_it_is_seen(
+    position: tuple[float, float, float, float],
+) -> None:
+    left, low, right, high = position
+    columns, row = (left + X * (right - left)) * WIDTH, round(HEIGHT * (1 - low - 0.3 * (high - low)))
+    there = (columns >= 0) & (columns < WIDTH)
+    canvas = Canvas()
+    canvas.pixels[row - 1 : row + 1, columns[there].astype(int)] = RED
+    (found,) = looked(canvas.figure(curve(np.full(400, 0.3)), position=position))
+    assert found.inside.all()
+    assert found.seen.mean() == pytest.approx(there.mean(), abs=0.03)
 
 
 @pytest.mark.parametrize(("marks", "shown"), [(3, 1.0), (2, 0.0)])
@@ -225,6 +283,7 @@ def test_on_scales_that_are_not_foreseen_three_pixels_of_a_colour_are_the_curve(
         ({}, 1, True), ({}, 2, False), ({"marker": "o"}, 2, True), ({"kind": "points", "width": 1.5}, 3, False),
         ({"marker": "o", "width": 6.0}, 5, True), ({"marker": "o", "width": 6.0}, 6, False),
         ({"marker": "o", "width": 60.0}, 6, False), ({"marker": ""}, 2, False),
+        ({"marker": "none"}, 2, False), ({"marker": " "}, 2, False),
     ],
 )  # fmt: skip
 def test_a_marker_leaves_its_colour_around_its_point(words: dict[str, object], off: int, shown: bool) -> None:
@@ -307,10 +366,17 @@ OTHER = -np.array([0.8, 0.8, 0.0])
         (0.6 * OFF - 0.2 * OTHER, OTHER, 0.0),
         (0.5 * OFF + 0.4 * OTHER + np.array([0.07, -0.07, 0.07]), OTHER, 0.0),
         (0.5 * OFF, 1.01 * OFF, 0.0),
+        (0.5 * OFF + 0.02 * OTHER, OTHER, 0.5),
+        (1.08 * OFF, OTHER, 1.0),
     ],
 )
 def test_of_a_mixture_with_another_curves_colour_the_share_is_known(off: Array, other: Array, share: float) -> None:
     assert sight._share_beside(off[None].astype(np.float32), OFF, other).tolist() == pytest.approx([share], abs=1e-6)
+
+
+def test_shares_are_known_pixel_by_pixel() -> None:
+    off = np.array([0.5 * OFF + 0.4 * OTHER, 0.6 * OFF - 0.2 * OTHER], np.float32)
+    assert sight._share_beside(off, OFF, OTHER).tolist() == pytest.approx([0.5, 0.0], abs=1e-6)
 
 
 def test_the_commonest_colour_is_that_of_most_pixels() -> None:
@@ -318,6 +384,8 @@ def test_the_commonest_colour_is_that_of_most_pixels() -> None:
     assert sight.commonest(np.array([5, 7, 7, 9], np.int32)) == 7
     striped = np.where(np.arange(310) % 31 == 0, 1, 2).astype(np.int32)
     assert sight.commonest(striped) == 2
+    places = np.arange(310)
+    assert sight.commonest(np.where((places % 31 == 0) | (places % 5 < 2), 1, 2).astype(np.int32)) == 2
     assert sight.commonest(np.repeat([3, 4], [60, 40]).astype(np.int32)) == 3
 
 
@@ -331,6 +399,17 @@ def test_the_ground_of_a_panel_is_what_is_behind_its_curves(ground: tuple[int, i
     assert window.ground == pytest.approx(np.array(ground) / 255)
     red = figure.pixels[10:160, 30:270].reshape(-1, 3)[window.marked]
     assert window.off == pytest.approx(red / 255 - np.array(ground) / 255, abs=1e-6)
+
+
+def test_what_curves_cover_is_not_the_ground() -> None:
+    """They cover three quarters of the panel."""
+    figure = Canvas().fill(RED, 0.25).figure(curve())
+    free = np.ones((HEIGHT, WIDTH), bool)
+    free[:, 85:] = False
+    for still_free, ground in ((free, WHITE), (np.zeros_like(free), RED)):
+        window = sight._window(figure.axes[0], sight._codes(figure.pixels), still_free)
+        assert window is not None
+        assert window.ground == pytest.approx(np.array(ground) / 255)
 
 
 def test_around_each_pixel_is_what_the_curves_leave_free() -> None:
@@ -364,6 +443,7 @@ def test_around_each_pixel_is_what_the_curves_leave_free() -> None:
         ([3.0], [True], range(100)),
         ([3.0, 3.0], [False, True], range(1)),
         ([-1e308, 1e308], [False, True], range(100)),
+        (np.linspace(0, 1, 1000), np.arange(1000) > 994, [99]),
         (np.linspace(-5, 5, 1000), np.arange(1000) % 100 == 50, range(5, 100, 10)),
     ],
 )
@@ -388,6 +468,10 @@ def test_curves_take_two_pixels_around_them() -> None:
     wanted[3:8, 4:9] = wanted[:3, 9:] = wanted[8:, :3] = True
     aside = sight._Places(np.array([10]), np.array([0]), inside[:1], known)
     assert np.array_equal(sight._taken([place, below, aside], (12, 12)), wanted)
+    right = sight._Places(np.array([5]), np.array([17]), inside[:1], known)
+    wide = np.zeros((12, 20), bool)
+    wide[3:8, 15:] = True
+    assert np.array_equal(sight._taken([right], (12, 20)), wide)
 
 
 def test_sums_are_of_the_square_around_each_pixel() -> None:
