@@ -132,6 +132,11 @@ def test_a_curve_is_found_on_a_scale_of_its_own(channel: int) -> None:
     assert found.promise > 0.7
 
 
+def test_of_places_that_are_followed_alike_the_largest_is_taken() -> None:
+    place = _searched(blank(of=True))[0, 1, 2]
+    assert (place.top, place.height) == (2, HEIGHT // 4 * 4)
+
+
 def test_where_nothing_is_drawn_no_place_is_promising() -> None:
     assert all(place.promise < 0 for place in _searched(blank()).values())
     assert all(place.promise < 0.3 for place in _searched(Ink.of(speckled(0.05))).values())
