@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 
 import pytest
@@ -11,6 +12,7 @@ from grader.labs.imu.diagnosis import noise, reading
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
 from tests.mutants.reach import remembering
+from tests.tapes.storing import taped
 
 FILE = "grader/labs/imu/recordings.py"
 SOURCE = (judging.ROOT / FILE).read_text("utf-8")
@@ -74,3 +76,13 @@ def test_a_mutant_that_makes_another_number_of_functions_when_loaded_is_not_put_
 def test_what_a_function_remembers_is_found_to_be_forgotten() -> None:
     assert reading._by_cost in remembering(["grader/labs/imu/diagnosis/reading.py"])
     assert not remembering(["grader/labs/imu/diagnosis/noise.py"])
+
+
+def test_what_is_imported_anew_judges_a_tape_as_before() -> None:
+    importlib.import_module("tests.tapes.player")  # as what collects the tests does
+    cases = [case for case in taped() if case.id == "faulty/weights-exchanged"]
+    child = os.fork()
+    if not child:
+        judging._change(_at("_LEAN ="))
+        os._exit(len(cases) != 1 or judging._fails_on_a_tape(cases))
+    assert os.waitpid(child, 0)[1] == 0
