@@ -108,10 +108,20 @@ def _records(taus: Callable[[Array], Array], sizes: Array = _SIZES, rate: float 
     return [(taus(sizes / rate), _curve(x=x, sizes=sizes), x) for x in _RECORDS]
 
 
+_INEXACT = np.array([57, 55, 58, 56, 113, 110, 114, 111, 115, 112, 116])
+"""Of a hundredth of a second: their products with the rate are a rounding less or more than whole."""
+
+
+@pytest.mark.parametrize("sizes", [_SIZES, _INEXACT], ids=["whole", "inexact"])
 @pytest.mark.parametrize(
     ("taus", "seconds"),
     [
         (lambda t: t, True),
+        (lambda t: t + np.resize([0.4, -0.4], len(t)) / _RATE, True),
+        (lambda t: t + np.resize([0.0, 0.8], len(t)) / _RATE, True),
+        (lambda t: t + np.resize([0.8, 0.0], len(t)) / _RATE, True),
+        (lambda t: t - np.resize([0.0, 0.8], len(t)) / _RATE, True),
+        (lambda t: t - np.resize([0.8, 0.0], len(t)) / _RATE, True),
         (lambda t: t + 0.4 / _RATE, True),
         (lambda t: t - 0.4 / _RATE, True),
         (lambda t: t + 0.8 / _RATE, True),
@@ -125,12 +135,13 @@ def _records(taus: Callable[[Array], Array], sizes: Array = _SIZES, rate: float 
     ],
 )  # fmt: skip
 def test_averaging_times_are_seconds_or_something_else_that_fits_all_records(
-    taus: Callable[[Array], Array], seconds: bool | None
+    taus: Callable[[Array], Array], seconds: bool | None, sizes: Array
 ) -> None:
-    found = allan.unit_of_times(_records(taus), _RATE)
+    records = _records(taus, sizes)
+    found = allan.unit_of_times(records, _RATE)
     assert (None if found is None else found[0]) == seconds
     if found is not None:
-        times, curve, samples = _records(taus)[1]
+        times, curve, samples = records[1]
         assert allan.fits(found[1](times, _RATE), curve, samples)
 
 
