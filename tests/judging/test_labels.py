@@ -35,8 +35,12 @@ def test_a_unit_is_known_however_it_is_written(unit: str | None, text: str) -> N
     assert labels.has_unit_of(1, text) is (unit in ("rad/s", "mrad/s", "deg/s"))
 
 
-def test_of_no_words_none_is_found() -> None:
-    assert re.search(labels._any_of([]), "x") is None
+@pytest.mark.parametrize(
+    ("stems", "text", "found"),
+    [(["ab", "c.d"], "ab", True), (["ab", "c.d"], "c.d", True), (["ab", "c.d"], "cxd", False), (["ab", "c.d"], "abc.d", False), ([], "", False)],
+)  # fmt: skip
+def test_any_of_several_stems_is_found_as_it_is_written(stems: list[str], text: str, found: bool) -> None:
+    assert bool(re.fullmatch(labels._any_of(stems), text)) is found
 
 
 def test_a_label_of_both_units_has_both() -> None:
