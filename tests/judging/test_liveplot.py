@@ -179,3 +179,26 @@ def test_a_line_that_ends_flat_is_no_channel_that_begins_at_rest() -> None:
     channels = np.vstack([np.zeros((20, 6)), CHANNELS])
     flat = np.append(np.cos(STAMPS[:200]), np.zeros(8))
     assert not liveplot.shows(np.zeros(len(flat)), flat, channels, DT)
+
+
+_LATER = CHANNELS * (STAMPS > 0.05)[:, None]
+"""The robot rests at first."""
+
+
+@pytest.mark.parametrize(
+    ("y", "shown"),
+    [
+        (RNG.uniform(-0.6, 0.6, COUNT), False),
+        (RNG.uniform(-0.09, 0.09, COUNT), False),
+        (0.5 * np.sin(3 * STAMPS), False),
+        (_LATER[:, 4], True),
+        (noisy(_LATER[:, 0], 0.5), True),
+    ],
+)
+def test_seconds_are_no_milliseconds_of_a_robot_that_rests_at_first(y: Array, shown: bool) -> None:
+    assert liveplot.shows(STAMPS, y, _LATER, DT) is shown
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_a_reading_may_be_drawn_up_to_three_times(times: int) -> None:
+    assert liveplot.shows(np.repeat(STAMPS, times), np.repeat(noisy(RATE, 0.05), times), CHANNELS, DT)

@@ -15,6 +15,10 @@ _NOISY = np.array([0.9, 0.1])
 _LONGEST_STRIDE = 60
 _FEWEST = 8  # readings in a row that are no coincidence
 _LATEST = 1e6  # s; beyond, nothing is a time of this simulation
+_OWN_ROWS = 0.25
+"""Least share of rows among a curve's points: 1 for a curve of all readings, 1/3 where each is drawn three times. Where seconds are
+taken for milliseconds it is 1/1000, and 1/16 of every sixtieth reading: those rows are all of a robot at rest, and any
+line is near them."""
 _SCALES = (1.0, float(np.degrees(1.0)))
 
 
@@ -56,7 +60,8 @@ def _rows(x: Array, count: int, dt: float) -> Iterator[tuple[np.ndarray, np.ndar
         for shift in (-1, 0):
             row = np.round(np.clip(x * unit, -_LATEST, _LATEST) / dt).astype(np.int64) + shift
             inside = (row >= 0) & (row < count)
-            if inside.sum() >= max(3, 0.9 * len(x)):
+            many = inside.sum() >= max(3, 0.9 * len(x))
+            if many and len(np.unique(row[inside])) > _OWN_ROWS * inside.sum():
                 yield inside, row[inside]
 
 
