@@ -90,9 +90,10 @@ class Conversation(Asking):
                 return path
         raise self._missing(name, home)
 
-    def misspelt(self, name: str) -> str:
-        """The name, a slip away, under which it is defined; empty where it has its own."""
-        return next((own for wanted, own in self.load(self.place_of(name)).misspelt if wanted == name), "")
+    def misspelt(self, name: str) -> tuple[str, str]:
+        """What of a definition, all of it or a method, has another name than it should have, and that name; empty where nothing has."""
+        known = (name, *(method for method in self._furniture.get("methods", ()) if method.partition(".")[0] == name))
+        return next((each for each in self.load(self.place_of(name)).misspelt if each[0] in known), ("", ""))
 
     def lent_to(self, name: str) -> tuple[str, ...]:
         """What the definition of `name` uses and its file does not import."""

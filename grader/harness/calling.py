@@ -86,6 +86,15 @@ def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
     )
 
 
+def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
+    """Whether one of a function's parameters stands for a slot, or any name is taken."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return True
+    return any(parameter.kind is parameter.VAR_KEYWORD or slot.suits(parameter) for parameter in parameters)
+
+
 def fitted(
     function: Callable[..., Any], slots: Sequence[Slot], spares: Mapping[str, Any] | None = None
 ) -> tuple[Callable[..., Any], list[str]]:

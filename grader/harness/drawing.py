@@ -208,7 +208,7 @@ def _tick_labels(axis: Any) -> tuple[int, list[str]]:
     said = [*axis.get_major_formatter().format_ticks(places), axis.get_major_formatter().get_offset()]
     said += axis.get_minor_formatter().format_ticks(between)
     drawn_between = any(tick.gridline.get_visible() for tick in axis.minorTicks)
-    return len(places) + (len(between) if drawn_between else 0), said
+    return len(places) + (len(between) if drawn_between else 0), [str(text) for text in said]  # of a box plot: numbers
 
 
 def _is_ordinary_legend(legend: Any) -> bool:

@@ -40,8 +40,10 @@ class _State:
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
-        # by file: what is asked for with the name that it has there; who uses what the file does not import; who lacks a return
+        # by file: what is asked for with the name that it has there, and methods likewise; who uses what the file does not import; who
+        # lacks a return
         self.misspelt: dict[str, list[tuple[str, str]]] = {}
+        self.other_methods: dict[str, dict[str, str]] = {}
         self.lent: dict[str, list[tuple[str, str]]] = {}
         self.unreturned: dict[str, dict[str, bool]] = {}
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
@@ -87,7 +89,8 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
     seen, arrays = figures.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
-    answer |= {"lent": STATE.lent.get(path, []), "misspelt": STATE.misspelt.get(path, [])}
+    answer["lent"] = STATE.lent.get(path, [])
+    answer["misspelt"] = [*STATE.misspelt.get(path, []), *STATE.other_methods.get(path, {}).items()]
     answer["unreturned"] = [name for name, lacked in STATE.unreturned.get(path, {}).items() if lacked]
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 
@@ -308,12 +311,33 @@ def _units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit
 
 
 def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], lending: Lending) -> None:
+    meant = dict(spelling.other_methods([unit.node for unit in units], STATE.furniture.get("methods", {})))
+
     def after(node: ast.stmt) -> None:
+        if isinstance(node, ast.ClassDef):
+            _call_by_right_names(names.get(node.name), node.name, path.partition(":cell ")[0], meant)
         bound = [name for name in stepping.bound(node) if name in STATE.standins]
         names.update({name: _in_place_of(names.get(name), name) for name in bound})
         lending.after(node, names)
 
     STATE.stepper.run(units, path, names, after)
+
+
+def _call_by_right_names(own: Any, name: str, path: str, meant: dict[str, str]) -> None:
+    """Let the methods of a class that has none of the right name be called by that, too."""
+    known = STATE.other_methods.setdefault(path, {})
+    for wanted in [each for each in known if each.partition(".")[0] == name]:
+        del known[wanted]  # of a definition before this one
+    for wanted, method in meant.items():
+        kind, _, right = wanted.partition(".")
+        if kind == name and issubclass(type(own), type) and not _has(own, right):
+            type.__setattr__(own, right, getattr(own, method))
+            known[wanted] = method
+
+
+def _has(own: type, method: str) -> bool:
+    """Whether a class has a method, or may find one where it is asked for."""
+    return any({method, "__getattr__"} & {*_members_of(kind)} for kind in type.mro(own))
 
 
 def _in_place_of(own: Any, name: str) -> Any:
@@ -325,6 +349,8 @@ def _in_place_of(own: Any, name: str) -> Any:
     methods = (types.FunctionType, classmethod, staticmethod)
     members = [member for kind in reversed(type.mro(own)) for member in _members_of(kind).items()]
     beside = {part: value for part, value in members if isinstance(value, methods) and part not in sheets}
+    meant = (each for known in STATE.other_methods.values() for each in known.items())
+    beside |= {method: getattr(standin, n.partition(".")[2]) for n, method in meant if n.startswith(f"{name}.")}
     return type(name, (standin,), beside)
 
 

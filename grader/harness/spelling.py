@@ -1,10 +1,14 @@
-"""Definitions under a name that is a slip of the pen away from the one that is asked for."""
+"""Definitions under another name than the one that is asked for, where only one thing can be meant.
+
+A function or a class is meant by a name that is a slip of the pen away. A method of a class that has its right name is meant by the
+only one that takes as much and gives something back, whatever word it has: what the class is for is known.
+"""
 
 from __future__ import annotations
 
 import ast
 import difflib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from . import stepping
 
@@ -25,3 +29,53 @@ def slips(nodes: Sequence[ast.stmt], wanted: Collection[str]) -> Iterator[tuple[
 def _is_near(own: str, name: str) -> bool:
     own, name = (each.casefold().replace("_", "") for each in (own, name))
     return difflib.SequenceMatcher(None, own, name).ratio() >= _CLOSE
+
+
+# ---------------------------------------------------------------- methods
+
+
+def other_methods(nodes: Sequence[ast.stmt], wanted: Mapping[str, int]) -> Iterator[tuple[str, str]]:
+    """The wanted methods, as `Class.method`, of classes of these statements, each with the one that must mean it if there is none.
+
+    Parameters
+    ----------
+    wanted : how many values each is given
+    """
+    classes = {node.name: node for node in nodes if isinstance(node, ast.ClassDef)}
+    for name, values in wanted.items():
+        kind, _, method = name.partition(".")
+        members = _members(classes[kind], classes) if kind in classes else {}
+        if not members or method in members or any(_speaks_of(node, method) for node in nodes):
+            continue
+        does = [own for own, node in members.items() if _does(node, values)]
+        public = [own for own in does if not own.startswith("_")]
+        alike = [own for own in public if method in own.casefold()]
+        meant = alike or public or [own for own in does if own == "__call__"]
+        if len(meant) == 1:
+            yield name, meant[0]
+
+
+def _speaks_of(node: ast.AST, method: str) -> bool:
+    """Whether anything there sets such an attribute, or may do so by its name."""
+    return any(
+        (isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store) and each.attr == method)
+        or (isinstance(each, ast.Constant) and each.value == method)
+        for each in ast.walk(node)
+    )
+
+
+def _members(kind: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> dict[str, ast.FunctionDef]:
+    """The methods of a class, with those of the bases that stand in the same file."""
+    found: dict[str, ast.FunctionDef] = {}
+    for base in kind.bases:
+        if isinstance(base, ast.Name) and base.id in classes and base.id != kind.name:
+            found |= {node.name: node for node in classes[base.id].body if isinstance(node, ast.FunctionDef)}
+    return found | {node.name: node for node in kind.body if isinstance(node, ast.FunctionDef)}
+
+
+def _does(method: ast.FunctionDef, values: int) -> bool:
+    """Whether it is an ordinary method that has to be given so many values, and returns something."""
+    given = [*method.args.posonlyargs, *method.args.args]
+    needed = len(given) - 1 - len(method.args.defaults)
+    returned = [each.value for each in ast.walk(method) if isinstance(each, ast.Return)]
+    return not method.decorator_list and needed == values and any(value is not None for value in returned)

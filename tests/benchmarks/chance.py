@@ -107,8 +107,8 @@ class Model:
         accel, gyro = (np.array([getattr(run, name)[0] for run in runs]) for name in ("accel", "gyro"))
         return NoiseRun(accel, gyro, np.zeros((0, 4)), None, None)
 
-    def misspelt(self, _name: str) -> str:
-        return ""
+    def misspelt(self, _name: str) -> tuple[str, str]:
+        return "", ""
 
     def lent_to(self, _name: str) -> tuple[str, ...]:
         return ()

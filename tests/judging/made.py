@@ -54,6 +54,7 @@ class Made(Student):
         self.parts, self.robot = parts, robot_of(truth())
         self.files, self.notes, self.broken, self.drawn = {}, [], set(), ()  # type: ignore[assignment, misc]
         self._answers, self._called, self._lab = {}, {}, LAB
+        self._furniture = {"methods": ()}
         np.random.seed(0)  # as the harness seeds what it loads
 
     def place_of(self, name: str) -> str:

@@ -30,6 +30,8 @@ _RETURNS = {
     "NoisyIMU.read": "pair",
     "LowPassFilter.update": "value",
 }
+_METHODS = {"NoisyIMU.read": 0, "LowPassFilter.update": 1, "ComplementaryFilter.update": 2}
+"""How many values each is given."""
 _FURTHER = 3  # programs that are run to see what they draw
 
 
@@ -49,7 +51,7 @@ class Plotting(Conversation):
             "imu": robot.imu,
             "sheet_model": lab.model,
         }
-        furniture["returns"] = _RETURNS
+        furniture |= {"returns": _RETURNS, "methods": _METHODS}
         furniture["libraries"] = ("mujoco", "np", "numpy", "plt")
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures

@@ -2,32 +2,34 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import NoneType
 from typing import Any
 
 import numpy as np
 
-from grader.harness.calling import Slot, fitted
+from grader.harness.calling import Slot, fitted, has_place_for, way_of
 
 
 def _meaning(pattern: str) -> re.Pattern[str]:
     return re.compile(pattern, re.IGNORECASE)
 
 
-def _of_each_sensor(quantity: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
-    """Words for a quantity of the accelerometer, and of the gyroscope."""
-    accel, gyro = (rf"^({own}).*({quantity})|({quantity}).*_({own})" for own in ("a", "g|w|omega|rate"))
+def _of_each_sensor(quantity: str, other: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
+    """Words for a quantity of the accelerometer, and of the gyroscope, that speak of no other one."""
+    accel, gyro = (rf"^(?!.*({other}))(({own}).*({quantity})|({quantity}).*_({own}))" for own in ("a", "g|w|omega|rate"))
     return _meaning(accel), _meaning(gyro)
 
 
 _MODEL, _DATA = Slot("model", _meaning(r"^m$|model")), Slot("data", _meaning(r"^d$|data"))
 _ID_TYPES = (int, np.integer, NoneType)  # anything else that a parameter stands for by default is no id: a name, a list
-_STDS = _of_each_sensor("std|sigma|noise|dev|var")
+_SIZE = "std|sigma|noise|dev|var"
+_STDS = _of_each_sensor(_SIZE, "bias|offset|drift")
 _ALPHA = _meaning(r"alpha|^[ak]$|smooth|coef|factor|weight|gain|beta|lam")
 _DT = _meaning(r"^(dt|delta.*|time_?step|period|h)$")
-_BIASES = _of_each_sensor("bias|offset|drift|(?<![a-z])b(?![a-z])")
+_BIASES = _of_each_sensor("bias|offset|drift|(?<![a-z])b(?![a-z])", _SIZE)
 
 READER = (
     _MODEL,
@@ -42,12 +44,17 @@ NOISY = (
     Slot("gyro_id", _meaning(r"^g(_|yr|$)(?!.*(std|sigma|noise|dev|bias|offset))")),
     Slot("accel_noise_std", _STDS[0], "option"),
     Slot("gyro_noise_std", _STDS[1], "option"),
-    Slot("accel_bias", _BIASES[0], "name"),
-    Slot("gyro_bias", _BIASES[1], "name"),
+    Slot("accel_bias", _BIASES[0], "option"),
+    Slot("gyro_bias", _BIASES[1], "option"),
 )
-FILTER = (
-    Slot("alpha", _ALPHA, "name"),
-    Slot("initial_value", _meaning(r"init|start|first|prev|state|value|^[xy]_?0$"), "name"),
+_INITIAL = Slot("initial_value", _meaning(r"init|start|first|prev|state|value|^[xy]_?0$"), "option")
+FILTER = (Slot("alpha", _ALPHA, "option"), _INITIAL)
+_FILTER_IN_TIME = (
+    _INITIAL,
+    Slot("rate", _meaning(r"^fs$|samp|rate"), "spare", (int, float)),
+    Slot("dt", _DT, "spare", (int, float)),
+    Slot("cutoff", _meaning(r"cut|^f_?c$|freq"), "spare", (int, float)),
+    Slot("time_constant", _meaning(r"tau|const|^rc$"), "spare", (int, float)),
 )
 UPDATE = (
     Slot("measurement", _meaning(r"^[xz]$|meas|sample|value|new|raw|input")),
@@ -82,3 +89,27 @@ def collecting_by(
     """A function that simulates, to be called as the sheet does, and what it departs in; it gets the ids where it asks for them."""
     steps = round(duration_s / model.opt.timestep)
     return fitted(function, COLLECTOR, {"accel_id": ids["accel"], "gyro_id": ids["gyro"], "n_steps": steps})
+
+
+BETWEEN_S = 0.002
+"""The time step of the sheet's model, for a filter that asks how far its measurements are apart."""
+_ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
+
+
+def filter_by(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
+    """What builds a filter from the sheet's options, and what it departs in.
+
+    One that is made of a cutoff or a time constant gets those of alpha: an RC circuit, sampled by the backward difference, has
+    alpha = dt / (RC + dt) and the cutoff 1 / (2 pi RC).
+    """
+    way, in_time = way_of(kind, FILTER), way_of(kind, _FILTER_IN_TIME)
+    if has_place_for(FILTER[0], kind) or not {"cutoff", "time_constant"} & {*in_time.departs}:
+        return lambda options: way(kind, options), list(way.departs)
+
+    def build(options: Mapping[str, Any]) -> Any:
+        alpha = options.get("alpha", _ALPHA_ON_SHEET)
+        rc = max(BETWEEN_S * (1 - alpha) / alpha, _SMALLEST)
+        values = {"rate": 1 / BETWEEN_S, "dt": BETWEEN_S, "time_constant": rc, "cutoff": 1 / (2 * math.pi * rc)}
+        return in_time(kind, {**options, **values})
+
+    return build, ["alpha"]

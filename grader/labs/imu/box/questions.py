@@ -24,8 +24,6 @@ from . import calls
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 _SHORT_RUN_S = 0.1
-_BETWEEN_S = 0.002
-"""The time step of the sheet's model, for a filter that asks how far its measurements are apart."""
 _ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
 _GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
 _AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
@@ -323,14 +321,14 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
         options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
         if initial is not None:
             options["initial_value"] = initial
-        way = way_of(kind, calls.FILTER)
-        instance = way(kind, options)
-        update, departs = fitted(instance.update, calls.UPDATE, {"dt": _BETWEEN_S})
-        answer["departs"] = [*way.departs, *departs]
+        build, in_building = calls.filter_by(kind)
+        instance = build(options)
+        update, departs = fitted(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
+        answer["departs"] = [*in_building, *departs]
         beside = None
         if case["handling"] == "beside":
-            other = way(kind, options | {"alpha": 1 - case["alpha"]})
-            beside, _ = fitted(other.update, calls.UPDATE, {"dt": _BETWEEN_S})
+            other = build(options | {"alpha": 1 - case["alpha"]})
+            beside, _ = fitted(other.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
         first: Any = None
         for measurement in signal:
             value, row = _filtered(update, measurement, case["handling"], answer, packer)

@@ -16,10 +16,11 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
     ----------
     departs : the sheet's names for the parameters by which it could not be called as the sheet does; nothing of the student's
     """
-    if own := student.misspelt(name):
-        off = Size(f"a name that is not spelled as {name}")
+    wanted, own = student.misspelt(name)
+    if own:
+        off = Size(f"a name that is not spelled as {wanted}")
         raise Lost(
-            name, f"{printable(own, 60)}, which was taken for it", off=off, mistakes=["name-missing"], keeps=keeps
+            wanted, f"{printable(own, 60)}, which was taken for it", off=off, mistakes=["name-missing"], keeps=keeps
         )
     if lent := ", ".join(student.lent_to(name)):
         off = Size(f"no import of {lent}")

@@ -15,6 +15,7 @@ from grader.engine.figures import Axes, Curve, Entry, Figure, Placed
 from grader.labs.imu.answers import SENSORS, Array, Collection, column_named
 from grader.labs.imu.diagnosis.labels import axis_of
 
+_DAY_S = 86400.0  # matplotlib counts dates in days
 FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
 _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
@@ -143,7 +144,8 @@ def _channel(curve: Curve, series: Mapping[str, Array]) -> tuple[int, int, str, 
 def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
     """What x may be, with the time stamps that follow: only readings under which x spans the recorded time."""
     rows = np.arange(len(time))
-    kinds = [("s", x), ("ms", x / 1000), ("s from start", x + time[0])]
+    kinds = [("s", x), ("ms", x / 1000), ("us", x / 1e6), ("ns", x / 1e9), ("s from start", x + time[0])]
+    kinds.append(("date", (x - x[0]) * _DAY_S + time[0]))
     kinds += [("index", np.interp(x, rows, time)), ("index", np.interp(x - 1, rows, time))]
     if len(x) < len(time):
         kinds.append(("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time)))
