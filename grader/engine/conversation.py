@@ -91,7 +91,7 @@ class Conversation(Asking):
         raise self._missing(name, home)
 
     def misspelt(self, name: str) -> tuple[str, str]:
-        """What of a definition, all of it or a method, has another name than it should have, and that name; empty where nothing has."""
+        """What of a definition, all of it or a method, has another name than it should have, and that name; else empty."""
         known = (name, *(method for method in self._furniture.get("methods", ()) if method.partition(".")[0] == name))
         return next((each for each in self.load(self.place_of(name)).misspelt if each[0] in known), ("", ""))
 

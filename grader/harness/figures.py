@@ -268,7 +268,9 @@ _NOTHING = ("None", "none", "", " ", None)
 
 def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
     seeing.must_be_honest(line)
-    x, y = (_plain_floats(get(orig=False)) for get in (line.get_xdata, line.get_ydata))  # dates and names as they are drawn
+    x, y = (
+        _plain_floats(get(orig=False)) for get in (line.get_xdata, line.get_ydata)
+    )  # dates and names as they are drawn
     stroke, marks = line.get_linestyle() not in _NOTHING, line.get_marker() not in _NOTHING
     inks = [line.get_color()] if stroke else []
     if marks:

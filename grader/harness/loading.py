@@ -40,7 +40,7 @@ class _State:
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
-        # by file: what is asked for with the name that it has there, and methods likewise; who uses what the file does not import; who
+        # by file: what is asked for, and which method, with the name that it has there; who uses what the file does not import; who
         # lacks a return
         self.misspelt: dict[str, list[tuple[str, str]]] = {}
         self.other_methods: dict[str, dict[str, str]] = {}

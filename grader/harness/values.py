@@ -78,7 +78,21 @@ class Packer:
         try:
             return self._array(np.asarray(value, dtype=np.float64), "list")
         except (TypeError, ValueError):
-            return {"kind": "other", "type": f"{kind} of unequal rows"}
+            return self._table(value, depth) or {"kind": "other", "type": f"{kind} of unequal rows"}
+
+    def _table(self, rows: Any, depth: int) -> dict[str, Any] | None:
+        """Rows that are dictionaries of the same keys, or sequences of one length: an object of their columns."""
+        first, kinds = rows[0], {type(row) for row in rows}
+        if len(kinds) > 1 or not isinstance(first, dict | tuple | list):
+            return None
+        names = list(first) if isinstance(first, dict) else range(len(first))
+        if len(names) > _SHORT or any(len(row) != len(names) for row in rows):
+            return None
+        try:
+            columns = {name: [row[name] for row in rows] for name in names}
+        except (KeyError, IndexError):
+            return None
+        return self._mapping(columns, "object", rows, depth)
 
     def _mapping(self, members: dict[Any, Any], kind: str, value: Any, depth: int) -> dict[str, Any]:
         items = [[str(name)[:100], self.node(member, depth + 1)] for name, member in list(members.items())[:_MAX_ITEMS]]

@@ -225,13 +225,20 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
     if node is None or node["kind"] == "none":
         return _nothing_collected("got None: the function returns nothing")
     oddities: list[tuple[str, str]] = []
+    members: dict[str, Array | None]
     if node["kind"] == "dict":
-        members = {name: numbers(item, arrays) for name, item in node["items"]}
+        members = _members(node, arrays)
+        nested = [name for name, item in node["items"] if item["kind"] in ("dict", "object")]
+        if nested and not {name for name, _ in node["items"]}.difference(nested) >= set(KEYS):
+            told = ", ".join(repr(name) for name in nested[:3])
+            oddities.append(("wrong-return-type", f"got names within {told}, and no array"))
     elif node["kind"] == "object":
-        members = {name: numbers(item, arrays) for name, item in node["items"]}
+        members = _members(node, arrays)
         oddities.append(("wrong-return-type", f"got an object of type {node['type']}, not a dictionary"))
     elif node["kind"] in ("tuple", "list") and "items" in node:
         members = {str(i): numbers(item, arrays) for i, item in enumerate(node["items"])}
+        oddities.append(("wrong-return-type", f"got {shape_in_words(node, arrays)}, not a dictionary"))
+    elif members := _side_by_side(node, arrays):
         oddities.append(("wrong-return-type", f"got {shape_in_words(node, arrays)}, not a dictionary"))
     else:
         return _nothing_collected(f"got {shape_in_words(node, arrays)}, not a dictionary")
@@ -247,6 +254,29 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
     found |= {key: columns for key in SENSORS if key not in found and (columns := _columns(key, extras)) is not None}
     time, acceleration, angular_velocity = (found.get(key) for key in KEYS)
     return Collection(time, acceleration, angular_velocity, keys, extras, tuple(oddities))
+
+
+def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
+    """What a dictionary holds, with what stands in those that it holds: under its own name, or both names where there is another."""
+    members: dict[str, Array | None] = {}
+    for name, item in node["items"]:
+        if item["kind"] in ("dict", "object"):
+            for n, value in _members(item, arrays).items():
+                both = f"{name}_{n}"
+                members[both if column_named(both) or n in members else n] = value
+        else:
+            members[name] = numbers(item, arrays)
+    return members
+
+
+def _side_by_side(node: Node, arrays: Arrays) -> dict[str, Array | None]:
+    """The series of one array (n, 7) of time and both sensors, or (n, 6) of these alone; of anything else none."""
+    whole = numbers(node, arrays)
+    if whole is None or whole.ndim != 2 or whole.shape[1] not in (6, 7):
+        return {}
+    time, rows = whole[:, :-6], whole[:, -6:]
+    found: dict[str, Array | None] = {"acceleration": rows[:, :3], "angular_velocity": rows[:, 3:]}
+    return found | ({"time": time[:, 0]} if time.size else {})
 
 
 def _nothing_collected(got: str) -> Collection:
@@ -285,8 +315,10 @@ def _own_keys(series: Mapping[str, Array]) -> dict[str, str]:
         "acceleration": lambda n: _ACCELERATION_NAME.search(n) is not None,
         "angular_velocity": lambda n: _RATE_NAME.search(n) is not None and _ACCELERATION_NAME.search(n) is None,
     }
+    whole = [name for name in free if not (column_named(name) and series[name].ndim == 1)]
     for key in KEYS:
-        guess = next((n for n in free if key not in keys and alike[key](n)), None)
+        likeliest = sorted(whole, key=lambda name: series[name].ndim, reverse=key != "time")
+        guess = next((n for n in likeliest if key not in keys and n in free and alike[key](n)), None)
         if guess is not None:
             keys[key] = guess
             free.remove(guess)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
@@ -63,41 +63,69 @@ class Plotting(Conversation):
         return [answer for answer in answers if isinstance(answer, Drawing)]
 
     def plot(
-        self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int], called: str = ""
+        self,
+        *,
+        data: Mapping[str, Array],
+        sheet: Mapping[str, Array],
+        ids: tuple[int, int],
+        called: str = "",
+        fits: Callable[[Drawing], bool] | None = None,
     ) -> Drawing:
         """What `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
 
-        If it raises, it is given what the submission's own recorder returns, with the data in it: an object of the
-        submission's own, or a dictionary with labels and settings beside the numbers. If it raises again, it gets the
-        sheet's recording: a key that is misspelled where the data is recorded is no fault of the plot's.
+        If it raises, it is given what the submission's own recorder returns of such a run: an object of the submission's own, or a
+        dictionary with labels and settings beside the numbers. If it raises again, it gets the sheet's recording: a key that is
+        misspelled where the data is recorded is no fault of the plot's.
+
+        Parameters
+        ----------
+        fits : whether a drawing shows the data; asked where the submission's recording has another form than the sheet's, and
+            the plot may be made for that
         """
         key = (key_of("plot", {"ids": ids}, data), key_of("plot", {}, sheet))
-        return self.known_as(called, key, lambda: self._plot(data, sheet, ids))
+        return self.known_as(called, key, lambda: self._plot(data, sheet, ids, fits))
 
-    def _plot(self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]) -> Drawing:
+    def _plot(
+        self,
+        data: Mapping[str, Array],
+        sheet: Mapping[str, Array],
+        ids: tuple[int, int],
+        fits: Callable[[Drawing], bool] | None,
+    ) -> Drawing:
         drawing = self._plotted(data)
-        if drawing.fault is None:
+        if drawing.fault is None and (fits is None or fits(drawing)):
             return drawing
-        own = self._plotted_as_recorded(data, ids)
-        if own is not None and own.fault is None:
+        own = self._plotted_as_recorded(data, sheet, ids)
+        if own is not None and own.fault is None and (fits is None or fits(own) or drawing.fault):
             return own
-        as_on_sheet = drawing if data.keys() == sheet.keys() else self._plotted(sheet)
+        if drawing.fault is None or data.keys() == sheet.keys():
+            return drawing
+        as_on_sheet = self._plotted(sheet)
         return drawing if as_on_sheet.fault else as_on_sheet
 
-    def _plotted_as_recorded(self, data: Mapping[str, Array], ids: tuple[int, int]) -> Drawing | None:
+    def _plotted_as_recorded(
+        self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
+    ) -> Drawing | None:
         """In what the own recorder returns, whether it lost points or not: a stand-in would return the sheet's dictionary."""
+        shown = {f"s{number}": value for number, value in enumerate(sheet.values())}
         try:
             with self.without_standins():
                 path = self.place_of("simulate_and_collect")
                 recorder = {"path": path, "model": self.robot.xml, "accel_id": ids[0], "gyro_id": ids[1]}
-                return self._plotted(data, recorder)
+                return self._plotted(data, recorder | {"shows": list(shown)}, shown)
         except (Missing, NoAnswer):
             return None
 
-    def _plotted(self, data: Mapping[str, Array], recorder: Mapping[str, Any] | None = None) -> Drawing:
+    def _plotted(
+        self,
+        data: Mapping[str, Array],
+        recorder: Mapping[str, Any] | None = None,
+        shown: Mapping[str, Array] | None = None,
+    ) -> Drawing:
         keys = {name: f"d{number}" for number, name in enumerate(data)}
         fields = {"path": self.place_of("plot_imu_data"), "keys": keys, "recorder": recorder}
-        return drawing_of(self.ask("plot", fields, {keys[name]: value for name, value in data.items()}))
+        arrays = {keys[name]: value for name, value in data.items()} | dict(shown or {})
+        return drawing_of(self.ask("plot", fields, arrays))
 
     def scripts(self) -> Iterator[Drawing]:
         """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.

@@ -19,7 +19,9 @@ def _meaning(pattern: str) -> re.Pattern[str]:
 
 def _of_each_sensor(quantity: str, other: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
     """Words for a quantity of the accelerometer, and of the gyroscope, that speak of no other one."""
-    accel, gyro = (rf"^(?!.*({other}))(({own}).*({quantity})|({quantity}).*_({own}))" for own in ("a", "g|w|omega|rate"))
+    accel, gyro = (
+        rf"^(?!.*({other}))(({own}).*({quantity})|({quantity}).*_({own}))" for own in ("a", "g|w|omega|rate")
+    )
     return _meaning(accel), _meaning(gyro)
 
 

@@ -9,7 +9,7 @@ import dis
 import functools
 import re
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -18,12 +18,12 @@ import numpy as np
 
 from grader.harness import faults, figures, loading, saved, world
 from grader.harness.calling import fitted, way_of
+from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
 
 from . import calls
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
-_SHORT_RUN_S = 0.1
 _ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
 _GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
 _AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
@@ -378,7 +378,8 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     Parameters
     ----------
     fields : ``path``, ``keys``: the submission's own names, with the array that each stands for; ``recorder``: None, or how to
-        call the submission's `simulate_and_collect`, whose result is then given, with these series in the place of its own
+        call the submission's `simulate_and_collect`, which then records the sheet's series (``shows``: an array for each), and
+        whose result is given, with the series of these names in the place of its own
     arrays : what is plotted; a number is an array of no dimension
     """
     function = loading.find("plot_imu_data", fields["path"])
@@ -392,23 +393,72 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with examined(answer):
         way = way_of(function, calls.PLOTTER)
         answer["departs"] = list(way.departs)
-        recorded = _recorded(fields["recorder"], given) if fields["recorder"] else given
+        recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
         way(function, calls.WRITTEN | given | {"imu_data": recorded})
     seen, facts = figures.RECORDER.take(loading.STATE.folder)
     return answer | seen, facts
 
 
-def _recorded(recorder: dict[str, Any], series: dict[str, Any]) -> Any:
-    """What the submission returns for a short run, with other series in it: it may be more than a dictionary of numbers."""
+def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str, Any]) -> Any:
+    """What the submission returns of a run in which these series are measured, in whatever form it keeps them.
+
+    Where it alters what it reads, the series are put in the place of its own that have the same form.
+    """
     function = loading.find("simulate_and_collect", recorder["path"])
     model, data = simulation_of(recorder["model"])
     ids = {"accel": recorder["accel_id"], "gyro": recorder["gyro_id"]}
     provide_ids(ids)
-    collect, _ = calls.collecting_by(function, model, _SHORT_RUN_S, ids)
-    recorded = collect(model, data, _SHORT_RUN_S)
+    time, *rows = (arrays[key] for key in recorder["shows"])
+    model.opt.timestep = time[0]
+    collect, _ = calls.collecting_by(function, model, time[-1], ids)
+    measured = {int(model.sensor_adr[id_]): of_sensor for id_, of_sensor in zip(ids.values(), rows, strict=True)}
+    with _measuring(time, measured):
+        recorded = collect(model, data, time[-1])
     for name, value in series.items():
-        try:
-            recorded[name] = value
-        except TypeError:  # an object with attributes, which may be frozen
-            object.__setattr__(recorded, name, value)
+        with suppress(TypeError, KeyError, IndexError, ValueError, AttributeError):
+            _replace(recorded, name, value)
     return recorded
+
+
+@contextmanager
+def _measuring(time: np.ndarray, measured: dict[int, np.ndarray]) -> Iterator[None]:
+    """Let each step measure the next row (n, 3) of each address, and nothing move."""
+    import mujoco
+
+    steps = 0
+
+    def mj_step(model: Any, data: Any, nstep: int = 1) -> None:
+        nonlocal steps
+        steps += nstep
+        mj_forward(model, data)
+        data.time = time[min(steps, len(time)) - 1]
+
+    def mj_forward(model: Any, data: Any) -> None:
+        for address, rows in measured.items():
+            data.sensordata[address : address + 3] = rows[min(max(steps, 1), len(rows)) - 1]
+
+    really = {name: getattr(mujoco, name) for name in ("mj_step", "mj_forward")}
+    instead = {"mj_step": mj_step, "mj_forward": mj_forward}
+    with ExitStack() as stack:
+        for owner in (mujoco, *loading.STATE.modules.values()):
+            there = {
+                name: instead[own] for own, it in really.items() for name, v in list(vars(owner).items()) if v is it
+            }
+            stack.enter_context(replaced(owner, there))
+        yield
+
+
+def _replace(recorded: Any, name: str, value: Any) -> None:
+    """Put a series in the place of one of the same form: under a key, or in an object with attributes, which may be frozen."""
+    try:
+        own = recorded[name]
+    except TypeError:
+        if _form(getattr(recorded, name)) == _form(value):
+            object.__setattr__(recorded, name, value)
+    else:
+        if _form(own) == _form(value):
+            recorded[name] = value
+
+
+def _form(series: Any) -> tuple[int, tuple[int, ...]]:
+    return np.ndim(series), np.shape(series)[1:]

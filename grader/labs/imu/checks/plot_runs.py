@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 
 from grader.engine.figures import Curve, Figure, Sight
 from grader.engine.findings import Missing, Raised, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
-from grader.labs.imu.answers import KEYS, Array, Drawing
+from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.diagnosis.plots import Channel, Panel, Shown
 from grader.labs.imu.diagnosis.sight import together
@@ -93,23 +94,34 @@ def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
 def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
     """What `plot_imu_data` draws of a run, given under the names under which the submission itself records it."""
     series = series_of(truth, run)
+    own = _own_recording(student, truth)
     return student.plot(
-        data=_data(student, truth, series),
+        data=_data(own, series),
         sheet=series,
         ids=torso_ids(truth),
         called="plot" if run == "tumbling" else "",
+        fits=partial(_shows_all, series=series) if own is not None and own.oddities else None,
     )
 
 
-def _data(student: Student, truth: Traces, series: dict[str, Array]) -> dict[str, Array]:
-    """The true series under the submission's own names, with what else it records."""
+def _own_recording(student: Student, truth: Traces) -> Collection | None:
     try:
-        own = student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
+        return student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
     except (NoAnswer, Missing, Raised):
-        return series
-    if any(name.isdigit() for name in own.keys.values()):
+        return None
+
+
+def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
+    """The true series under the submission's own names, with what else it records."""
+    if own is None or any(name.isdigit() for name in own.keys.values()):
         return series
     return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
+
+
+def _shows_all(drawing: Drawing, series: dict[str, Array]) -> bool:
+    """Whether there is a curve of each channel."""
+    channels = {c for figure in drawing.figures for panel in plots.panels(figure, series) for c in panel.channels}
+    return channels == set(CHANNELS)
 
 
 def drawing_or_fault(student: Student, truth: Traces) -> Drawing:
