@@ -33,6 +33,10 @@ RECORD, PLOT = "data_collection.returns_named_arrays", "visualization.saves_imag
 
 OTHER, FORGOT = ("other-parameters",), ("import-missing",)
 
+FILTER_IN_TIME = {
+    "alpha=0.1, initial_value=None": "cutoff_hz, dt, initial_value=None",
+    "self.alpha = alpha": "self.alpha = dt / (1 / (2 * np.pi * cutoff_hz) + dt)",
+}
 PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
     "standard deviations": (NOISY, {"accel_noise_std": "acc_std", "gyro_noise_std": "gyr_std"}, {NOISE: 3.0}, OTHER),
     "sigma for each": (NOISY, {"accel_noise_std": "sigma_a", "gyro_noise_std": "sigma_g"}, {NOISE: 3.0}, OTHER),
@@ -68,6 +72,59 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
         },
         {RECURSION: 3.0},
         OTHER,
+    ),
+    "a cutoff": (FILTER, FILTER_IN_TIME | {"LowPassFilter(alpha=0.1)": "LowPassFilter(10.0, 0.002)"}, {RECURSION: 3.0}, OTHER),
+    "a cutoff with a default": (
+        FILTER,
+        FILTER_IN_TIME | {"cutoff_hz, dt,": "cutoff_hz=10.0, dt=0.002,", "LowPassFilter(alpha=0.1)": "LowPassFilter()"},
+        {RECURSION: 3.0},
+        OTHER,
+    ),
+    "a sampling rate": (
+        FILTER,
+        FILTER_IN_TIME
+        | {"cutoff_hz, dt,": "fc, sampling_freq,", "dt / (1 / (2 * np.pi * cutoff_hz) + dt)": "1 / (1 + sampling_freq / (2 * np.pi * fc))"}
+        | {"LowPassFilter(alpha=0.1)": "LowPassFilter(fc=10.0, sampling_freq=500)"},
+        {RECURSION: 3.0},
+        OTHER,
+    ),
+    "a time constant": (
+        FILTER,
+        FILTER_IN_TIME | {"cutoff_hz, dt,": "tau, dt,", "1 / (2 * np.pi * cutoff_hz)": "tau"}
+        | {"LowPassFilter(alpha=0.1)": "LowPassFilter(0.02, 0.002)"},
+        {RECURSION: 3.0},
+        OTHER,
+    ),
+    "an alpha, or a cutoff": (
+        FILTER,
+        {
+            "alpha=0.1, initial_value=None": "alpha=0.1, initial_value=None, cutoff_hz=0.0, dt=0.002",
+            "self.alpha = alpha": "self.alpha = dt / (1 / (2 * np.pi * cutoff_hz) + dt) if cutoff_hz else alpha",
+        },
+        {},
+        (),
+    ),
+    "no alpha": (
+        FILTER,
+        {"alpha=0.1, initial_value": "initial_value", "self.alpha = alpha": "self.alpha = 0.1", "(alpha=0.1)": "()"},
+        {RECURSION: 6.0},
+        ("alpha-ignored",),
+    ),
+    "no initial value": (
+        FILTER,
+        {", initial_value=None": "", "= initial_value": "= None"},
+        {"filtering.starts_from_first_measurement": 1.5},
+        ("initial-value-ignored",),
+    ),
+    "standard deviations of biases": (
+        NOISY,
+        {
+            "accel_bias=None, gyro_bias=None": "accel_bias_std=0.1, gyro_bias_std=0.01",
+            "accel_bias if accel_bias is not None else np.random.normal(0, 0.1, 3)": "np.random.normal(0, accel_bias_std, 3)",
+            "gyro_bias if gyro_bias is not None else np.random.normal(0, 0.01, 3)": "np.random.normal(0, gyro_bias_std, 3)",
+        },
+        {"noise_model.given_bias": 4.0},
+        ("bias-argument-ignored",),
     ),
     "the time between measurements": (
         FILTER,
@@ -158,6 +215,28 @@ MISSPELT = {
     ("get_imu_readings", "get_imu_reading"): READ,
     ("simulate_and_collect", "simulateAndCollect"): RECORD,
 }
+OTHER_METHODS: dict[str, tuple[str, Changes, str]] = {
+    "process": (FILTER, {"def update": "def process", ".update(": ".process("}, RECURSION),
+    "a call": (FILTER, {"def update": "def __call__", "accel_filter.update(": "accel_filter("}, RECURSION),
+    "filter, beside others": (
+        FILTER,
+        {
+            "    def update": "    def reset(self):\n        self.value = None\n\n    def set_alpha(self, alpha):\n        self.alpha = alpha\n\n"
+            "    def filter",
+            ".update(": ".filter(",
+        },
+        RECURSION,
+    ),
+    "of a base": (
+        FILTER,
+        {"class LowPassFilter:": "class Base:\n    def step(self, x):\n        return self.next(x, 1)\n\n\nclass LowPassFilter(Base):",
+         "def update(self, measurement)": "def next(self, measurement, times)", "accel_filter.update(": "accel_filter.step("},
+        RECURSION,
+    ),
+    "get_readings": (NOISY, {"def read(": "def get_readings(", "noisy_imu.read()": "noisy_imu.get_readings()"}, NOISE),
+    "sample": (NOISY, {"def read(": "def sample(", "noisy_imu.read()": "noisy_imu.sample()"}, NOISE),
+}  # fmt: skip
+"""Methods under other names, where only one can be meant."""
 SILENT: dict[str, tuple[str, Changes, str]] = {
     "the reader": (READER, {"    return acceleration, angular_velocity\n": ""}, READ),
     "the reader prints": (READER, {"    return acceleration, angular_velocity\n": "    print(f'{acceleration}', acceleration, angular_velocity)\n"}, READ),
@@ -193,6 +272,31 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         {"sensor_access.follows_address": 6.0},
         ("sensor-id-as-address",),
     ),
+    "dates along the axis": (
+        READER,
+        {
+            "import numpy as np\n": "import numpy as np\nfrom datetime import datetime, timedelta\n",
+            "imu_data['time']": "[datetime(2026, 5, 1) + timedelta(seconds=float(t)) for t in imu_data['time']]",
+        },
+        {},
+        (),
+    ),
+    "a duration along the axis": (
+        READER, {"imu_data['time']": "(1e6 * imu_data['time']).astype('timedelta64[us]')", "Time (s)": "Time (us)"}, {}, (),
+    ),
+    "nanoseconds along the axis": (READER, {"imu_data['time']": "1e9 * imu_data['time']", "Time (s)": "Time (ns)"}, {}, ()),
+    "a box plot and bars with names beside the curves": (
+        READER,
+        {
+            "plt.savefig('imu_data.png', dpi=150)": "boxes, bars = fig.add_axes([0.8, 0.7, 0.1, 0.1]), fig.add_axes([0.8, 0.2, 0.1, 0.1])\n"
+            "    boxes.boxplot([[1, 2, 3], [2, 3, 4]])\n"
+            "    bars.bar(['a', 'b'], [1, 2])\n"
+            "    bars.plot(['a', 'b'], [1, 2])\n"
+            "    plt.savefig('imu_data.png', dpi=150)"
+        },
+        {},
+        (),
+    ),
     "a bias of four numbers where none is given": (
         NOISY, {"normal(0, 0.1, 3)": "normal(0, 0.1, 4)"}, {"noise_model.default_bias": 3.0}, ("raises",),
     ),
@@ -213,6 +317,10 @@ def _slips() -> Iterator[Slip]:
     )
     for name, (path, changes, check) in SILENT.items():
         yield Slip(f"no return: {name}", _changed(verbatim(), path, changes), {check: 3.0}, ("return-missing",))
+    for name, (path, changes, check) in OTHER_METHODS.items():
+        files = _changed(verbatim(), path, changes)
+        used = {"noisy_imu.read()": changes["noisy_imu.read()"]} if path == NOISY else {}
+        yield Slip(f"another method: {name}", _changed(files, FILTER, used), {check: 3.0}, ("name-missing",))
     for (name, own), check in MISSPELT.items():
         yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
     yield Slip(

@@ -75,6 +75,11 @@ def _slips() -> Iterator[Slip]:
     for name, (change, lost, mistakes) in COLLECTED.items():
         files = edit(verbatim(), "imu_reader.py", change)
         yield Slip(f"record: {name}", files, {f"data_collection.{check}": p for check, p in lost.items()}, mistakes)
+    for name, form in OWN_FORMS.items():
+        named = {"columns": "arrays-transposed", "a key for each axis": "wrong-keys"}.get(name, FORM)
+        yield Slip(
+            f"record and plot: {name}", _recorded_as(*form), {"data_collection.returns_named_arrays": 3.0}, (named,)
+        )
     files = edit(tidy(), "filters.py", ("alpha=0.1, initial_value", "alpha, initial_value"))
     yield Slip("filter: alpha has no default", files, {"filtering.follows_recursion": 3.0}, ())
     yield Slip(
@@ -83,6 +88,63 @@ def _slips() -> Iterator[Slip]:
         {f"sensor_access.{check}": points for check, points in READER.items()},
         ("does-not-import",),
     )
+
+
+RECORDING = "{\n        'time': times,\n        'acceleration': accelerations,\n        'angular_velocity': angular_velocities\n    }"
+OWN_FORMS: dict[str, tuple[str, str, str, str]] = {
+    "a tuple": ("times, accelerations, angular_velocities", "imu_data[0]", "imu_data[1][:, {}]", "imu_data[2][:, {}]"),
+    "a tuple, time last": (
+        "accelerations, angular_velocities, times", "imu_data[2]", "imu_data[0][:, {}]", "imu_data[1][:, {}]",
+    ),
+    "one array": (
+        "np.column_stack([times, accelerations, angular_velocities])",
+        "imu_data[:, 0]", "imu_data[:, 1 + {}]", "imu_data[:, 4 + {}]",
+    ),
+    "columns": (
+        "{'time': times, 'acceleration': accelerations.T, 'angular_velocity': angular_velocities.T}",
+        "imu_data['time']", "imu_data['acceleration'][{}]", "imu_data['angular_velocity'][{}]",
+    ),
+    "dictionaries": (
+        "[{'t': t, 'a': a, 'w': w} for t, a, w in zip(times, accelerations, angular_velocities)]",
+        "[row['t'] for row in imu_data]", "[row['a'][{}] for row in imu_data]", "[row['w'][{}] for row in imu_data]",
+    ),
+    "rows": (
+        "[(t, *a, *w) for t, a, w in zip(times, accelerations, angular_velocities)]",
+        "[row[0] for row in imu_data]", "[row[1 + {}] for row in imu_data]", "[row[4 + {}] for row in imu_data]",
+    ),
+    "unequal rows": (
+        "list(zip(times, accelerations, angular_velocities))",
+        "[row[0] for row in imu_data]", "[row[1][{}] for row in imu_data]", "[row[2][{}] for row in imu_data]",
+    ),
+    "by axis": (
+        "{'time': times, 'accel': dict(zip('xyz', accelerations.T)), 'gyro': dict(zip('xyz', angular_velocities.T))}",
+        "imu_data['time']", "imu_data['accel']['xyz'[{}]]", "imu_data['gyro']['xyz'[{}]]",
+    ),
+    "by sensor": (
+        "{'accel': {'t': times, 'data': accelerations}, 'gyro': {'t': times, 'data': angular_velocities}}",
+        "imu_data['accel']['t']", "imu_data['accel']['data'][:, {}]", "imu_data['gyro']['data'][:, {}]",
+    ),
+    "within another": (
+        "{'imu': " + RECORDING + "}",
+        "imu_data['imu']['time']", "imu_data['imu']['acceleration'][:, {}]", "imu_data['imu']['angular_velocity'][:, {}]",
+    ),
+    "a key for each axis": (
+        "{'time': times} | {f'accel_{n}': accelerations[:, k] for k, n in enumerate('xyz')}"
+        " | {f'gyro_{n}': angular_velocities[:, k] for k, n in enumerate('xyz')}",
+        "imu_data['time']", "imu_data['accel_' + 'xyz'[{}]]", "imu_data['gyro_' + 'xyz'[{}]]",
+    ),
+}  # fmt: skip
+"""What is returned, and how the plot reads the time, an axis of the accelerometer and of the gyroscope in it."""
+
+
+def _recorded_as(returned: str, time: str, accel: str, gyro: str) -> Files:
+    text = str(verbatim()["imu_reader.py"]).replace(f"return {RECORDING}", f"return {returned}")
+    for axis in range(3):
+        text = text.replace(f"imu_data['acceleration'][:, {axis}]", accel.format(axis))
+        text = text.replace(f"imu_data['angular_velocity'][:, {axis}]", gyro.format(axis))
+    head, plot = text.split("def plot_imu_data", 1)
+    read = [line if "plot(" not in line else line.replace("imu_data['time']", time) for line in plot.split("\n")]
+    return verbatim() | {"imu_reader.py": head + "def plot_imu_data" + "\n".join(read)}
 
 
 READER = {

@@ -257,7 +257,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
 
 
 def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
-    """What a dictionary holds, with what stands in those that it holds: under its own name, or both names where there is another."""
+    """What a dictionary holds, with what stands in those that it holds: under its own name, or both where there is another."""
     members: dict[str, Array | None] = {}
     for name, item in node["items"]:
         if item["kind"] in ("dict", "object"):
