@@ -104,8 +104,9 @@ def filter_by(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], A
     One that is made of a cutoff or a time constant gets those of alpha: an RC circuit, sampled by the backward difference, has
     alpha = dt / (RC + dt) and the cutoff 1 / (2 pi RC).
     """
-    way, in_time = way_of(kind, FILTER), way_of(kind, _FILTER_IN_TIME)
-    if has_place_for(FILTER[0], kind) or not {"cutoff", "time_constant"} & {*in_time.departs}:
+    in_time = None if has_place_for(FILTER[0], kind) else way_of(kind, _FILTER_IN_TIME)
+    if in_time is None or not {"cutoff", "time_constant"} & {*in_time.departs}:
+        way = way_of(kind, FILTER)
         return lambda options: way(kind, options), list(way.departs)
 
     def build(options: Mapping[str, Any]) -> Any:

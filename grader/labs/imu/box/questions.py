@@ -306,11 +306,14 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """
     kind = loading.find("LowPassFilter", fields["path"])
     packer = Packer()
-    cases = [_filter_case(kind, case, arrays, packer) for case in fields["cases"]]
+    building = functools.cache(functools.partial(calls.filter_by, kind))
+    cases = [_filter_case(building, case, arrays, packer) for case in fields["cases"]]
     return {"cases": cases}, packer.arrays
 
 
-def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer: Packer) -> dict[str, Any]:
+def _filter_case(
+    building: Callable[[], Any], case: dict[str, Any], arrays: dict[str, Any], packer: Packer
+) -> dict[str, Any]:
     signal = np.array(arrays[case["input"]])
     answer: dict[str, Any] = {
         "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False, "departs": [],
@@ -321,7 +324,7 @@ def _filter_case(kind: Any, case: dict[str, Any], arrays: dict[str, Any], packer
         options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
         if initial is not None:
             options["initial_value"] = initial
-        build, in_building = calls.filter_by(kind)
+        build, in_building = building()
         instance = build(options)
         update, departs = fitted(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
         answer["departs"] = [*in_building, *departs]
