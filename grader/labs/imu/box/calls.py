@@ -111,7 +111,7 @@ def filter_by(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], A
 
     def build(options: Mapping[str, Any]) -> Any:
         alpha = options.get("alpha", _ALPHA_ON_SHEET)
-        rc = max(BETWEEN_S * (1 - alpha) / alpha, _SMALLEST)
+        rc = max(BETWEEN_S * (1 - alpha) / max(alpha, _SMALLEST), _SMALLEST)
         values = {"rate": 1 / BETWEEN_S, "dt": BETWEEN_S, "time_constant": rc, "cutoff": 1 / (2 * math.pi * rc)}
         return in_time(kind, {**options, **values})
 
