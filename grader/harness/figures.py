@@ -173,9 +173,11 @@ def _kind(target: Any, kwargs: dict[str, Any]) -> str:
 
 
 def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
-    seeing.must_be_honest(figure, *figure.texts, *figure.legends)
+    seeing.must_be_honest(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
-    texts = [words for text in figure.texts if (words := seeing.words(text, behind))]
+    artists = [text for part in (figure, *_parts(figure)) for text in part.texts]
+    seeing.must_be_honest(*artists)
+    texts = [words for text in artists if (words := seeing.words(text, behind))]
     return {
         "title": seeing.words(getattr(figure, "_suptitle", None), behind),
         "xlabel": seeing.words(getattr(figure, "_supxlabel", None), behind),
@@ -184,6 +186,13 @@ def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
         "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
         "axes": [_axes(one, axes, packer) for one in axes],
     }
+
+
+def _parts(figure: Any) -> Iterator[Any]:
+    """The subfigures of a figure, and theirs."""
+    for part in figure.subfigs:
+        yield part
+        yield from _parts(part)
 
 
 def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
@@ -205,7 +214,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "xlabel": xlabel or part["xlabel"],
         "ylabel": ylabel or part["ylabel"],
         "title": next((words for title in titles if (words := seeing.words(title, behind)).strip()), part["title"]),
-        "legend": _legend(legend, axes.get_facecolor()) if legend is not None and legend.get_visible() else None,
+        "legend": _legends(axes, behind),
         "texts": [_placed(text) for text in axes.texts[:_MAX_TEXTS] if seeing.words(text, axes.get_facecolor())],
         "curves": _curves(axes, packer),
         "images": len(axes.images),
@@ -224,6 +233,17 @@ def _part_of_a_figure(axes: Any, behind: Any) -> dict[str, str]:
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
     seeing.must_be_honest(part, *(artist for artist in artists.values() if artist is not None))
     return {name: seeing.words(artist, behind) for name, artist in artists.items()}
+
+
+def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
+    """The legend of a panel, and those of the part of a figure that it stands in."""
+    own, part = axes.get_legend(), axes.get_figure()
+    around = [] if part is part.canvas.figure else list(part.legends[:4])
+    seeing.must_be_honest(*around)
+    entries = [_legend(legend, behind) for legend in around if legend.get_visible()]
+    if own is not None and own.get_visible():
+        entries.insert(0, _legend(own, axes.get_facecolor()))
+    return [entry for legend in entries for entry in legend] if entries else None
 
 
 def _curves(axes: Any, packer: Packer) -> list[dict[str, Any]]:
