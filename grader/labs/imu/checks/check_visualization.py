@@ -145,6 +145,7 @@ def _six_channels(student: Student, truth: Traces) -> None:
         curve_faults.some_missing(plot, cut_off)
     curve_faults.against_no_time(plot)
     curve_faults.in_another_unit(plot)
+    curve_faults.drawn_in_part(plot)
 
 
 @check("visualization.axis_labels_with_units", lab_step=4)
