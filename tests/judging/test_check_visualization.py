@@ -356,6 +356,14 @@ def _compared(
     return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
+def _few(rows: int, **words: Any) -> Drawing:
+    """The comparison of so many samples."""
+    (figure,) = _compared(**words).figures
+    (panel,) = figure.axes
+    curves = (replace(curve, x=curve.x[:rows], y=curve.y[:rows], n=rows) for curve in panel.curves)
+    return Drawing((replace(figure, axes=(replace(panel, curves=tuple(curves)),)),))
+
+
 def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Made]:
     return lambda: Plotted(Drawing(()), scripts=drawings, **more)
 
@@ -546,6 +554,11 @@ CASES = [
             ("another series", _scripts(_compared(other=np.cos)), (0.0, ["comparison-missing"])),
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
             ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-missing"])),
+            ("few samples", _scripts(_few(20)), (0.5, [])),
+            ("few samples, a picture handed in", _scripts(_few(20), **_FILTERED), (0.5, [])),
+            ("few samples, and a sound one", _scripts(_few(20), _compared()), None),
+            ("few samples, not saved", _scripts(_few(20, event="shown")), (0.0, ["comparison-missing"])),
+            ("few samples, the same twice", _scripts(_few(20, other=np.array)), (0.0, ["comparison-missing"])),
             ("stopped before", _scripts(_STOPPED), (0.0, [])),
             ("stopped before, a picture handed in", _scripts(_STOPPED, **_FILTERED), (0.5, ["comparison-missing"])),
         ],
@@ -561,7 +574,7 @@ def test_a_made_up_figure_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
 
 
-_ONE, _OTHER = np.arange(5.0), np.arange(5.0) ** 2
+_ONE, _OTHER = np.arange(50.0), np.arange(50.0) ** 2
 
 
 @pytest.mark.quick
@@ -571,6 +584,8 @@ _ONE, _OTHER = np.arange(5.0), np.arange(5.0) ** 2
         ([], [], "a plot without a curve"),
         ([_ONE], [], "a plot with one curve alone"),
         ([_ONE], ["raw"], "a plot with one curve alone"),
+        ([_ONE[:20], _OTHER[:49]], [], "a plot with 49 samples at most"),
+        ([_ONE[:20], _OTHER], [], "a plot with 2 curves, none of which is a smoother version of another"),
         ([_ONE, _ONE], [], "a plot with the same series in every curve"),
         ([_ONE, _ONE], ["raw"], "a plot with the same series in every curve"),
         ([_ONE, _OTHER], ["raw"], "a plot on which the curve “raw” cannot be seen"),

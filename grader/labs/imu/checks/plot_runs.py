@@ -84,7 +84,8 @@ class Plot:
 
     def drawn_of(self, channel: Channel) -> Mask:
         """Over which parts of the recorded time a channel is drawn, in all panels together."""
-        return np.any([shown.drawn for shown in self.shown if shown.channel == channel], axis=0)
+        drawn: Mask = np.any([shown.drawn for shown in self.shown if shown.channel == channel], axis=0)
+        return drawn
 
     def in_part(self) -> dict[Channel, Mask]:
         """The channels that are drawn over a part of the recorded time alone, with that part."""
