@@ -209,6 +209,21 @@ def _inside(channels: Iterable[tuple[int, int]], parts: slice) -> Callable[[Shee
     return _sights(channels, Sight(mask, mask))
 
 
+def _rows(channels: Iterable[tuple[int, int]], rows: slice) -> Callable[[Sheet], None]:
+    """Of these channels these rows alone are drawn."""
+    chosen = set(channels)
+
+    def cut(curve: Curve, sensor: int) -> Curve:
+        of_it = (sensor, "xyz".index(curve.label)) in chosen
+        return replace(curve, x=curve.x[rows], y=curve.y[rows]) if of_it else curve
+
+    def change(sheet: Sheet) -> None:
+        for sensor, panel in enumerate(sheet.panels):
+            sheet.panel_says(sensor, curves=tuple(cut(curve, sensor) for curve in panel.curves))
+
+    return change
+
+
 def _inside_drawing() -> Drawing:
     sheet = Sheet()
     _inside(_ALL, slice(0, 40))(sheet)
@@ -341,6 +356,14 @@ def _compared(
     return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
+def _few(rows: int, **words: Any) -> Drawing:
+    """The comparison of so many samples."""
+    (figure,) = _compared(**words).figures
+    (panel,) = figure.axes
+    curves = (replace(curve, x=curve.x[:rows], y=curve.y[:rows], n=rows) for curve in panel.curves)
+    return Drawing((replace(figure, axes=(replace(panel, curves=tuple(curves)),)),))
+
+
 def _scripts(*drawings: Drawing, **more: Any) -> Callable[[], Made]:
     return lambda: Plotted(Drawing(()), scripts=drawings, **more)
 
@@ -435,6 +458,16 @@ CASES = [
             ("half outside", drawn(_inside([(0, 0)], slice(0, 50))), None),
             ("outside, one behind another and one missing", drawn(_then(_inside([(0, 0)], slice(0, 45)), _unseen((0, 1)), _without((1, 2)))), (0.5, ["curves-missing", "curves-not-seen"])),
             ("outside, where the lab's own recording fits", lambda: Fitting(_inside_drawing()), None),
+            ("the last rows left out", drawn(_rows(_ALL, slice(None, -100))), (0.8, [])),
+            ("the first rows left out", drawn(_rows(_ALL, slice(100, None))), (0.8, [])),
+            ("the last row left out", drawn(_rows(_ALL, slice(None, -1))), None),
+            ("the first half left out", drawn(_rows(_ALL, slice(300, None))), (0.5, [])),
+            ("the first rows alone", drawn(_rows(_ALL, slice(0, 100))), (0.17, [])),
+            ("rows from the middle alone", drawn(_rows(_ALL, slice(200, 400))), (0.34, [])),
+            ("of one curve some rows", drawn(_rows([(1, 0)], slice(0, 300))), (0.9167, [])),
+            ("of two curves some rows, of one of them fewer", drawn(_then(_rows([(1, 0)], slice(0, 300)), _rows([(0, 2)], slice(0, 400)))), (0.8617, [])),
+            ("of one curve some rows, and another missing", drawn(_then(_rows([(1, 0)], slice(0, 300)), _without((0, 1)))), (0.75, ["curves-missing"])),
+            ("some rows, against the index", drawn(_then(_times(lambda t: np.arange(len(t), dtype=float)), _rows(_ALL, slice(0, 300)))), (0.5, ["x-not-time"])),
             ("against milliseconds without a label", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel=""))), None),
             ("against milliseconds with own numbers", drawn(_then(_times(lambda t: 1000 * t), _says(1, own_ticks=True))), None),
             ("g where the title names it", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration", title="Acceleration (g)"))), None),
@@ -521,6 +554,11 @@ CASES = [
             ("another series", _scripts(_compared(other=np.cos)), (0.0, ["comparison-missing"])),
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
             ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-missing"])),
+            ("few samples", _scripts(_few(20)), (0.5, [])),
+            ("few samples, a picture handed in", _scripts(_few(20), **_FILTERED), (0.5, [])),
+            ("few samples, and a sound one", _scripts(_few(20), _compared()), None),
+            ("few samples, not saved", _scripts(_few(20, event="shown")), (0.0, ["comparison-missing"])),
+            ("few samples, the same twice", _scripts(_few(20, other=np.array)), (0.0, ["comparison-missing"])),
             ("stopped before", _scripts(_STOPPED), (0.0, [])),
             ("stopped before, a picture handed in", _scripts(_STOPPED, **_FILTERED), (0.5, ["comparison-missing"])),
         ],
@@ -536,7 +574,7 @@ def test_a_made_up_figure_is_marked_fairly(case: Case) -> None:
     is_as_marked(case)
 
 
-_ONE, _OTHER = np.arange(5.0), np.arange(5.0) ** 2
+_ONE, _OTHER = np.arange(50.0), np.arange(50.0) ** 2
 
 
 @pytest.mark.quick
@@ -546,6 +584,8 @@ _ONE, _OTHER = np.arange(5.0), np.arange(5.0) ** 2
         ([], [], "a plot without a curve"),
         ([_ONE], [], "a plot with one curve alone"),
         ([_ONE], ["raw"], "a plot with one curve alone"),
+        ([_ONE[:20], _OTHER[:49]], [], "a plot with 49 samples at most"),
+        ([_ONE[:20], _OTHER], [], "a plot with 2 curves, none of which is a smoother version of another"),
         ([_ONE, _ONE], [], "a plot with the same series in every curve"),
         ([_ONE, _ONE], ["raw"], "a plot with the same series in every curve"),
         ([_ONE, _OTHER], ["raw"], "a plot on which the curve “raw” cannot be seen"),

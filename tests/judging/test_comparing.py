@@ -154,9 +154,9 @@ def test_curves_that_are_seen_are_compared(raw: Curve, smooth: Curve, pairs: int
 
 
 @pytest.mark.parametrize(
-    ("above", "below", "pairs"), [("m/s²", "Acceleration (m/s²)", 1), ("m/s²", "rad/s", 0), ("", "filtered", 1), ("m/s²", "", 0)]
+    ("above", "below", "pairs"), [("m/s²", "Acceleration (m/s²)", 1), ("m/s²", "rad/s", 0), ("", "filtered", 1), ("m/s²", "", 1), ("", "g", 1)]
 )  # fmt: skip
-def test_curves_of_two_panels_are_compared_in_one_unit(above: str, below: str, pairs: int) -> None:
+def test_curves_of_two_panels_are_compared_where_both_may_be_in_one_unit(above: str, below: str, pairs: int) -> None:
     upper, lower = figure(RAW, ylabel=above).axes[0], figure(SMOOTH, ylabel=below).axes[0]
     assert len(comparing.comparisons(_figure(upper, lower))) == pairs
     assert comparing.comparisons(_figure(upper, replace(lower, visible=False))) == []
@@ -229,9 +229,11 @@ def test_curves_of_these_names_are_compared_whatever_the_filter_has_made() -> No
 
 def test_what_is_drawn_and_what_nobody_sees_is_told() -> None:
     hidden = replace(SMOOTH, sight=seen(0))
-    flat, short = curve(np.ones(N), "g"), curve(NOISY[:49], "short", TIME[:49])
-    drawn = figure(RAW, hidden, flat, short)
-    assert [len(y) for y in comparing.series_drawn(drawn)] == [N, N]
+    flat, short, mark = (
+        curve(y, name, TIME[: len(y)]) for y, name in ((np.ones(N), "g"), (NOISY[:4], "short"), (NOISY[:3], "mark"))
+    )
+    drawn = figure(RAW, hidden, flat, short, mark)
+    assert [len(y) for y in comparing.series_drawn(drawn)] == [N, N, 4]
     assert comparing.unseen(drawn) == ["filtered"]
     assert comparing.unseen(replace(drawn, axes=(replace(drawn.axes[0], visible=False),))) == ["raw", "filtered"]
     assert comparing.series_drawn(replace(drawn, axes=(replace(drawn.axes[0], visible=False),))) == []
@@ -275,3 +277,30 @@ def test_mean_and_spread_of_runs_of_rows_are_those_of_their_rows() -> None:
     assert np.allclose(means, [run.mean() for run in runs], rtol=1e-12)
     assert np.allclose(widths, [run.std() for run in runs], rtol=1e-6, atol=0)
     assert widths[-1] == 0
+
+
+@pytest.mark.parametrize(
+    ("rows", "other", "points"),
+    [
+        (20, FILTERED, 20),
+        (49, FILTERED, 49),
+        (50, FILTERED, 0),
+        (5, CLEAN, 5),
+        (4, CLEAN, 0),
+        (20, NOISY, 0),
+        (20, FILTERED - 9, 0),
+        (20, 2 * 9.81 - FILTERED, 20),
+    ],
+)
+def test_of_few_samples_one_may_be_a_filtered_version_of_the_other(rows: int, other: Array, points: int) -> None:
+    """Nobody can tell whether it follows; that it is smoother, and near."""
+    raw, smooth = (curve(y[:rows], name, TIME[:rows]) for y, name in ((NOISY, "raw"), (other, "filtered")))
+    assert comparing.too_few(figure(raw, smooth)) == points
+    assert comparing.too_few(figure(raw, replace(smooth, sight=seen(0)))) == 0
+    assert comparing.too_few(figure(raw, curve(FILTERED[: rows - 1], "filtered", TIME[: rows - 1]))) == 0
+
+
+def test_of_two_comparisons_with_few_samples_the_longer_one_is_told() -> None:
+    pairs = [curve(y[:rows], "", TIME[:rows]) for rows in (20, 30, 10) for y in (NOISY, FILTERED)]
+    assert comparing.too_few(figure(*pairs)) == 30
+    assert comparing.too_few(figure()) == 0

@@ -181,6 +181,41 @@ def test_of_a_channel_in_two_panels_all_that_is_seen_in_either_counts() -> None:
     assert plot.cut_off() == {}
 
 
+def _drawn_from(first: int, last: int, *channels: tuple[int, int], figure: Figure | None = None) -> Figure:
+    """The figure with these rows alone of these channels."""
+    figure = Sheet().figure if figure is None else figure
+
+    def cut(axes: Axes, sensor: int) -> Axes:
+        curves = (
+            replace(curve, x=curve.x[first:last], y=curve.y[first:last]) if (sensor, axis) in channels else curve
+            for axis, curve in enumerate(axes.curves)
+        )
+        return replace(axes, curves=tuple(curves))
+
+    return replace(figure, axes=tuple(cut(axes, sensor) for sensor, axes in enumerate(figure.axes)))
+
+
+@pytest.mark.parametrize(("rows", "in_part"), [(600, False), (545, False), (535, True), (60, True)])
+def test_a_channel_of_which_less_than_nine_tenths_are_drawn_is_drawn_in_part(rows: int, in_part: bool) -> None:
+    plot = _plot(_drawn_from(0, rows, (1, 2)))
+    assert plot.drawn == set(plot_runs.CHANNELS)
+    assert list(plot.in_part()) == [(1, 2)] * in_part
+    assert plot.cut_off() == {}
+
+
+def test_halves_of_a_channel_in_two_panels_are_the_whole() -> None:
+    first, second = _drawn_from(0, 300, (0, 0)), _drawn_from(300, 600, (0, 0))
+    plot = _plot(replace(first, axes=(*first.axes, second.axes[0])))
+    assert plot.in_part() == {}
+    assert list(_plot(first).in_part()) == [(0, 0)]
+
+
+def test_of_a_channel_that_is_drawn_in_part_the_limits_may_cut_off_half_of_that() -> None:
+    for inside, cut in ((50, False), (40, True)):
+        figure = _sighted(_drawn_from(300, 600, (1, 2)), _sight(inside, inside), (1, 2))
+        assert list(_plot(figure).cut_off()) == [(1, 2)] * cut
+
+
 def _outside(which: str) -> Drawing:
     """The hidden run drawn outside the limits, seen nowhere."""
     return Drawing(

@@ -80,8 +80,19 @@ ABSCISSAE: dict[str, tuple[Array, Array, str | None]] = {
     "every third moment": (TIME[::3], ACCEL[::3], "s"),
     "fifty moments": (TIME[:: len(TIME) // 50][:50], ACCEL[:: len(TIME) // 50][:50], "s"),
     "most of the time": (TIME[:550], ACCEL[:550], "s"),
-    "less than nine tenths of the time": (TIME[:530], ACCEL[:530], None),
-    "half of the time": (TIME[:300], ACCEL[:300], None),
+    "half of the time": (TIME[:300], ACCEL[:300], "s"),
+    "half of the time, every other moment": (TIME[300::2], ACCEL[300::2], "s"),
+    "half of the time in milliseconds": (1000 * TIME[300:], ACCEL[300:], "ms"),
+    "half of the time from the start": (TIME[:300] - TIME[0], ACCEL[:300], "s from start"),
+    "half of the rows": (ROWS[:300], ACCEL[:300], "index"),
+    "half of the rows, from one": (ROWS[300:] + 1, ACCEL[300:], "index"),
+    "a twelfth of the time": (TIME[:60], ACCEL[:60], "s"),
+    "a moment": (np.full(60, TIME[9]), np.repeat(ACCEL[9:10], 60, 0), None),
+    "the other half of the time": (TIME[:300], ACCEL[300:], None),
+    "every other row over half of the time": (TIME[:300], ACCEL[::2], None),
+    "half of the rows over all of the time": (TIME[::2], ACCEL[:300], None),
+    "all rows over half of the time": (TIME / 2, ACCEL, None),
+    "milliseconds of another time step": (ROWS, ACCEL[:, [1, 2, 0]] / 2, None),
     "minutes": (TIME / 60, ACCEL, None),
     "from another moment": (TIME + 1, ACCEL, None),
     "late by ten steps": (TIME + 0.02, ACCEL, None),
@@ -127,6 +138,41 @@ def test_a_channel_that_never_moves_is_known_by_its_value() -> None:
     drawn = _curve(TIME, resting["acceleration"][:, 2], "z", "#ff0000")
     (panel,) = plots.panels(_figure(_with_curves(Sheet().panels[0], drawn, ODD)), resting)
     assert [found.channel for found in panel.shown] == [(0, 2)]
+
+
+@pytest.mark.parametrize(
+    ("rows", "part"),
+    [
+        (slice(None), (0.0, 1.0)),
+        (slice(0, 300), (0.0, 299 / 599)),
+        (slice(300, 600), (300 / 599, 1.0)),
+        (slice(450, 149, -1), (150 / 599, 450 / 599)),
+    ],
+)
+@pytest.mark.parametrize("axis", [1000 * TIME, TIME, ROWS, TIME - TIME[0]])
+def test_a_curve_shows_a_part_of_the_recording(rows: slice, part: tuple[float, float], axis: Array) -> None:
+    found = shown(axis[rows], RATE[rows, 1])
+    assert found is not None
+    assert found.part == pytest.approx(part)
+
+
+def test_in_a_part_a_curve_is_a_channel_within_a_thousandth_of_what_the_channel_does_there() -> None:
+    first, moves = TIME[:60], float(np.ptp(RATE[:60, 1]))
+    assert shown(first, RATE[:60, 1] + 0.9e-3 * moves) is not None
+    assert shown(first, RATE[:60, 1] + 1.1e-3 * moves) is None
+
+
+def test_what_is_seen_of_a_part_is_seen_in_that_part_of_the_recording() -> None:
+    parts = np.arange(100)
+    half_of_it = Sight(parts < 50, parts < 20)
+    found = Shown(0, 0, "m/s²", "s", replace(X, sight=half_of_it), (0.5, 1.0))
+    assert np.flatnonzero(found.drawn).tolist() == list(range(50, 100))
+    assert np.flatnonzero(found.sight.inside).tolist() == list(range(50, 75))
+    assert np.flatnonzero(found.sight.seen).tolist() == list(range(50, 60))
+    whole = replace(found, part=(0.0, 1.0))
+    assert whole.drawn.all()
+    assert np.array_equal(whole.sight.inside, half_of_it.inside)
+    assert np.array_equal(whole.sight.seen, half_of_it.seen)
 
 
 # --- panels --------------------------------------------------------------------------------------------------------------

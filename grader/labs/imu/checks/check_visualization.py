@@ -145,6 +145,7 @@ def _six_channels(student: Student, truth: Traces) -> None:
         curve_faults.some_missing(plot, cut_off)
     curve_faults.against_no_time(plot)
     curve_faults.in_another_unit(plot)
+    curve_faults.drawn_in_part(plot)
 
 
 @check("visualization.axis_labels_with_units", lab_step=4)
@@ -218,6 +219,7 @@ _NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
 _DRAW_NOISE = (
     "Read NoisyIMU in the loop, filter that and draw both: without noise nobody sees what a filter does (Step 6)."
 )
+_MORE_SAMPLES = "Read, filter and draw a few hundred samples: on so few nobody sees what a filter does (Step 6)."
 _MEND_SCRIPT = "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
 
 
@@ -225,6 +227,7 @@ _MEND_SCRIPT = "Run the file by itself and mend what stops it: what it draws aft
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
     drawn = unread = False
+    few = 0
     broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
@@ -239,6 +242,10 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             _noise_is_shown(saved, student)
             return
         drawn = drawn or bool(compared)
+        few = max([few, *(comparing.too_few(figure) for figure in drawing.figures if figure.is_saved)])
+    if few and not drawn:
+        wanted = f"raw and filtered data of {plots.FEWEST_POINTS} samples or more"
+        raise Lost(wanted, f"{few} samples", keeps=0.5, hint=_MORE_SAMPLES)
     if drawn:
         if handed_in.shows_something(student, _COMPARISON):
             return
@@ -284,6 +291,9 @@ def _is_meant(figure: Figure) -> bool:
 def _curves_in_words(figure: Figure) -> str:
     series, unseen = comparing.series_drawn(figure), comparing.unseen(figure)
     alike = all(np.array_equal(one, series[0]) for one in series)
+    longest = max(map(len, series), default=0)
+    if 0 < longest < plots.FEWEST_POINTS:
+        return f"a plot with {longest} samples at most"
     if len(series) > 1 and unseen and not alike:
         named = f" {quoted(unseen[0])}" if unseen[0] else ""
         return f"a plot on which the curve{named} cannot be seen"

@@ -7,16 +7,18 @@ from typing import NoReturn
 
 import numpy as np
 
-from grader.engine.figures import Sight
-from grader.engine.findings import Lost
+from grader.engine.figures import Mask, Sight
+from grader.engine.findings import Lost, Ours, Size
 from grader.labs.imu.checks.panel_words import quoted
 from grader.labs.imu.checks.plot_runs import CHANNELS, SENSOR_WORDS, Plot
 from grader.labs.imu.diagnosis import labels, plots
 from grader.labs.imu.diagnosis.plots import Channel
 
-_NONE_AS_GIVEN = (
+_NONE_AS_GIVEN = Ours(
     "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
 )
+_IN_PART = 0.8
+"""Of a channel's points at most, where some of its rows are not drawn; of those that show less of it the share that they show."""
 
 
 def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
@@ -39,13 +41,43 @@ def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
     if cut_off:
         got.append(_outside(cut_off))
         mistakes.append("curves-not-seen")
+    if parts := plot.in_part():
+        got.append(_over_a_part(parts))
     raise Lost(
         "six curves, one for each channel of the data",
         "; ".join(got),
         mistakes=list(dict.fromkeys(mistakes)),
-        keeps=len(shown) / 6 if shown else 0.0,
+        keeps=_worth(plot, shown),
         hint="" if plot.drawn or plot.hidden or not strange else _NONE_AS_GIVEN,
     )
+
+
+def _worth(plot: Plot, channels: Iterable[Channel]) -> float:
+    """Which share of the points these channels earn, each by how much of the recorded time is drawn of it."""
+    parts = plot.in_part()
+    return sum(min(_IN_PART, float(parts[c].mean())) if c in parts else 1.0 for c in channels) / len(CHANNELS)
+
+
+def drawn_in_part(plot: Plot) -> None:
+    """Charge channels that are drawn over a part of the recorded time alone."""
+    parts = plot.in_part()
+    if parts:
+        raise Lost(
+            "curves of the data from its first row to its last",
+            _over_a_part(parts),
+            keeps=_worth(plot, CHANNELS),
+            hint=_NONE_AS_GIVEN,
+            off=Size("curves over a part of the recorded time alone"),
+        )
+
+
+def _over_a_part(parts: Mapping[Channel, Mask]) -> str:
+    """Which part of the recorded time the curves show: that of the channel that shows least."""
+    part = min(parts.values(), key=lambda part: float(part.mean()))
+    share, (first, last) = f"{round(100 * float(part.mean()))} %", part[[0, -1]]
+    where = f"the {'first' if first else 'last'} {share}" if first != last else share
+    what = "all six curves" if len(parts) == len(CHANNELS) else _named(parts)
+    return f"{what} over {where} of the recorded time alone"
 
 
 def _named(channels: Iterable[Channel]) -> str:

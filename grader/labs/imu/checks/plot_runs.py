@@ -6,7 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from grader.engine.figures import Curve, Figure, Sight
+import numpy as np
+
+from grader.engine.figures import Curve, Figure, Mask, Sight
 from grader.engine.findings import Missing, Raised, Skipped, raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
@@ -79,12 +81,26 @@ class Plot:
 
     def sight(self, channel: Channel) -> Sight:
         """What is seen of a channel in all panels together."""
-        return together(shown.curve.sight for shown in self.shown if shown.channel == channel)
+        return together(shown.sight for shown in self.shown if shown.channel == channel)
+
+    def drawn_of(self, channel: Channel) -> Mask:
+        """Over which parts of the recorded time a channel is drawn, in all panels together."""
+        drawn: Mask = np.any([shown.drawn for shown in self.shown if shown.channel == channel], axis=0)
+        return drawn
+
+    def in_part(self) -> dict[Channel, Mask]:
+        """The channels that are drawn over a part of the recorded time alone, with that part."""
+        parts = {channel: self.drawn_of(channel) for channel in CHANNELS if channel in self.drawn}
+        return {channel: part for channel, part in parts.items() if part.mean() < plots.NEARLY_ALL}
 
     def cut_off(self) -> dict[Channel, Sight]:
-        """The channels that the limits of the axes leave outside for the most part."""
+        """The channels that the limits of the axes leave outside for the most part of what is drawn of them."""
         sights = {channel: self.sight(channel) for channel in CHANNELS if channel in self.drawn}
-        return {channel: sight for channel, sight in sights.items() if sight.inside.mean() < _ENOUGH}
+        return {
+            channel: sight
+            for channel, sight in sights.items()
+            if sight.inside.sum() < _ENOUGH * self.drawn_of(channel).sum()
+        }
 
 
 def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:

@@ -17,6 +17,8 @@ Index = NDArray[np.intp]
 
 _SEEN = 0.05
 """Of a curve: a comparison may be a detail, and one that shows nothing is none."""
+_FEWEST_OF_ALL = 5  # points of a curve that may be a series
+_SMOOTHER = 0.8  # of the raw series' differences from value to value
 _MOST_POINTS = 20_000
 """Of a curve are compared, its last: eight times what the lab records."""
 _MOST_PAIRS = 1000
@@ -46,19 +48,25 @@ class Compared:
 
 
 def comparisons(figure: Figure) -> list[Compared]:
-    """The raw series with smoother versions of them in a figure, on the same axes or on axes in the same unit."""
+    """The raw series with smoother versions of them in a figure, on the same axes or on axes that may be in the same unit."""
     drawn = _seen_curves(figure)
     pairs = (
         (above, raw, below, smooth)
         for above, raw in drawn
         for below, smooth in drawn
-        if raw is not smooth and (above is below or unit_of(above.ylabel) == unit_of(below.ylabel))
+        if raw is not smooth and _may_be_in_one_unit(above, below)
     )
     return [
         Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw)[1]))
         for above, raw, below, smooth in islice(pairs, _MOST_PAIRS)
         if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)))
     ]
+
+
+def _may_be_in_one_unit(one: Axes, other: Axes) -> bool:
+    """Axes without a unit on their label may be in any."""
+    units = {unit for axes in (one, other) if (unit := unit_of(axes.ylabel)) is not None}
+    return one is other or len(units) < 2
 
 
 def _last_points(curve: Curve) -> tuple[Array, Array]:
@@ -76,9 +84,26 @@ def named_comparisons(figure: Figure) -> list[Compared]:
     ]  # fmt: skip
 
 
+def too_few(figure: Figure) -> int:
+    """How many samples the curves have of which one may be filtered, and has too few for anybody to tell; 0 without such curves."""
+    drawn = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes) if _is_seen(curve)]
+    short = [y for y in drawn if _FEWEST_OF_ALL <= len(y) < FEWEST_POINTS]
+    return max((len(raw) for raw in short for smooth in short if _may_be_smoothed(raw, smooth)), default=0)
+
+
+def _may_be_smoothed(raw: Array, smooth: Array) -> bool:
+    """Whether a series is as long as another, is smoother, and lies where that one lies."""
+    near = abs(np.mean(smooth) - np.mean(raw)) <= 3 * np.std(raw)
+    return len(raw) == len(smooth) and bool(near) and _is_smoother(raw, smooth)
+
+
+def _is_smoother(raw: Array, smooth: Array) -> bool:
+    return float(np.std(np.diff(smooth))) <= _SMOOTHER * float(np.std(np.diff(raw)))
+
+
 def series_drawn(figure: Figure) -> list[Array]:
     """The values of every curve of data in a figure."""
-    return [curve.points[1] for axes in figure.visible_axes for curve in _long_curves(axes)]
+    return [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
 
 
 def unseen(figure: Figure) -> list[str]:
@@ -92,17 +117,19 @@ def _name_on(axes: Axes, curve: Curve) -> str:
 
 
 def _seen_curves(figure: Figure) -> list[tuple[Axes, Curve]]:
-    return [
-        (axes, curve)
-        for axes in figure.visible_axes
-        for curve in _long_curves(axes)
-        if curve.visible and curve.sight.seen.mean() >= _SEEN
-    ]
+    return [(axes, curve) for axes in figure.visible_axes for curve in _long_curves(axes) if _is_seen(curve)]
+
+
+def _is_seen(curve: Curve) -> bool:
+    return curve.visible and float(curve.sight.seen.mean()) >= _SEEN
+
+
+def _curves(axes: Axes) -> list[Curve]:
+    return [curve for curve in axes.curves if curve.kind != "nothing" and not is_reference(curve)]
 
 
 def _long_curves(axes: Axes) -> list[Curve]:
-    drawn = [curve for curve in axes.curves if curve.kind != "nothing" and not is_reference(curve)]
-    return [curve for curve in drawn if len(curve.points[1]) >= FEWEST_POINTS]
+    return [curve for curve in _curves(axes) if len(curve.points[1]) >= FEWEST_POINTS]
 
 
 def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -> tuple[Array, Array, int]:
@@ -121,7 +148,7 @@ def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
     standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
     value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
     """
-    if len(raw) < FEWEST_POINTS or np.std(np.diff(smooth[::step])) > 0.8 * np.std(np.diff(raw[::step])):
+    if len(raw) < FEWEST_POINTS or not _is_smoother(raw[::step], smooth[::step]):
         return False
     return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.engine.figures import Axes, Curve, Entry, Figure, Placed
+from grader.engine.figures import PARTS, Axes, Curve, Entry, Figure, Mask, Placed, Sight
 from grader.labs.imu.answers import SENSORS, Array, Collection, column_named
 from grader.labs.imu.diagnosis.labels import axis_of
 
@@ -20,7 +20,13 @@ FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
 _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
 _MATCH = 1e-3
-"""Of the channel's range. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more."""
+"""Of the channel's range over the time of the curve. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve
+misses by 0.01 and more."""
+NEARLY_ALL = 0.9
+"""Of the recorded time: a curve over this much of it is drawn in full."""
+_LEAST_PART = 0.05  # of the recorded time: a curve over less shows no motion
+
+_MIDDLES = (np.arange(PARTS) + 0.5) / PARTS
 
 Channel = tuple[int, int]
 """Sensor 0 or 1, axis 0 to 2."""
@@ -28,17 +34,31 @@ Channel = tuple[int, int]
 
 @dataclass(frozen=True)
 class Shown:
-    """A curve that shows a channel: sensor 0 or 1, axis 0 to 2, the scale of y and what x is."""
+    """A curve that shows a channel: sensor 0 or 1, axis 0 to 2, the scale of y, what x is, and between which shares of the time."""
 
     sensor: int
     axis: int
     unit: str
     x: str
     curve: Curve
+    part: tuple[float, float] = (0.0, 1.0)
 
     @property
     def channel(self) -> Channel:
         return self.sensor, self.axis
+
+    @property
+    def drawn(self) -> Mask:
+        """Over which parts of the recorded time it is drawn."""
+        first, last = self.part
+        return (first <= _MIDDLES) & (last >= _MIDDLES)
+
+    @property
+    def sight(self) -> Sight:
+        """What is seen of it, in parts of the recorded time."""
+        (first, last), own = self.part, self.curve.sight
+        along = np.clip((_MIDDLES - first) / (last - first) * PARTS, 0, PARTS - 1).astype(int)
+        return Sight(self.drawn & own.inside[along], self.drawn & own.seen[along])
 
 
 @dataclass(frozen=True)
@@ -113,7 +133,7 @@ def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
             continue
         match = _channel(curve, series)
         if match is not None:
-            (shown if curve.visible else hidden).append(Shown(*match, curve))
+            (shown if curve.visible else hidden).append(match)
         elif curve.visible and not is_reference(curve):
             strange.append(curve)
     seen = {match.channel for match in shown}  # one channel drawn twice hides itself
@@ -126,31 +146,45 @@ def is_reference(curve: Curve) -> bool:
     return len(curve.y) <= 3 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
 
 
-def _channel(curve: Curve, series: Mapping[str, Array]) -> tuple[int, int, str, str] | None:
+def _channel(curve: Curve, series: Mapping[str, Array]) -> Shown | None:
     if len(curve.y) < FEWEST_POINTS:
         return None
     time = series["time"]
     for kind, stamps in _abscissae(curve.x, time):
         for sensor, key in enumerate(SENSORS):
             for axis in range(3):
-                channel = series[key][:, axis]
-                wanted = np.interp(stamps, time, channel)
+                wanted = np.interp(stamps, time, series[key][:, axis])
                 for unit, scale in _UNITS[sensor]:
-                    if np.all(np.abs(curve.y - scale * wanted) <= _MATCH * scale * np.ptp(channel)):
-                        return sensor, axis, unit, kind
+                    if np.all(np.abs(curve.y - scale * wanted) <= _MATCH * scale * np.ptp(wanted)):
+                        return Shown(sensor, axis, unit, kind, curve, _part(stamps, time))
     return None
 
 
+def _part(stamps: Array, time: Array) -> tuple[float, float]:
+    first, last = np.interp([stamps.min(), stamps.max()], time[[0, -1]], (0.0, 1.0))
+    return float(first), float(last)
+
+
 def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
-    """What x may be, with the time stamps that follow: only readings under which x spans the recorded time."""
+    """What x may be, with the time stamps that follow: the readings under which x spans the recorded time, then a part of it.
+
+    Rows of thinned data are counted anew, and spread over the recorded time: over a part of it nobody knows what they are.
+    """
     rows = np.arange(len(time))
     kinds = [("s", x), ("ms", x / 1000), ("us", x / 1e6), ("ns", x / 1e9), ("s from start", x + time[0])]
     kinds.append(("date", (x - x[0]) * _DAY_S + time[0]))
     kinds += [("index", np.interp(x, rows, time)), ("index", np.interp(x - 1, rows, time))]
-    if len(x) < len(time):
-        kinds.append(("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time)))
-    span = time[-1] - time[0]
-    return [(kind, t) for kind, t in kinds if np.isfinite(t).all() and abs(np.ptp(t) / span - 1) < 0.1]
+    spread = [("index", np.interp(x * ((len(time) - 1) / max(1, len(x) - 1)), rows, time))] * (len(x) < len(time))
+    whole, part = (NEARLY_ALL, 2 - NEARLY_ALL), (_LEAST_PART, NEARLY_ALL)
+    return [*_spanning(whole, kinds + spread, time), *_spanning(part, kinds, time)]
+
+
+def _spanning(
+    shares: tuple[float, float], kinds: Sequence[tuple[str, Array]], time: Array
+) -> Iterator[tuple[str, Array]]:
+    """The readings under which x spans at least the first of these shares of the recorded time, and less than the second."""
+    least, most = (share * (time[-1] - time[0]) for share in shares)
+    return ((kind, stamps) for kind, stamps in kinds if np.isfinite(stamps).all() and least <= np.ptp(stamps) < most)
 
 
 _UNITS = (
