@@ -26,6 +26,7 @@ _MOST_PAIRS = 1000
 _TURNS = 0.25
 """Share of neighbouring second differences that change sign, of a series with noise in it. White noise has 0.73, the lab's own
 noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
+_OPPOSED = -0.5  # a correlation: one goes up where the other goes down
 _ROUNDING = 1e-5
 """Of the largest value: second differences below that are of digits that were cut off."""
 
@@ -37,6 +38,10 @@ class Compared:
     raw: str
     smooth: str
     noisy: bool
+
+    @property
+    def both_named(self) -> bool:
+        return says_raw(self.raw) and says_smooth(self.smooth)
 
     @property
     def exchanged(self) -> bool:
@@ -56,10 +61,14 @@ def comparisons(figure: Figure) -> list[Compared]:
         for below, smooth in drawn
         if raw is not smooth and _may_be_in_one_unit(above, below)
     )
-    return [
-        Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw)[1]))
+    named = (
+        (Compared(_name_on(above, raw), _name_on(below, smooth), _has_noise(_last_points(raw)[1])), raw, smooth)
         for above, raw, below, smooth in islice(pairs, _MOST_PAIRS)
-        if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)))
+    )
+    return [
+        compared
+        for compared, raw, smooth in named
+        if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)), named=compared.both_named)
     ]
 
 
@@ -141,16 +150,21 @@ def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -
     return np.interp(x, *raw), np.interp(x, *smooth), len(longer) // len(shorter)
 
 
-def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
+def _is_smoothed(raw: Array, smooth: Array, step: int, *, named: bool) -> bool:
     """Whether one series is smoother than the other and goes where its running mean goes, at some lag.
 
     An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
     standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
     value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
+
+    What only noise has moved need not be the same where both are `named`: a filter was given values that are not drawn, and of
+    every third one a correlation of 0.4 is left, as two runs of noise may have.
     """
     if len(raw) < FEWEST_POINTS or not _is_smoother(raw[::step], smooth[::step]):
         return False
-    return any(_follows(raw, smooth, window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
+    doubtful = named and not np.corrcoef(raw, smooth)[0, 1] < _OPPOSED
+    noise = float(np.var(np.diff(raw[::step]))) / 2 * step if doubtful else 0.0
+    return any(_follows(raw, smooth, window, noise / window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
 
 
 def _has_noise(raw: Array) -> bool:
@@ -160,10 +174,11 @@ def _has_noise(raw: Array) -> bool:
     return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
-def _follows(raw: Array, smooth: Array, window: int) -> bool:
+def _follows(raw: Array, smooth: Array, window: int, chance: float) -> bool:
     """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
 
-    Both are as long, and longer than four windows: a lag leaves two thirds of the rows.
+    Both are as long, and longer than four windows: a lag leaves two thirds of the rows. `chance` is the part of the mean's variance
+    that need not be in common.
     """
     mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
     lags = np.arange(min(2 * window, len(mean) // 4) + 1)
@@ -171,16 +186,18 @@ def _follows(raw: Array, smooth: Array, window: int) -> bool:
     cut = int(ends.min()) // 2
     wanted, got = mean[cut:], smooth[window // 2 + cut :]
     level = float(wanted.mean())  # what both are measured from: sums of squares then lose no digits
-    return _alike(wanted - level, got - level, ends // 2 - cut, ends - cut, lags)
+    return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags, chance)
 
 
-def _alike(wanted: Array, got: Array, begins: Index, ends: Index, lags: Index) -> bool:
+def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, chance: float) -> bool:
     """Whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
+    begins, ends = rows
     means, widths = _moments(wanted, begins, ends)
     its_means, its_widths = _moments(got, begins + lags, ends + lags)
-    rows = zip(begins, ends, lags, strict=True)
-    products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in rows])
-    alike = products / (ends - begins) - means * its_means > 0.75 * widths * its_widths
+    each = zip(begins, ends, lags, strict=True)
+    products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in each])
+    in_common = 1 - np.minimum(chance / np.maximum(widths**2, 1e-300), 1)
+    alike = products / (ends - begins) - means * its_means > 0.75 * in_common * widths * its_widths
     near = np.abs(means - its_means) <= 3 * widths + 1e-12
     as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
     return bool(np.any(alike & near & as_large))
