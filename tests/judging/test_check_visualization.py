@@ -554,7 +554,7 @@ CASES = [
             ("a tiny picture", _scripts(pictures={"filtered_imu.png": replace(_SEEN, size_px=(800, 149))}), (0.0, ["comparison-missing"])),
             ("a small picture", _scripts(pictures={"filtered_imu.png": replace(_SEEN, size_px=(800, 150))}), (0.5, ["comparison-missing"])),
             ("the same twice", _scripts(_compared(other=np.array)), (0.0, ["comparison-missing"])),
-            ("another series", _scripts(_compared(other=np.cos)), (0.0, ["comparison-missing"])),
+            ("another series", _scripts(_compared(other=lambda x: _slow(np.cos(x)), noise=0.1)), (0.0, ["comparison-missing"])),
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
             ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-missing"])),
             ("few samples", _scripts(_few(20)), (0.5, [])),

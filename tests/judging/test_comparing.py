@@ -253,14 +253,14 @@ def test_of_a_long_curve_the_last_points_are_looked_at() -> None:
 def test_what_follows_a_running_mean_is_about_as_large(strength: float, follows: bool) -> None:
     mean = _averaged(9)(NOISY)
     level = float(mean[N // 2 :].mean())
-    assert comparing._follows(NOISY, level + strength * (mean - level), 9, 0.0) is follows
+    assert comparing._follows(NOISY, level + strength * (mean - level), 9, 0.75) is follows
 
 
 @pytest.mark.parametrize(("widths", "near"), [(2.9, True), (-2.9, True), (3.1, False), (-3.1, False)])
 def test_what_is_alike_is_near_by_three_times_its_width(widths: float, near: bool) -> None:
     wave = np.sin(np.arange(N))
     begins, ends = np.array([0]), np.array([N])
-    assert comparing._alike(wave, wave + widths * wave.std(), (begins, ends), begins, 0.0) is near
+    assert comparing._alike(wave, wave + widths * wave.std(), (begins, ends), begins, 0.75) is near
 
 
 STANDING = np.random.default_rng(5).normal(-9.81, 0.05, 1000)

@@ -26,7 +26,8 @@ _MOST_PAIRS = 1000
 _TURNS = 0.25
 """Share of neighbouring second differences that change sign, of a series with noise in it. White noise has 0.73, the lab's own
 noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
-_OPPOSED = -0.5  # a correlation: one goes up where the other goes down
+_LIKENESS, _OPPOSED = 0.75, -0.5
+"""Correlations: of a series with its smoother version, and of one that goes up where the other goes down."""
 _ROUNDING = 1e-5
 """Of the largest value: second differences below that are of digits that were cut off."""
 
@@ -162,9 +163,17 @@ def _is_smoothed(raw: Array, smooth: Array, step: int, *, named: bool) -> bool:
     """
     if len(raw) < FEWEST_POINTS or not _is_smoother(raw[::step], smooth[::step]):
         return False
+    windows = [window for window in (3, 9, 27, 81) if 4 * window < len(raw)]
     doubtful = named and not np.corrcoef(raw, smooth)[0, 1] < _OPPOSED
-    noise = float(np.var(np.diff(raw[::step]))) / 2 * step if doubtful else 0.0
-    return any(_follows(raw, smooth, window, noise / window) for window in (3, 9, 27, 81) if 4 * window < len(raw))
+    wanted = _LIKENESS * (_share_of_motion(raw, step, windows[-1]) if doubtful else 1.0)
+    return any(_follows(raw, smooth, window, wanted) for window in windows)
+
+
+def _share_of_motion(raw: Array, step: int, window: int) -> float:
+    """Which part of the variance of a running mean is no noise, at the least: by chance it is up to three times as much."""
+    noise = float(np.var(np.diff(raw[::step]))) / 2 * step / window
+    moved = float(np.var(np.convolve(raw, np.full(window, 1 / window), mode="valid")[len(raw) // 2 :]))
+    return max(0.0, 1 - 3 * noise / max(moved, 1e-300))
 
 
 def _has_noise(raw: Array) -> bool:
@@ -174,11 +183,10 @@ def _has_noise(raw: Array) -> bool:
     return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
-def _follows(raw: Array, smooth: Array, window: int, chance: float) -> bool:
+def _follows(raw: Array, smooth: Array, window: int, likeness: float) -> bool:
     """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
 
-    Both are as long, and longer than four windows: a lag leaves two thirds of the rows. `chance` is the part of the mean's variance
-    that need not be in common.
+    Both are as long, and longer than four windows: a lag leaves two thirds of the rows. `likeness` is a correlation.
     """
     mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
     lags = np.arange(min(2 * window, len(mean) // 4) + 1)
@@ -186,18 +194,17 @@ def _follows(raw: Array, smooth: Array, window: int, chance: float) -> bool:
     cut = int(ends.min()) // 2
     wanted, got = mean[cut:], smooth[window // 2 + cut :]
     level = float(wanted.mean())  # what both are measured from: sums of squares then lose no digits
-    return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags, chance)
+    return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags, likeness)
 
 
-def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, chance: float) -> bool:
+def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, likeness: float) -> bool:
     """Whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
     begins, ends = rows
     means, widths = _moments(wanted, begins, ends)
     its_means, its_widths = _moments(got, begins + lags, ends + lags)
     each = zip(begins, ends, lags, strict=True)
     products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in each])
-    in_common = 1 - np.minimum(chance / np.maximum(widths**2, 1e-300), 1)
-    alike = products / (ends - begins) - means * its_means > 0.75 * in_common * widths * its_widths
+    alike = products / (ends - begins) - means * its_means > likeness * widths * its_widths
     near = np.abs(means - its_means) <= 3 * widths + 1e-12
     as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
     return bool(np.any(alike & near & as_large))
