@@ -54,10 +54,10 @@ class Plotted(Made):
 
 
 class Sheet:
-    """The sheet's figure, which a case changes."""
+    """The sheet's figure of a run, which a case changes."""
 
-    def __init__(self) -> None:
-        series = truth()["tumbling"]
+    def __init__(self, run: str = "tumbling") -> None:
+        series = truth()[run]
         self.time = series["time"]
         self.rows = (series["acceleration"], series["angular_velocity"])
         self.figure = _figure(
@@ -84,7 +84,7 @@ class Sheet:
             _curve(self.time, self.rows[sensor][:, axis], "xyz"[axis], _COLOURS[3 * sensor + axis]) for axis in range(3)
         ]
         low = 0.5 - 0.45 * sensor
-        place, limits = (0.1, low, 0.9, low + 0.4), ((0.0, 1.2), (-20.0, 20.0))
+        place, limits = (0.1, low, 0.9, low + 0.4), ((0.0, 1.3), (-20.0, 20.0))
         axes = Axes(True, place, title, xlabel, ylabel, (), (), (), *limits, ("linear", "linear"), own_ticks=False)
         return _with_curves(axes, *curves)
 
@@ -206,7 +206,7 @@ def _inside(channels: Iterable[tuple[int, int]], parts: slice) -> Callable[[Shee
     """These parts alone lie within the limits of the axes."""
     mask = np.zeros(100, bool)
     mask[parts] = True
-    return _sights(channels, Sight(mask, mask))
+    return _then(_sights(channels, Sight(mask, mask)), _says(0, x_limits=(0.0, 0.5)))
 
 
 def _rows(channels: Iterable[tuple[int, int]], rows: slice) -> Callable[[Sheet], None]:
@@ -230,11 +230,23 @@ def _inside_drawing() -> Drawing:
     return sheet.drawing()
 
 
-class Fitting(Plotted):
-    """One whose limits fit the recording of the lab, and not the data that the plot is given here."""
+class Limited(Plotted):
+    """One whose limits cut off these channels of the recording of the lab, and others of the data that the plot is given here."""
+
+    def __init__(self, drawing: Drawing, *cut: tuple[int, int]) -> None:
+        super().__init__(drawing)
+        self._cut = cut
 
     def plot(self, *_: Any, called: str = "", **__: Any) -> Drawing:
-        return self._drawing if called else Sheet().drawing()
+        sheet = Sheet("push")
+        _inside(self._cut, slice(0, 40))(sheet)
+        return self._drawing if called else sheet.drawing()
+
+
+def _a_little_outside() -> Drawing:
+    sheet = Sheet()
+    sheet.panel_says(0, y_limits=(-5.0, 5.0))
+    return sheet.drawing()
 
 
 def _first_twice(sheet: Sheet) -> None:
@@ -457,7 +469,11 @@ CASES = [
             ("two outside, one of them more", drawn(_then(_inside([(0, 0)], slice(0, 45)), _inside([(0, 1)], slice(0, 30)))), (0.6667, ["curves-not-seen"])),
             ("half outside", drawn(_inside([(0, 0)], slice(0, 50))), None),
             ("outside, one behind another and one missing", drawn(_then(_inside([(0, 0)], slice(0, 45)), _unseen((0, 1)), _without((1, 2)))), (0.5, ["curves-missing", "curves-not-seen"])),
-            ("outside, where the lab's own recording fits", lambda: Fitting(_inside_drawing()), None),
+            ("outside, where the lab's own recording fits", lambda: Limited(_inside_drawing()), None),
+            ("outside, as of the lab's own recording another one", lambda: Limited(_inside_drawing(), (0, 2)), (0.8333, ["curves-not-seen"])),
+            ("hardly outside, where of the lab's own recording one is", lambda: Limited(_a_little_outside(), (0, 2)), (0.8333, ["curves-not-seen"])),
+            ("hardly outside, where the lab's own recording fits", lambda: Limited(_a_little_outside()), None),
+            ("not outside, so that nobody asks for the lab's own recording", lambda: Limited(Sheet().drawing(), (0, 2)), None),
             ("the last rows left out", drawn(_rows(_ALL, slice(None, -100))), (0.8, [])),
             ("the first rows left out", drawn(_rows(_ALL, slice(100, None))), (0.8, [])),
             ("the last row left out", drawn(_rows(_ALL, slice(None, -1))), None),

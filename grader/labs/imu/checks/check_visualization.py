@@ -19,10 +19,10 @@ from grader.labs.imu.checks.panel_words import has_empty_panel, is_named, label_
 from grader.labs.imu.checks.plot_runs import (
     SENSOR_WORDS,
     candidates,
+    cut_off,
     drawing_or_fault,
     drawn_plot,
     has_curves,
-    limits_fit,
     plot_of,
 )
 from grader.labs.imu.diagnosis import comparing, labels, plots
@@ -140,9 +140,9 @@ def check_curves_match_data(student: Student, truth: Traces) -> None:
 
 def _six_channels(student: Student, truth: Traces) -> None:
     plot = drawn_plot(student, truth)
-    cut_off = {} if limits_fit(student, truth, plot) else plot.cut_off()
-    if len(plot.drawn - set(cut_off)) < 6:
-        curve_faults.some_missing(plot, cut_off)
+    outside = cut_off(student, truth, plot)
+    if len(plot.drawn - set(outside)) < 6:
+        curve_faults.some_missing(plot, outside)
     curve_faults.against_no_time(plot)
     curve_faults.in_another_unit(plot)
     curve_faults.drawn_in_part(plot)
