@@ -94,8 +94,9 @@ class Plot:
 
     @property
     def is_cropped(self) -> bool:
-        """Whether the limits of the axes leave out any point, as those that matplotlib chooses never do."""
-        return any(panel.leaves_out(shown.curve) for panel in self.panels for shown in panel.shown)
+        """Whether no panel shows a channel to its last point: limits that matplotlib chooses never leave one out."""
+        drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
+        return bool(self.drawn - {shown.channel for panel, shown in drawn if not panel.leaves_out(shown.curve)})
 
     def cut_off(self) -> dict[Channel, Sight]:
         """The channels that the limits of the axes leave outside for the most part of what is drawn of them."""
