@@ -31,7 +31,7 @@ from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
 
 WORDS = Path(__file__).parent / "words.yaml"
-_WITH_HIDDEN_SCENARIOS = ("sensor_access.", "data_collection.", "noise_model.", "filtering.")
+_WITH_HIDDEN_SCENARIOS = ("sensor_access.", "data_collection.", "visualization.", "noise_model.", "filtering.")
 Check = Callable[[Any, Any], None]
 Marked = tuple[float, list[str]] | str | None
 """All points; the share that is kept with the mistakes; or "skipped" or "raised"."""

@@ -11,9 +11,11 @@ import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Sight, Stray
 from grader.engine.findings import Fault, Lost
+from grader.engine.loaded import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
 from grader.labs.imu.student import Student
+from grader.sandbox.wire import Frame
 from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
 SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
@@ -53,11 +55,45 @@ class Plotted(Made):
         return Collection(*series.values(), keys={key: key for key in KEYS})
 
 
-class Sheet:
-    """The sheet's figure, which a case changes."""
+class Imported(Made):
+    """One whose file was imported, and whose statements ended so."""
 
-    def __init__(self) -> None:
-        series = truth()["tumbling"]
+    def __init__(self, *ends: str) -> None:
+        super().__init__()
+        faults = [Fault("NameError", how, "filters.py", line, None) for line, how in enumerate(ends, 7)]
+        self._ends = tuple(
+            SteppedOver("filters.py", fault.line or 0, fault.line or 0, fault.message, (), frozenset(), fault)
+            for fault in faults
+        )
+
+    def load(self, path: str) -> Loaded:
+        return replace(super().load(path), stepped_over=self._ends, frame=Frame({"figures": [], "strange": []}))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("ends", "line"),
+    [
+        ((), None),
+        (("raised",), 7),
+        (("hints",), None),
+        (("overran",), None),
+        (("ended", "raised", "raised"), 8),
+    ],
+)
+def test_a_statement_that_raised_while_a_file_was_imported_broke_off_what_it_draws(
+    ends: tuple[str, ...], line: int | None
+) -> None:
+    drawing = Imported(*ends)._drawn_at_import("filters.py")
+    assert drawing is not None
+    assert (drawing.fault and drawing.fault.line) == line
+
+
+class Sheet:
+    """The sheet's figure of a run, which a case changes."""
+
+    def __init__(self, run: str = "tumbling") -> None:
+        series = truth()[run]
         self.time = series["time"]
         self.rows = (series["acceleration"], series["angular_velocity"])
         self.figure = _figure(
@@ -84,7 +120,7 @@ class Sheet:
             _curve(self.time, self.rows[sensor][:, axis], "xyz"[axis], _COLOURS[3 * sensor + axis]) for axis in range(3)
         ]
         low = 0.5 - 0.45 * sensor
-        place, limits = (0.1, low, 0.9, low + 0.4), ((0.0, 1.2), (-20.0, 20.0))
+        place, limits = (0.1, low, 0.9, low + 0.4), ((0.0, 1.3), (-20.0, 20.0))
         axes = Axes(True, place, title, xlabel, ylabel, (), (), (), *limits, ("linear", "linear"), own_ticks=False)
         return _with_curves(axes, *curves)
 
@@ -206,7 +242,7 @@ def _inside(channels: Iterable[tuple[int, int]], parts: slice) -> Callable[[Shee
     """These parts alone lie within the limits of the axes."""
     mask = np.zeros(100, bool)
     mask[parts] = True
-    return _sights(channels, Sight(mask, mask))
+    return _then(_sights(channels, Sight(mask, mask)), _says(0, x_limits=(0.0, 0.5)))
 
 
 def _rows(channels: Iterable[tuple[int, int]], rows: slice) -> Callable[[Sheet], None]:
@@ -224,17 +260,39 @@ def _rows(channels: Iterable[tuple[int, int]], rows: slice) -> Callable[[Sheet],
     return change
 
 
+def _of_sensor_alone(sensor: int) -> Callable[[Sheet], None]:
+    """Both panels take the curves of this sensor."""
+    return lambda sheet: sheet.panel_says(1 - sensor, curves=sheet.panels[sensor].curves)
+
+
+def _two_of_the_other(sheet: Sheet) -> None:
+    (_, _, last), (first, second, _) = sheet.panels[1].curves, sheet.panels[0].curves
+    sheet.panel_says(1, curves=(first, second, last))
+
+
 def _inside_drawing() -> Drawing:
     sheet = Sheet()
     _inside(_ALL, slice(0, 40))(sheet)
     return sheet.drawing()
 
 
-class Fitting(Plotted):
-    """One whose limits fit the recording of the lab, and not the data that the plot is given here."""
+class Limited(Plotted):
+    """One whose limits cut off these channels of the recording of the lab, and others of the data that the plot is given here."""
+
+    def __init__(self, drawing: Drawing, *cut: tuple[int, int]) -> None:
+        super().__init__(drawing)
+        self._cut = cut
 
     def plot(self, *_: Any, called: str = "", **__: Any) -> Drawing:
-        return self._drawing if called else Sheet().drawing()
+        sheet = Sheet("push")
+        _inside(self._cut, slice(0, 40))(sheet)
+        return self._drawing if called else sheet.drawing()
+
+
+def _a_little_outside() -> Drawing:
+    sheet = Sheet()
+    sheet.panel_says(0, y_limits=(-5.0, 5.0))
+    return sheet.drawing()
 
 
 def _first_twice(sheet: Sheet) -> None:
@@ -457,7 +515,11 @@ CASES = [
             ("two outside, one of them more", drawn(_then(_inside([(0, 0)], slice(0, 45)), _inside([(0, 1)], slice(0, 30)))), (0.6667, ["curves-not-seen"])),
             ("half outside", drawn(_inside([(0, 0)], slice(0, 50))), None),
             ("outside, one behind another and one missing", drawn(_then(_inside([(0, 0)], slice(0, 45)), _unseen((0, 1)), _without((1, 2)))), (0.5, ["curves-missing", "curves-not-seen"])),
-            ("outside, where the lab's own recording fits", lambda: Fitting(_inside_drawing()), None),
+            ("outside, where the lab's own recording fits", lambda: Limited(_inside_drawing()), None),
+            ("outside, as of the lab's own recording another one", lambda: Limited(_inside_drawing(), (0, 2)), (0.8333, ["curves-not-seen"])),
+            ("hardly outside, where of the lab's own recording one is", lambda: Limited(_a_little_outside(), (0, 2)), (0.8333, ["curves-not-seen"])),
+            ("hardly outside, where the lab's own recording fits", lambda: Limited(_a_little_outside()), None),
+            ("not outside, so that nobody asks for the lab's own recording", lambda: Limited(Sheet().drawing(), (0, 2)), None),
             ("the last rows left out", drawn(_rows(_ALL, slice(None, -100))), (0.8, [])),
             ("the first rows left out", drawn(_rows(_ALL, slice(100, None))), (0.8, [])),
             ("the last row left out", drawn(_rows(_ALL, slice(None, -1))), None),
@@ -468,6 +530,11 @@ CASES = [
             ("of two curves some rows, of one of them fewer", drawn(_then(_rows([(1, 0)], slice(0, 300)), _rows([(0, 2)], slice(0, 400)))), (0.8617, [])),
             ("of one curve some rows, and another missing", drawn(_then(_rows([(1, 0)], slice(0, 300)), _without((0, 1)))), (0.75, ["curves-missing"])),
             ("some rows, against the index", drawn(_then(_times(lambda t: np.arange(len(t), dtype=float)), _rows(_ALL, slice(0, 300)))), (0.5, ["x-not-time"])),
+            ("accelerations in both panels", drawn(_of_sensor_alone(0)), (0.5, ["wrong-data-plotted"])),
+            ("angular velocities in both panels", drawn(_of_sensor_alone(1)), (0.5, ["wrong-data-plotted"])),
+            ("accelerations in one panel, twice", drawn(_then(_of_sensor_alone(0), lambda s: s.says(axes=s.panels[:1]), lambda s: s.panel_says(0, curves=s.panels[0].curves * 2))), (0.5, ["wrong-data-plotted"])),
+            ("two columns of the other sensor", drawn(_two_of_the_other), (0.6667, ["wrong-data-plotted"])),
+            ("all of one sensor wrong", drawn(_values(0, np.cos)), (0.5, ["wrong-data-plotted"])),
             ("against milliseconds without a label", drawn(_then(_times(lambda t: 1000 * t), _says(1, xlabel=""))), None),
             ("against milliseconds with own numbers", drawn(_then(_times(lambda t: 1000 * t), _says(1, own_ticks=True))), None),
             ("g where the title names it", drawn(_then(_values(0, lambda a: a / 9.81), _says(0, ylabel="Acceleration", title="Acceleration (g)"))), None),
@@ -584,7 +651,7 @@ _ONE, _OTHER = np.arange(50.0), np.arange(50.0) ** 2
 @pytest.mark.parametrize(
     ("series", "unseen", "words"),
     [
-        ([], [], "a plot without a curve"),
+        ([], [], "a plot whose curves are constant"),
         ([_ONE], [], "a plot with one curve alone"),
         ([_ONE], ["raw"], "a plot with one curve alone"),
         ([_ONE[:20], _OTHER[:49]], [], "a plot with 49 samples at most"),
@@ -602,6 +669,15 @@ def test_a_plot_that_compares_nothing_is_told_by_its_curves(
     monkeypatch.setattr(checks.comparing, "series_drawn", lambda _figure: series)
     monkeypatch.setattr(checks.comparing, "unseen", lambda _figure: unseen)
     assert checks._curves_in_words(Sheet().figure) == words
+
+
+@pytest.mark.quick
+def test_a_plot_with_a_mark_alone_has_no_curve() -> None:
+    panel = Sheet().panels[0]
+    mark = _curve(np.array([0.0, 1.0]), np.array([9.81, 9.81]), "", "#000000")
+    assert checks._curves_in_words(_figure(_with_curves(panel, mark))) == "a plot without a curve"
+    flat = _curve(np.arange(60.0), np.zeros(60), "", "#000000")
+    assert checks._curves_in_words(_figure(_with_curves(panel, mark, flat))) == "a plot whose curves are constant"
 
 
 @pytest.mark.quick

@@ -216,11 +216,15 @@ def test_of_a_channel_that_is_drawn_in_part_the_limits_may_cut_off_half_of_that(
         assert list(_plot(figure).cut_off()) == [(1, 2)] * cut
 
 
+def _cropped(figure: Figure) -> Figure:
+    """The figure with limits that leave out the last points."""
+    return replace(figure, axes=tuple(replace(axes, x_limits=(0.0, 1.19)) for axes in figure.axes))
+
+
 def _outside(which: str) -> Drawing:
     """The hidden run drawn outside the limits, seen nowhere."""
-    return Drawing(
-        (_sighted(Sheet().figure, _sight(0 if which == "nothing" else 30, 0 if which == "nothing" else 30)),)
-    )
+    share = 0 if which == "nothing" else 30
+    return Drawing((_cropped(_sighted(Sheet().figure, _sight(share, share))),))
 
 
 class Limited(Plotted):
@@ -234,28 +238,47 @@ class Limited(Plotted):
         return self.of_push if np.array_equal(sheet["time"], truth()["push"]["time"]) else self._drawing
 
 
+def _of_lab(sight: Sight, *channels: tuple[int, int]) -> Drawing:
+    """The lab's own recording, with these channels seen so."""
+    return Drawing((_sighted(Sheet("push").figure, sight, *channels),))
+
+
 def test_curves_outside_the_limits_are_seen_where_these_are_chosen_for_the_labs_recording() -> None:
-    fits = Sheet().drawing()
+    fits = Sheet("push").drawing()
     assert plot_runs.plot_of(Limited(_outside("nothing"), fits), truth()).drawn == set(plot_runs.CHANNELS)
-    for of_push in (_outside("a part"), Drawing(())):
+    for of_push in (_of_lab(_sight(0, 0)), Drawing(())):
         with pytest.raises(Skipped, match=r"^a figure with curves that can be seen$"):
             plot_runs.plot_of(Limited(_outside("nothing"), of_push), truth())
         assert plot_runs.plot_of(Limited(_outside("a part"), of_push), truth()).drawn == set(plot_runs.CHANNELS)
 
 
-@pytest.mark.parametrize(("inside", "n", "fit"), [(50, 600, True), (49, 600, False), (0, 49, True), (0, 50, False)])
-def test_limits_fit_where_half_of_every_long_curve_is_within_them(inside: int, n: int, fit: bool) -> None:
-    figure = _sighted(Sheet().figure, _sight(inside, inside), (1, 0))
-    curves = [replace(curve, n=n) if curve.sight.inside.mean() < 1 else curve for curve in figure.axes[1].curves]
-    of_push = Drawing((replace(figure, axes=(figure.axes[0], replace(figure.axes[1], curves=tuple(curves)))),))
-    plot = _plot(_outside("a part").figures[0])
-    assert plot_runs.limits_fit(Limited(_outside("a part"), of_push), truth(), plot) is fit
+@pytest.mark.parametrize(("inside", "cut"), [(50, False), (49, True), (0, True)])
+@pytest.mark.parametrize("given", ["nothing", "a part", "all but a few points"])
+def test_limits_cut_off_what_they_leave_outside_of_the_labs_recording(given: str, inside: int, cut: bool) -> None:
+    of_push = _of_lab(_sight(inside, inside), (1, 0))
+    drawing = Drawing((_cropped(Sheet().figure),)) if given.startswith("all") else _outside(given)
+    found = plot_runs.cut_off(Limited(drawing, of_push), truth(), _plot(drawing.figures[0]))
+    assert list(found) == [(1, 0)] * cut
+    assert [sight.inside.sum() for sight in found.values()] == [inside] * cut
 
 
-def test_limits_that_cut_nothing_off_fit_and_those_of_no_long_curve_do_not() -> None:
-    nothing = Drawing(())
-    assert plot_runs.limits_fit(Limited(nothing, nothing), truth(), _plot(Sheet().figure))
-    assert not plot_runs.limits_fit(Limited(nothing, nothing), truth(), _plot(_outside("a part").figures[0]))
+def test_a_channel_that_the_labs_recording_does_not_show_is_cut_off_as_it_is_here() -> None:
+    drawing = _outside("a part")
+    plot = _plot(drawing.figures[0])
+    first = replace(Sheet("push").figure, axes=Sheet("push").panels[:1])
+    for of_push, cut in ((Drawing(()), plot_runs.CHANNELS), (Drawing((first,)), plot_runs.CHANNELS[3:])):
+        assert tuple(plot_runs.cut_off(Limited(drawing, of_push), truth(), plot)) == cut
+
+
+def test_a_channel_that_only_the_labs_recording_shows_is_not_cut_off() -> None:
+    drawing = Drawing((replace(_outside("a part").figures[0], axes=_outside("a part").figures[0].axes[:1]),))
+    found = plot_runs.cut_off(Limited(drawing, _of_lab(_sight(0, 0))), truth(), _plot(drawing.figures[0]))
+    assert tuple(found) == plot_runs.CHANNELS[:3]
+
+
+def test_where_no_point_is_outside_the_labs_recording_is_not_asked_for() -> None:
+    drawing = Sheet().drawing()
+    assert plot_runs.cut_off(Limited(drawing, _of_lab(_sight(0, 0))), truth(), _plot(drawing.figures[0])) == {}
 
 
 def _strange(figure: Figure) -> Figure:

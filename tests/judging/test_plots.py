@@ -253,6 +253,26 @@ def test_what_shows_the_same_and_is_less_than_half_as_large_is_an_inset(
     assert small.is_inset_of(large) is inset
 
 
+@pytest.mark.parametrize(
+    ("x_limits", "y_limits", "left_out"),
+    [
+        ((TIME[0], TIME[-1]), (ACCEL[:, 0].min(), ACCEL[:, 0].max()), False),
+        ((TIME[-1], TIME[0]), (ACCEL[:, 0].max(), ACCEL[:, 0].min()), False),
+        ((TIME[1], TIME[-1]), (-20.0, 20.0), True),
+        ((TIME[0], TIME[-2]), (-20.0, 20.0), True),
+        ((0.0, 2.0), (ACCEL[:, 0].min() + 1e-9, 20.0), True),
+        ((0.0, 2.0), (-20.0, ACCEL[:, 0].max() - 1e-9), True),
+    ],
+)
+def test_limits_leave_out_a_single_point(
+    x_limits: tuple[float, float], y_limits: tuple[float, float], left_out: bool
+) -> None:
+    panel = panel_of(X, x_limits=x_limits, y_limits=y_limits)
+    assert panel is not None
+    assert panel.leaves_out(X) is left_out
+    assert not panel.leaves_out(replace(X, y=np.full(len(TIME), np.nan)))
+
+
 def test_the_words_of_a_panel_are_its_title_and_its_label() -> None:
     panel = panel_of(X, title="Above", ylabel="m/s²", xlabel="s")
     assert panel is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
@@ -147,10 +148,13 @@ class Plotting(Conversation):
         return [p for p in ("filters.py", "noisy_imu.py", "imu_reader.py", *self.used, *others) if p in self.paths]
 
     def _drawn_at_import(self, path: str) -> Drawing | None:
+        """What a file drew when it was imported; a statement that raised and was stepped over may have broken it off."""
         try:
-            return drawing_of(self.load(path).frame)
+            loaded = self.load(path)
         except NoAnswer:
             return None
+        fault = next((each.fault for each in loaded.stepped_over if each.how == "raised"), None)
+        return replace(drawing_of(loaded.frame), fault=fault)
 
     def _drawn_as_script(self, path: str) -> Drawing | None:
         if path.endswith(".ipynb") or b"__main__" not in self.files.get(path, b"__main__"):

@@ -10,7 +10,7 @@ import numpy as np
 
 from grader.engine.examination import check
 from grader.engine.figures import Figure
-from grader.engine.findings import Fault, Lost, Missing, Skipped, raised
+from grader.engine.findings import Fault, Lost, Missing, Ours, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
@@ -19,10 +19,10 @@ from grader.labs.imu.checks.panel_words import has_empty_panel, is_named, label_
 from grader.labs.imu.checks.plot_runs import (
     SENSOR_WORDS,
     candidates,
+    cut_off,
     drawing_or_fault,
     drawn_plot,
     has_curves,
-    limits_fit,
     plot_of,
 )
 from grader.labs.imu.diagnosis import comparing, labels, plots
@@ -77,7 +77,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
         raise Lost(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
     if all(figure.format in _OTHER_FORMS for figure in full):
-        hint = "The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4)."
+        hint = Ours("The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4).")
         raise Lost("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
 
 
@@ -122,7 +122,7 @@ def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
     got = f"a panel labelled {quoted(' | '.join(wrong))} that shows the {SENSOR_WORDS[sensor]}"
     if all(text in wrong for text in (panel.axes.title, panel.axes.ylabel) if text.strip()):
         raise Lost(expected, got, mistakes=["panels-swapped"])
-    hint = (
+    hint = Ours(
         "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
     )
     raise Lost(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
@@ -140,9 +140,9 @@ def check_curves_match_data(student: Student, truth: Traces) -> None:
 
 def _six_channels(student: Student, truth: Traces) -> None:
     plot = drawn_plot(student, truth)
-    cut_off = {} if limits_fit(student, truth, plot) else plot.cut_off()
-    if len(plot.drawn - set(cut_off)) < 6:
-        curve_faults.some_missing(plot, cut_off)
+    outside = cut_off(student, truth, plot)
+    if len(plot.drawn - set(outside)) < 6:
+        curve_faults.some_missing(plot, outside)
     curve_faults.against_no_time(plot)
     curve_faults.in_another_unit(plot)
     curve_faults.drawn_in_part(plot)
@@ -217,11 +217,13 @@ def check_titles(student: Student, truth: Traces) -> None:
 _FILTER = "filtering.follows_recursion"
 _NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
 """What a file cannot be read with: nobody knows what it would draw, and what it defines is charged where it is missed."""
-_DRAW_NOISE = (
+_DRAW_NOISE = Ours(
     "Read NoisyIMU in the loop, filter that and draw both: without noise nobody sees what a filter does (Step 6)."
 )
-_MORE_SAMPLES = "Read, filter and draw a few hundred samples: on so few nobody sees what a filter does (Step 6)."
-_MEND_SCRIPT = "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
+_MORE_SAMPLES = Ours("Read, filter and draw a few hundred samples: on so few nobody sees what a filter does (Step 6).")
+_MEND_SCRIPT = Ours(
+    "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
+)
 
 
 @check("visualization.comparison_plot", lab_step=6)
@@ -299,7 +301,8 @@ def _curves_in_words(figure: Figure) -> str:
         named = f" {quoted(unseen[0])}" if unseen[0] else ""
         return f"a plot on which the curve{named} cannot be seen"
     if len(series) < 2:
-        return "a plot with one curve alone" if series else "a plot without a curve"
+        nothing = "a plot whose curves are constant" if has_curves(figure) else "a plot without a curve"
+        return "a plot with one curve alone" if series else nothing
     if alike:
         return "a plot with the same series in every curve"
     return f"a plot with {len(series)} curves, none of which is a smoother version of another"

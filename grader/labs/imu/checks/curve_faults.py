@@ -17,6 +17,14 @@ from grader.labs.imu.diagnosis.plots import Channel
 _NONE_AS_GIVEN = Ours(
     "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
 )
+_IN_BOTH_PANELS = (
+    Ours("Every panel draws the angular velocity: let one of them draw the acceleration that was recorded (Step 4)."),
+    Ours("Every panel draws the acceleration: let one of them draw the angular velocity that was recorded (Step 4)."),
+)
+"""By the sensor that is missing."""
+_IN_UNIT = Ours(
+    "Let each label name the unit of the values that are drawn; those that were recorded are in m/s² and rad/s (Step 4)."
+)
 _IN_PART = 0.8
 """Of a channel's points at most, where some of its rows are not drawn; of those that show less of it the share that they show."""
 
@@ -48,8 +56,19 @@ def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
         "; ".join(got),
         mistakes=list(dict.fromkeys(mistakes)),
         keeps=_worth(plot, shown),
-        hint="" if plot.drawn or plot.hidden or not strange else _NONE_AS_GIVEN,
+        hint=_hint_for(plot, missing),
     )
+
+
+def _hint_for(plot: Plot, missing: set[Channel]) -> str:
+    """Words for channels that are missing by the whole sensor: columns that were mixed up are not all missing."""
+    without = [sensor for sensor in (0, 1) if {channel for channel in CHANNELS if channel[0] == sensor} <= missing]
+    if not without or {sensor for sensor, _ in missing} != set(without):
+        return ""
+    if plot.strange:
+        return _NONE_AS_GIVEN
+    of_the_other = [panel for panel in plot.main_panels if panel.sensors == {1 - without[0]}]
+    return _IN_BOTH_PANELS[without[0]] if len(of_the_other) > 1 else ""
 
 
 def _worth(plot: Plot, channels: Iterable[Channel]) -> float:
@@ -126,7 +145,6 @@ def in_another_unit(plot: Plot) -> None:
             unsaid = said is None and shown.unit != family[0]
             if wrong or unsaid:
                 got = f"numbers in {shown.unit} under {f'the label {quoted(label)}' if label else 'no label'}"
-                hint = f"Draw the values as they were recorded, or write {shown.unit} into the label (Step 4)."
                 raise Lost(
-                    "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=hint
+                    "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=_IN_UNIT
                 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NoReturn
 
-from grader.engine.findings import A_PERSON_MAY, Lost
+from grader.engine.findings import A_PERSON_MAY, Lost, Ours
 from grader.engine.traces import Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
@@ -35,11 +35,13 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
     events = {figure.event for figure in drawing.figures if has_curves(figure)}
     broken = next((picture for picture in drawing.strange if picture.reason), None)
     if events & {"overwritten", "forgotten"} and broken is not None:
-        hint = "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
+        hint = Ours(
+            "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
+        )
         got = f"{printable(broken.path, 60)}, which no program can open"
         raise Lost("a picture that can be read", got, hint=hint)
     if "overwritten" in events:
-        hint = "Save the figure last, under a name that nothing else is written to afterwards (Step 4)."
+        hint = Ours("Save the figure last, under a name that nothing else is written to afterwards (Step 4).")
         got = "a file in which the figure no longer stands at the end"
         raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
     if any(figure.is_saved for figure in drawing.figures):

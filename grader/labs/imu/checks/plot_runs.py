@@ -93,6 +93,12 @@ class Plot:
         parts = {channel: self.drawn_of(channel) for channel in CHANNELS if channel in self.drawn}
         return {channel: part for channel, part in parts.items() if part.mean() < plots.NEARLY_ALL}
 
+    @property
+    def is_cropped(self) -> bool:
+        """Whether no panel shows a channel to its last point: limits that matplotlib chooses never leave one out."""
+        drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
+        return bool(self.drawn - {shown.channel for panel, shown in drawn if not panel.leaves_out(shown.curve)})
+
     def cut_off(self) -> dict[Channel, Sight]:
         """The channels that the limits of the axes leave outside for the most part of what is drawn of them."""
         sights = {channel: self.sight(channel) for channel in CHANNELS if channel in self.drawn}
@@ -150,7 +156,7 @@ def drawing_or_fault(student: Student, truth: Traces) -> Drawing:
 def plot_of(student: Student, truth: Traces) -> Plot:
     """The figure that shows most; Skipped where none has a curve that a reader sees."""
     plot = drawn_plot(student, truth)
-    outside = set() if limits_fit(student, truth, plot) else set(plot.cut_off())
+    outside = cut_off(student, truth, plot)
     if not plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()} and not plot.strange:
         raise Skipped("a figure with curves that can be seen")
     return plot
@@ -178,17 +184,19 @@ def _showing(plot: Plot) -> tuple[int, int, bool]:
     return len(plot.drawn), len(plot.hidden), plot.figure.is_saved
 
 
-def limits_fit(student: Student, truth: Traces, plot: Plot) -> bool:
-    """Whether the limits of the axes show the recording of the lab, where they cut off the data that the plot was given here.
+def cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, Sight]:
+    """The channels that the limits of the axes cut off of the recording of the lab.
 
-    Limits that are written into the code are chosen for the data that the code records.
+    Limits that are written into the code are chosen for the data that the code records. So that is drawn, too, where they leave
+    anything outside of the data that the plot was given here; of a channel that it does not show, this data tells.
     """
-    if not plot.cut_off():
-        return True
-    drawing = drawing_of_data(student, truth, "push")
-    curves = [curve for figure in drawing.figures for axes in figure.axes for curve in axes.curves]
-    long = [curve for curve in curves if curve.n >= plots.FEWEST_POINTS]
-    return bool(long) and all(curve.sight.inside.mean() >= _ENOUGH for curve in long)
+    if not plot.is_cropped:
+        return {}
+    series = series_of(truth, "push")
+    figures = drawing_of_data(student, truth, "push").figures
+    of_lab = max((Plot(f, plots.panels(f, series)) for f in figures), key=_showing, default=Plot(plot.figure, []))
+    here = {channel: sight for channel, sight in plot.cut_off().items() if channel not in of_lab.drawn}
+    return here | {channel: sight for channel, sight in of_lab.cut_off().items() if channel in plot.drawn}
 
 
 def has_curves(figure: Figure) -> bool:

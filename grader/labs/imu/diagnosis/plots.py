@@ -89,6 +89,11 @@ class Panel:
         left, low, right, high = self.axes.position
         return (right - left) * (high - low)
 
+    def leaves_out(self, curve: Curve) -> bool:
+        """Whether any point of a curve lies outside the limits of the axes."""
+        limits = (sorted(self.axes.x_limits), sorted(self.axes.y_limits))
+        return any(bool(np.any((v < low) | (v > high))) for v, (low, high) in zip(curve.points, limits, strict=True))
+
     def is_inset_of(self, other: Panel) -> bool:
         """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
         return bool(self.channels) and self.channels <= other.channels and self.area < other.area / 2
