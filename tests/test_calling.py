@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 import re
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from grader.harness import spelling, stepping
 from grader.harness.calling import Slot, way_of
 from grader.harness.lending import Lending
+from grader.labs.imu.box import calls
 
 SLOTS = (
     Slot("model", re.compile("^m$")),
@@ -180,3 +182,86 @@ def test_what_a_file_uses_and_binds_nowhere_is_lent(text: str, lent: list[tuple[
 )
 def test_one_definition_a_slip_away_is_what_is_meant(text: str, found: list[tuple[str, str]]) -> None:
     assert list(spelling.slips(ast.parse(text).body, ["LowPassFilter"])) == found
+
+
+UPDATE = {"LowPassFilter.update": 1}
+CLASS = "class LowPassFilter:\n    def __init__(self, alpha):\n        pass\n\n"
+
+
+def _method(name: str, body: str = "return x", parameters: str = "self, x", above: str = "") -> str:
+    return f"    {above}\n    def {name}({parameters}):\n        {body}\n\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        (CLASS + _method("process"), "process"),
+        (CLASS + _method("process", parameters="self, x, dt=0.002"), "process"),
+        (CLASS + _method("__call__"), "__call__"),
+        (CLASS + _method("__call__") + _method("process"), "process"),
+        (CLASS + _method("set_alpha", "self.alpha = x") + _method("process"), "process"),
+        (CLASS + _method("reset", "return None", "self") + _method("process"), "process"),
+        (CLASS + _method("batch") + _method("update_state"), "update_state"),
+        ("class Base:\n" + _method("step") + CLASS.replace(":", "(Base):", 1), "step"),
+        (CLASS + _method("batch") + _method("process"), None),
+        (CLASS + _method("update") + _method("process"), None),
+        (CLASS + _method("_process"), None),
+        (CLASS + _method("process", "self.value = x"), None),
+        (CLASS + _method("process", parameters="self, x, dt"), None),
+        (CLASS + _method("process", parameters="x", above="@staticmethod"), None),
+        (CLASS + _method("process") + "\nLowPassFilter.update = LowPassFilter.process\n", None),
+        (CLASS + _method("process") + "\nsetattr(LowPassFilter, 'update', LowPassFilter.process)\n", None),
+        (CLASS.replace("LowPassFilter", "Filter") + _method("process"), None),
+    ],
+)
+def test_a_method_is_meant_where_only_one_does_what_it_should(text: str, meant: str | None) -> None:
+    found = dict(spelling.other_methods(ast.parse(text).body, UPDATE))
+    assert found == ({} if meant is None else {"LowPassFilter.update": meant})
+
+
+class InTime:
+    """A filter that is made of a cutoff, in Hz, and the time between two measurements."""
+
+    def __init__(self, cutoff_hz: float, dt: float, initial_value: Any = None) -> None:
+        self.alpha, self.value = dt / (1 / (2 * math.pi * cutoff_hz) + dt), initial_value
+
+
+class ByRate(InTime):
+    def __init__(self, fc: float = 10.0, fs: float = 100.0) -> None:
+        super().__init__(fc, 1 / fs)
+
+
+class ByConstant(InTime):
+    def __init__(self, tau: float, dt: float) -> None:
+        super().__init__(1 / (2 * math.pi * tau), dt)
+
+
+@pytest.mark.parametrize("kind", [InTime, ByRate, ByConstant])
+@pytest.mark.parametrize("alpha", [0.01, 0.1, 0.5, 0.99])
+def test_a_filter_that_is_made_of_times_gets_those_of_alpha(kind: type[InTime], alpha: float) -> None:
+    build, departs = calls.filter_by(kind)
+    assert (build({"alpha": alpha}).alpha, departs) == (pytest.approx(alpha, rel=1e-9), ["alpha"])
+
+
+def test_a_filter_of_times_has_the_sheets_alpha_where_none_is_given_and_its_initial_value() -> None:
+    built = calls.filter_by(InTime)[0]({"initial_value": 3.0})
+    assert (built.alpha, built.value) == (pytest.approx(0.1), 3.0)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 1.0])
+def test_the_ends_of_alpha_have_a_cutoff_too(alpha: float) -> None:
+    assert calls.filter_by(InTime)[0]({"alpha": alpha}).alpha == pytest.approx(alpha, abs=1e-6)
+
+
+def _one_of_both(alpha: float = 0.1, initial_value: Any = None, cutoff_hz: float = 0.0, dt: float = 0.002) -> float:
+    return alpha
+
+
+def _whatever(**options: Any) -> Any:
+    return options["alpha"]
+
+
+@pytest.mark.parametrize("kind", [_one_of_both, _whatever])
+def test_who_takes_alpha_is_given_alpha(kind: Any) -> None:
+    build, departs = calls.filter_by(kind)
+    assert (build({"alpha": 0.3}), departs) == (0.3, [])
