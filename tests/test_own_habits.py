@@ -330,6 +330,22 @@ def _slips() -> Iterator[Slip]:
         ("curves-missing",),
     )
     yield Slip(
+        "legends of the parts of a figure",
+        _changed(
+            tidy(),
+            READER,
+            {
+                "fig, (top, bottom) = plt.subplots(2, 1, figsize=(10, 6), sharex=True)": "fig = plt.figure(figsize=(10, 6))\n"
+                "    parts = fig.subfigures(2, 1)\n    top, bottom = parts[0].subplots(), parts[1].subplots()",
+                '    for ax in (top, bottom):\n        ax.legend(loc="best")': "    for part, ax in zip(parts, (top, bottom)):\n        part.legend()",
+                'top.set_title("Torso accelerometer")': 'parts[0].text(0.5, 0.95, "Torso")',
+                '    bottom.set_title("Torso gyroscope")\n': "",
+                "    fig.tight_layout()\n": "",
+            },
+        ),
+        {},
+    )
+    yield Slip(
         "a division by the difference",
         _changed(tidy(), FILTER, {"self.alpha * (x - self.state)": "self.alpha / (x - self.state)"}),
         {RECURSION: 6.0},
