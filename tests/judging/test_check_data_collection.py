@@ -100,6 +100,14 @@ class Before(Recorder):
         return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
 
 
+class StepBefore(Recorder):
+    """A step more, before the loop."""
+
+    def push(self, data: Any) -> None:
+        super().push(data)
+        mujoco.mj_step(data.model, data)
+
+
 class Keeping(Recorder):
     """Lists that outlive the call."""
 
@@ -483,6 +491,7 @@ CASES = [
             ("its own time step, put back", _for_the_run(_own_timestep), (0.0, ["time-axis-wrong"])),
             ("rows that are never filled", _empty(9), None),
             ("a first row that is empty", telling(_first_row_empty), None),
+            ("a step before the loop, which the rows are charged for", StepBefore, None),
             ("one row", of(steps=lambda *_: 1), None),
             ("five rows", of(steps=lambda *_: 5), None),
             ("twenty too few", SHORT, None),
@@ -533,6 +542,7 @@ CASES = [
             ("three steps early", telling(lambda t, a, g, _m: (t[3:], a[3:], g[3:])), (0.5, [])),
             ("a step early", telling(lambda t, a, g, _m: (t[1:], a[1:], g[1:])), (0.5, [])),
             ("a step early, at the stamps of mj_forward", telling(lambda t, a, g, _m: (t[:-1], a[1:], g[1:])), None),
+            ("a step before the loop", StepBefore, (0.5, [])),
             ("a first row that is empty", telling(_first_row_empty), (0.5, ["first-row-empty"])),
             ("in another order of axes", telling(lambda t, a, g, _m: (t, a[:, [1, 0, 2]], g)), (0.5, ["rows-altered"])),
             ("other signs", telling(lambda t, a, g, _m: (t, a, -g)), (0.5, ["rows-altered"])),
@@ -742,6 +752,7 @@ CHARGED = [
     (TWO_STEPS, [TRUTH]),
     (SWAPPED, [TRUTH]),
     (Before, [TRUTH]),
+    (StepBefore, [TRUTH]),
     (telling(_aliased), [TRUTH]),
     (telling(_noisy), [TRUTH]),
     (telling(_first_row_empty), [TRUTH]),
