@@ -348,6 +348,7 @@ HUNDRED_HERTZ = of(steps=lambda _s, _m, duration: round(duration / 0.002))
 SHORT = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) - 20)
 NO_STEPS = of(steps=lambda *_: 0)
 ONE_MORE = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) + 1)
+WHOLE_SECONDS = counting(lambda duration, dt: int(duration) / dt)
 NO_RESET = of(begin=lambda *_: None)
 NO_PUSH = of(push=lambda *_: None)
 HALF = of(push=_pushed(0, 0.25))
@@ -584,6 +585,8 @@ CASES = [
             ),
         ],
         RESET: [
+            ("none of a run of less than a second, which the count is charged for", WHOLE_SECONDS, (0.0, [])),
+            ("no rows at all", NO_STEPS, "skipped"),
             ("a recording of the hidden run", telling(_recorded_as_it_was), "skipped"),
             ("time alone", TIME_ALONE, "skipped"),
             ("squared", SQUARED, None),

@@ -36,8 +36,9 @@ from grader.labs.imu.recordings import (
 )
 from grader.labs.imu.student import Student
 
-_ROWS = "data_collection.matches_truth"
-"""This charges what other checks see as well."""
+_ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
+_ROWS, _COUNT = "data_collection.matches_truth", "data_collection.sample_count"
+"""These charge what other checks see as well."""
 
 
 @check("data_collection.returns_named_arrays", lab_step=3)
@@ -98,7 +99,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         mistakes=(mistakes := _count_mistakes(seen, skips=story is not None and story.skip > 1)),
         hint=""
         if mistakes
-        else Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3)."),
+        else _ONE_A_STEP,
         belongs_to=_ROWS if elsewhere else "",
     )
 
@@ -229,6 +230,9 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
 def check_starts_from_reset(student: Student, truth: Traces) -> None:
     """A run starts from the reset state, whatever happened before, and leaves the model as it was"""
     series = from_dirt(student, truth)
+    if complete(pushed(student, truth)) and not length(series):
+        duration = f"{Worlds.of(truth['push_dirty']).duration_s:g} s"
+        raise Lost(f"the rows of a run of {duration}", "none", hint=_ONE_A_STEP, belongs_to=_COUNT)
     has_rows(series)
     if series.changed:
         raise Lost(
