@@ -17,6 +17,11 @@ import numpy as np
 import pytest
 import yaml
 
+from grader.engine.feedback import mistake_of
+from grader.engine.findings import Fault
+from grader.engine.mistakes import catalogue
+from grader.labs.imu.lab import LAB
+
 ROOT = Path(__file__).parent.parent
 MISTAKES: dict[str, dict[str, dict[str, Any]]] = yaml.safe_load(
     (ROOT / "grader" / "labs" / "imu" / "mistakes.yaml").read_text(encoding="utf-8")
@@ -185,6 +190,22 @@ def example(key: str, version: str, parameters: str) -> Callable[..., Any]:
 
 def sentences(text: str) -> int:
     return len(re.findall(r"[.?!](?=\s|$)", text))
+
+
+@pytest.mark.parametrize(
+    ("exception", "message", "key"),
+    [
+        ("IndexError", "index 43 is out of bounds for axis 0 with size 43", "index-out-of-bounds"),
+        ("IndexError", "list index out of range", "index-out-of-bounds"),
+        ("IndexError", "only integers, slices (`:`), ellipsis (`...`), … are valid indices", "raises"),
+        ("IndexError", "too many indices for array: array is 1-dimensional, but 2 were indexed", "raises"),
+        ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "sensor-not-found"),
+        ("ValueError", "operands could not be broadcast together", "raises"),
+        ("NotImplementedError", "TODO", "not-written"),
+    ],
+)
+def test_an_exception_shows_a_mistake_where_its_message_does(exception: str, message: str, key: str) -> None:
+    assert mistake_of(Fault(exception, message, None, None, None), catalogue(LAB)) == key
 
 
 # --- the file ---------------------------------------------------------------------------------------------------------

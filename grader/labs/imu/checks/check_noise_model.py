@@ -22,6 +22,8 @@ from grader.labs.imu.student import Student
 
 _ROUGHLY = 0.3
 """600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
+_THE_SAME = 0.99
+"""Of a correlation: what goes into one channel goes into the other, and next to nothing else does."""
 _TRUTH_OF_ARRAY = "truth value of an array"
 """What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
 _SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
@@ -428,13 +430,20 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
         pairs, key=lambda pair: round(pair[0], 2)
     )  # as it is told: the last digits differ between processors
     if worst > bound:
+        one = _is_one_for_all_axes(matrix, i // 3)
         raise Lost(
             f"independent noise on {channels[i]} and {channels[j]}",
             f"a correlation of {worst:.2f} over {len(columns)} reads",
-            mistakes=["same-noise-on-axes"] if worst > 0.99 else [],
-            hint="" if worst > 0.99 else _OF_ITS_OWN,
+            mistakes=["same-noise-on-axes"] if one else [],
+            hint="" if one else _OF_ITS_OWN,
             belongs_to=(*_with_one_twice(student, truth), *(() if _signs_agree(columns, i, j) else (_LAW_CHECK,))),
         )
+
+
+def _is_one_for_all_axes(matrix: Array, which: int) -> bool:
+    """Whether the noise of a sensor is one number for its three axes, by the correlations (6, 6) of all."""
+    axes = slice(3 * which, 3 * which + 3)
+    return bool(matrix[axes, axes].min() > _THE_SAME)
 
 
 def _signs_agree(columns: Array, i: int, j: int) -> bool:
