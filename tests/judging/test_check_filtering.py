@@ -152,6 +152,24 @@ class Shared(Sound):
         return cls.state.copy()
 
 
+class Gated(Sound):
+    """What is far from the output is left out."""
+
+    def next(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return super().next(x, y) if np.abs(x - y).max() < 1.0 else y
+
+
+class WarmingUp(Sound):
+    """The first ten measurements as they are."""
+
+    def begin(self) -> None:
+        self.updates = 0
+
+    def next(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        self.updates += 1
+        return x.copy() if self.updates < 10 else super().next(x, y)
+
+
 class NothingAtFirst(Sound):
     """None from the first update."""
 
@@ -400,6 +418,8 @@ CASES = FITTING + [
     Case(name, check, lambda kind=kind: Made(LowPassFilter=type("Fresh", (kind,), {})), marked)  # type: ignore[misc]
     for check, rows in {
         RECURSION: [
+            ("without outliers", Gated, (0.0, [])),
+            ("ten as they are", WarmingUp, (0.0, [])),
             ("sound", Sound, None),
             ("another default", of(__init__=_default_alpha), (0.5, [])),
             ("rounded", ROUNDED, (0.0, ["output-rounded"])),

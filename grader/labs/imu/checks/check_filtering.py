@@ -40,6 +40,14 @@ _WEIGHT = Ours(
 _BEHIND = Ours(
     "Return the output that this measurement has just made; what comes out belongs to the measurement before (Step 6)."
 )
+_STAYS = Ours(
+    "On some measurements your output stays where it was, and on the others it is the sheet's: let every measurement move it, by "
+    "alpha of the way (Step 6)."
+)
+_FROM_THE_SECOND = Ours(
+    "Your later outputs follow the sheet's recursion, and the first ones do not: use it from the second measurement on, whose "
+    "output before is the first measurement (Step 6)."
+)
 _LIMITED = Ours(
     "Return what the recursion gives, however large: a limit cuts off motion along with the noise (Step 6)."
 )
@@ -129,6 +137,10 @@ def _why_not_the_recursion(
         return [], _WEIGHT
     if all(outputs.one_behind(alpha, x, y) for alpha, x, y in runs):
         return [], _BEHIND
+    if diagnosis.stays_at_times(runs):
+        return [], _STAYS
+    if diagnosis.begins_late(runs):
+        return [], _FROM_THE_SECOND
     return (["other-low-pass"], "") if _is_low_pass(student, truth) else ([], _BY_HAND)
 
 
