@@ -55,6 +55,10 @@ def elsewhere(other: Reader) -> Reader:
     return read
 
 
+def _in_a_line(reader: Reader) -> Reader:
+    return lambda *s: np.concatenate(reader(*s))
+
+
 def _strange(x: np.ndarray) -> np.ndarray:
     """Something that no treatment of a reading explains."""
     return np.sin(x) + x**2
@@ -207,7 +211,11 @@ CASES = [
                 lambda *s: dict(zip(("accel", "gyro"), sound(*s), strict=True)),
                 (0.0, ["wrong-return-type"]),
             ),
-            ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-length"])),
+            ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-return-type"])),
+            ("columns", altered(lambda x: x[:, None], lambda x: x[:, None]), (0.0, ["wrong-return-type"])),
+            ("three vectors", lambda *s: (*sound(*s), np.zeros(3)), (0.0, ["wrong-return-type"])),
+            ("one component", altered(lambda x: x[0]), (0.0, ["wrong-length"])),
+            ("five in one", altered(lambda x: np.append(x, [1, 2])), (0.0, ["wrong-length"])),
             ("raises", _raises(ValueError), "raised"),
             ("in another order", _turned, (0.0, ["other-parameters"])),
         ],
@@ -221,6 +229,10 @@ CASES = [
             ("smoothed over calls", _Lagging(sound), (0.0, ["reading-smoothed"])),
             ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), (0.0, ["wrong-length"])),
             ("one of them short", altered(gyro=lambda x: x[:2]), (0.5, ["wrong-length"])),
+            ("none of one of them", altered(gyro=lambda x: x[:0]), (0.5, ["wrong-length"])),
+            ("none in place of one", altered(gyro=lambda _: None), (0.5, ["wrong-return-type"])),
+            ("six in a line, of which three are in g", _in_a_line(altered(lambda x: x / 9.81)), (0.5, ["wrong-units"])),
+            ("six in a line", _in_a_line(sound), None),
             ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
             ("one axis of the last IMU", _where(18, altered(_x_only), sound, 16), (0.5, [])),
             ("one axis of the second IMU", _where(18, altered(_x_only), sound, 9), (0.5, [])),
