@@ -171,10 +171,11 @@ ADDED = {
         "import-missing",
         "return-missing",
         "other-parameters",
+        "array-asked-for-truth",
     ],
 }
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]
-RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written"]
+RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written", "array-asked-for-truth"]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 every_mistake = pytest.mark.parametrize("key", ENTRIES)
@@ -201,6 +202,12 @@ def sentences(text: str) -> int:
         ("IndexError", "too many indices for array: array is 1-dimensional, but 2 were indexed", "raises"),
         ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "sensor-not-found"),
         ("ValueError", "operands could not be broadcast together", "raises"),
+        (
+            "ValueError",
+            "The truth value of an array with more than one element is ambiguous. Use a.any() or a.all()",
+            "array-asked-for-truth",
+        ),
+        ("ValueError", "The truth value of an empty array is ambiguous.", "array-asked-for-truth"),
         ("NotImplementedError", "TODO", "not-written"),
     ],
 )
