@@ -74,6 +74,16 @@ def _writes_into_initial(self: Any, alpha: float = 0.1, initial_value: Any = Non
         initial_value += 1
 
 
+def _keeps_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha)
+    self.value = initial_value
+
+
+def _in_place(self: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    y[:] = Sound.next(self, x, y)
+    return y
+
+
 def _zero_for_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
     Sound.__init__(self, alpha, None if initial_value is None else np.zeros(3))
 
@@ -363,6 +373,7 @@ class HighPassFromZero(Sound):
 
 
 WRONG_TYPE = (0.0, ["wrong-return-type"])
+IN_INITIAL = of(__init__=_keeps_initial, next=_in_place)
 THE_SAME = of(update=lambda _s, x: x.copy())
 STILL = of(update=lambda _s, x: np.array([1.0, 2.0, 3.0]))
 NAN = of(out=lambda _s, y: y * np.nan)
@@ -564,6 +575,7 @@ CASES = FITTING + [
             ("stuck", STILL, "skipped"),
             ("an average", Averaging, None),
             ("one array for what comes out", OneArray, (0.5, ["aliased-output"])),
+            ("writes into the initial value later", IN_INITIAL, (0.5, ["mutates-input"])),
             ("writes into the initial value", of(__init__=_writes_into_initial), (0.5, ["mutates-input"])),
             ("stuck at the first", FROZEN, None),
             ("shared, and handed out", SharedAndOut, (0.0, ["shared-state", "aliased-output"])),

@@ -61,6 +61,10 @@ _FIRST = Ours(
 _INITIAL = Ours(
     "Take the initial value for the output before the first measurement, and update from it as from any other (Step 6)."
 )
+_COPY_INITIAL = Ours(
+    "Keep a copy of the initial value, np.array(initial_value), and compute with that: it belongs to the caller, and *=, += and "
+    "[:] = write into it (Step 6)."
+)
 _OWN = Ours(
     "Let the output follow from this instance's own measurements alone: the same ones did not give the same output again. Look at "
     "what is kept outside self, and at random numbers (Step 6)."
@@ -311,19 +315,30 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
     if not same(_output(cases.spoilt_output), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that came out"
         raise Lost("a state of the filter's own", got, mistakes=["aliased-output"], keeps=0.5)
-    if any(run.input_changed for run in cases.every):
-        raise Lost(
-            "the measurement and the initial value as they were handed in",
-            "an array that was written into",
-            mistakes=["mutates-input"],
-            keeps=0.5,
-        )
+    _leaves_input_alone(cases)
     if any(run.output_changed for run in cases.every):
         got = "one array for all of them, which the next update() writes into"
         raise Lost("an output that stays what it is", got, mistakes=["aliased-output"], keeps=0.5)
     if not same(_output(cases.spoilt_input), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that went in"
         raise Lost("a state of the filter's own", got, keeps=0.5, mistakes=["aliased-input"])
+
+
+def _leaves_input_alone(cases: _Cases) -> None:
+    """The initial value is what was written into where only the filter that was given one wrote into anything."""
+    changed = [run for run in cases.every if run.input_changed]
+    if not changed:
+        return
+    initial = all(run is cases.from_initial[1] for run in changed)
+    raise Lost(
+        "the initial value as it was handed in"
+        if initial
+        else "the measurement and the initial value as they were handed in",
+        "an array that was written into",
+        mistakes=["mutates-input"],
+        keeps=0.5,
+        hint=_COPY_INITIAL if initial else "",
+    )
 
 
 @found_once

@@ -48,6 +48,14 @@ _NOTHING_ELSE = Ours(
 _OF_ITS_OWN = Ours(
     "Draw six numbers on every read, one for each axis of each sensor, and use none of them twice (Step 5)."
 )
+_ALL_DIGITS = Ours(
+    "Return the noisy readings as float64: no rounding to a step, no int and no dtype of few digits such as float16; round only "
+    "where you print (Step 5)."
+)
+_READ_ONLY = Ours(
+    "Let read() change nothing of the simulation: move mj_step, mj_resetData and any write to data to the code that calls it "
+    "(Step 5)."
+)
 _ORDER = Ours(
     "Keep the two sensors apart in read(), the accelerometer first: look at the order of the ids, of what you unpack and "
     "of what you return, and at the bias that each one gets (Step 5)."
@@ -335,7 +343,12 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
         grains = " and ".join(
             f"{f.grain:g} {u} ({n})" for f, u, n in zip(raw, SENSOR_UNITS, _NAMES, strict=True) if f.grain
         )
-        raise Lost("readings as fine as float64 has them", f"none finer than {grains}", mistakes=["precision-lost"])
+        raise Lost(
+            "readings as fine as float64 has them",
+            f"none finer than {grains}",
+            mistakes=["precision-lost"],
+            hint=_ALL_DIGITS,
+        )
     sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
     if not sensors:
         raise Skipped("noise that differs from read to read")
@@ -473,8 +486,8 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
     changed = [f"{name} changed by {size:.3g}" for name, size in zip(names, change, strict=True) if not size <= 1e-12]
     if changed:
         only_sensors = change[:3].max() <= 1e-12
-        mistake = "mutates-sensordata" if only_sensors else "disturbs-simulation"
-        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake])
+        mistake, hint = ("mutates-sensordata", "") if only_sensors else ("disturbs-simulation", _READ_ONLY)
+        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake], hint=hint)
 
 
 def _has_another_bias(facts: Facts, silent: Facts) -> bool:
