@@ -108,6 +108,23 @@ class StepBefore(Recorder):
         mujoco.mj_step(data.model, data)
 
 
+class Settling(Recorder):
+    """Steps between the reset and the push."""
+
+    def begin(self, model: Any, data: Any) -> None:
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_step(model, data, 200)
+
+
+class ResetInTheLoop(Recorder):
+    """Every step from the reset state."""
+
+    def step(self, model: Any, data: Any, n: int) -> None:
+        self.begin(model, data)
+        self.push(data)
+        super().step(model, data, n)
+
+
 class Keeping(Recorder):
     """Lists that outlive the call."""
 
@@ -477,6 +494,8 @@ CASES = [
             ("from zero on", stamped(lambda t, dt: np.arange(len(t)) * dt), None),
             ("half a step too late", stamped(lambda t, dt: t + dt / 2), (0.5, ["time-axis-wrong"])),
             ("numbers of rows", stamped(lambda t, _: np.arange(len(t))), (0.0, ["time-axis-wrong"])),
+            ("that begins after settling", Settling, (0.0, ["time-axis-wrong"])),
+            ("that stands still, which the push is charged for", ResetInTheLoop, (0.0, ["time-axis-wrong"])),
             ("zeros", stamped(lambda t, _: 0 * t), (0.0, ["time-axis-wrong"])),
             ("backward", stamped(lambda t, _: t[::-1]), (0.0, ["time-axis-wrong"])),
             ("one late stamp", _late(0.7), (0.0, ["time-axis-wrong"])),
@@ -656,6 +675,7 @@ CASES = [
             ),
             ("the sheet's, in a model that is changed for the run", _for_the_run(_heavier), None),
             ("with a force", of(push=_forced), (0.0, ["wrong-perturbation"])),
+            ("in every step", ResetInTheLoop, (0.0, ["wrong-perturbation"])),
             ("another each time", Random, (0.0, ["random-push"])),
             ("noise on both", telling(_noisy), None),
             ("no simulation", NEVER, "skipped"),

@@ -37,7 +37,11 @@ from grader.labs.imu.recordings import (
 from grader.labs.imu.student import Student
 
 _ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
-_ROWS, _COUNT = "data_collection.matches_truth", "data_collection.sample_count"
+_ROWS, _COUNT, _PUSH = (
+    "data_collection.matches_truth",
+    "data_collection.sample_count",
+    "data_collection.applies_push",
+)
 """These charge what other checks see as well."""
 
 
@@ -156,8 +160,30 @@ def check_time_axis(student: Student, truth: Traces) -> None:
             f"{', '.join(f'{t:g}' for t in time[:3])} … {time[-1]:g} s",
             mistakes=["time-axis-wrong"],
             keeps=0.5 if worst <= 1.001 * worlds.timestep else 0.0,
+            hint=_of_stamps(time, _timestep(worlds, series) * (story or Story()).skip),
+            belongs_to=_PUSH if _stand_still(time) and worlds.claim and len(worlds.claim.set_at) else "",
         )
     _follows_timestep(from_dirt(student, truth), Worlds.of(truth["push_dirty"]), worlds.timestep)
+
+
+def _stand_still(time: Array) -> bool:
+    return len(time) > 1 and not np.ptp(time)
+
+
+def _of_stamps(time: Array, apart: float) -> str:
+    """What to try where the stamps show more than that they are wrong."""
+    if _stand_still(time):
+        return _STILL
+    return _OFF_BY_THE_SAME if np.abs(np.diff(time) - apart).max(initial=0.0) <= TIME_ATOL else ""
+
+
+_STILL = Ours(
+    "Your time stands still: store data.time anew in each pass of the loop, and reset the data once, before the loop (Step 3)."
+)
+_OFF_BY_THE_SAME = Ours(
+    "Your stamps are as far apart as they should be, and all off by the same: begin to store with the first step after the reset, "
+    "and add nothing to data.time (Step 3)."
+)
 
 
 def _follows_timestep(series: Collection, worlds: Worlds, usual: float) -> None:
