@@ -35,7 +35,7 @@ MEANS = {
         "hard-coded-address": "reads fixed indices that are right for the lab model's layout only",
         "off-by-one-address": "the slice starts one element too early or too late",
         "swapped-sensors": "returns gyroscope and accelerometer in each other's place",
-        "view-not-copy": "returns a view of sensordata; old readings change when the simulation steps on",
+        "view-not-copy": "returns a view of sensordata, or one array on every call; old readings change when the simulation steps on",
         "wrong-length": "returns fewer or more than three components",
         "sign-flipped": "negates the reading (all axes or gravity's) to make it look right",
         "gravity-removed": "adds or subtracts 9.81 so that standing still reads zero",

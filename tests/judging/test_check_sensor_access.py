@@ -55,6 +55,17 @@ def elsewhere(other: Reader) -> Reader:
     return read
 
 
+def _filled_again() -> Reader:
+    """One array of its own for all calls."""
+    kept = np.zeros((2, 3))
+
+    def read(*s: Any) -> Any:
+        kept[:] = sound(*s)
+        return kept[0], kept[1]
+
+    return read
+
+
 def _in_a_line(reader: Reader) -> Reader:
     return lambda *s: np.concatenate(reader(*s))
 
@@ -305,6 +316,7 @@ CASES = [
         COPY: [
             ("sound", sound, None),
             ("a view of one", _views, (0.0, ["view-not-copy"])),
+            ("one array on every call", _filled_again(), (0.0, ["view-not-copy"])),
             ("a view of one, and no numbers", lambda *s: (_views(*s)[0], np.full(3, np.nan)), (0.0, ["view-not-copy"])),
             ("a view of the other", lambda *s: _views(*s[:2], s[3], s[2])[::-1], (0.0, ["view-not-copy"])),
             ("chance in one", _by_chance(sound), "skipped"),
@@ -385,7 +397,7 @@ def test_a_view_is_told_by_the_sensor_that_moved(later: float, monkeypatch: pyte
     monkeypatch.setattr(checks, "_torso", lambda *_: _read(5, 2, later))
     with pytest.raises(Lost) as lost:
         checks.check_reading_is_a_copy(Made(get_imu_readings=sound), truth())
-    assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] one step later"
+    assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] after the next step and call"
 
 
 @pytest.mark.quick

@@ -317,7 +317,9 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
         return
     moved = np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1))
     raise Lost(
-        f"{vector(now[moved])}, as it was read", f"{vector(later[moved])} one step later", mistakes=["view-not-copy"]
+        f"{vector(now[moved])}, as it was read",
+        f"{vector(later[moved])} after the next step and call",
+        mistakes=["view-not-copy"],
     )
 
 
