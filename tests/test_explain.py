@@ -25,8 +25,10 @@ def explained(capsys: Capture, *arguments: str) -> tuple[int, str, str]:
 def test_a_mistake_is_explained_with_what_is_wrong_and_what_is_right(capsys: Capture) -> None:
     code, out, _ = explained(capsys, "view-not-copy")
     assert code == 0
-    assert out.startswith("# view-not-copy\n\nReturns a view of sensordata; old readings change when")
-    assert out.index("Wrong:\n\n```python") < out.index("Right:\n\n```python") < out.index("Try: Add .copy()")
+    assert out.startswith(
+        "# view-not-copy\n\nReturns a view of sensordata, or one array on every call; old readings change when"
+    )
+    assert out.index("Wrong:\n\n```python") < out.index("Right:\n\n```python") < out.index("Try: Return new arrays")
     assert out.endswith("Read: Lab 04-01, Step 2.\n\nAgain: `imugrade check --only sensor_access`\n")
 
 

@@ -17,6 +17,11 @@ import numpy as np
 import pytest
 import yaml
 
+from grader.engine.feedback import mistake_of
+from grader.engine.findings import Fault
+from grader.engine.mistakes import catalogue
+from grader.labs.imu.lab import LAB
+
 ROOT = Path(__file__).parent.parent
 MISTAKES: dict[str, dict[str, dict[str, Any]]] = yaml.safe_load(
     (ROOT / "grader" / "labs" / "imu" / "mistakes.yaml").read_text(encoding="utf-8")
@@ -30,7 +35,7 @@ MEANS = {
         "hard-coded-address": "reads fixed indices that are right for the lab model's layout only",
         "off-by-one-address": "the slice starts one element too early or too late",
         "swapped-sensors": "returns gyroscope and accelerometer in each other's place",
-        "view-not-copy": "returns a view of sensordata; old readings change when the simulation steps on",
+        "view-not-copy": "returns a view of sensordata, or one array on every call; old readings change when the simulation steps on",
         "wrong-length": "returns fewer or more than three components",
         "sign-flipped": "negates the reading (all axes or gravity's) to make it look right",
         "gravity-removed": "adds or subtracts 9.81 so that standing still reads zero",
@@ -166,10 +171,11 @@ ADDED = {
         "import-missing",
         "return-missing",
         "other-parameters",
+        "array-asked-for-truth",
     ],
 }
 FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]
-RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written"]
+RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written", "array-asked-for-truth"]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 every_mistake = pytest.mark.parametrize("key", ENTRIES)
@@ -185,6 +191,28 @@ def example(key: str, version: str, parameters: str) -> Callable[..., Any]:
 
 def sentences(text: str) -> int:
     return len(re.findall(r"[.?!](?=\s|$)", text))
+
+
+@pytest.mark.parametrize(
+    ("exception", "message", "key"),
+    [
+        ("IndexError", "index 43 is out of bounds for axis 0 with size 43", "index-out-of-bounds"),
+        ("IndexError", "list index out of range", "index-out-of-bounds"),
+        ("IndexError", "only integers, slices (`:`), ellipsis (`...`), … are valid indices", "raises"),
+        ("IndexError", "too many indices for array: array is 1-dimensional, but 2 were indexed", "raises"),
+        ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "sensor-not-found"),
+        ("ValueError", "operands could not be broadcast together", "raises"),
+        (
+            "ValueError",
+            "The truth value of an array with more than one element is ambiguous. Use a.any() or a.all()",
+            "array-asked-for-truth",
+        ),
+        ("ValueError", "The truth value of an empty array is ambiguous.", "array-asked-for-truth"),
+        ("NotImplementedError", "TODO", "not-written"),
+    ],
+)
+def test_an_exception_shows_a_mistake_where_its_message_does(exception: str, message: str, key: str) -> None:
+    assert mistake_of(Fault(exception, message, None, None, None), catalogue(LAB)) == key
 
 
 # --- the file ---------------------------------------------------------------------------------------------------------

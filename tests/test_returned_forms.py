@@ -64,8 +64,7 @@ COLLECTED: dict[str, tuple[tuple[str, str], dict[str, float], tuple[str, ...]]] 
 def _slips() -> Iterator[Slip]:
     for name, value in READS.items():
         files = edit(verbatim(), "imu_reader.py", ("return acceleration, angular_velocity", f"return {value}"))
-        named = FORM if name == "a dictionary" else "wrong-length"
-        yield Slip(f"read: {name}", files, {"sensor_access.returns_two_vectors": 3.0}, (named,))
+        yield Slip(f"read: {name}", files, {"sensor_access.returns_two_vectors": 3.0}, (FORM,))
     for name, value in NOISY.items():
         files = edit(verbatim(), "noisy_imu.py", ("return accel_noisy, gyro_noisy", f"return {value}"))
         yield Slip(f"noise: {name}", files, {"noise_model.noise_size": 3.0}, (FORM,))

@@ -122,7 +122,7 @@ FILTER_FAULTS = [
     fault("filter-returns-a-number", "wrong-return-type", increment(("return self.state.copy()", "return float(self.state[0])")), also=("axes-mixed",)),
     fault("filter-gives-nan", "not-finite", increment((STEP, "self.state = self.state + np.sqrt(-self.alpha) * (x - self.state)"))),
     fault("filter-raises", "raises", sheet((RECURSION, "self.value = alpha * measurement + (1 - alpha) * self.value"))),
-    fault("truth-of-an-array", "raises", sheet(("        if self.value is None:", "        if self.value == None:"))),
+    fault("truth-of-an-array", "array-asked-for-truth", sheet(("        if self.value is None:", "        if self.value == None:"))),
     fault("filter-never-settles", "never-returns", increment((STEP, "while np.any(self.state != x + 1):\n                self.state = self.state + self.alpha * (x - self.state)"))),
     fault("filter-exits", "kills-its-process", increment((STEP, "import os\n            os._exit(3)"))),
     fault("filter-under-another-name", "name-missing", edit(verbatim(), "filters.py", ("class LowPassFilter:", "class LowPass:"), ("accel_filter = LowPassFilter(", "accel_filter = LowPass("), ("gyro_filter = LowPassFilter(", "gyro_filter = LowPass("))),

@@ -282,6 +282,7 @@ def ask_filtering(spaces: list[dict[str, Any]]) -> list[str]:
 STOPS = {
     "raises", "never-returns", "kills-its-process", "wrong-return-type", "wrong-length", "not-finite", "name-missing", "missing-package",
     "file-missing", "does-not-import", "import-missing", "return-missing", "other-parameters", "wrong-keys", "arrays-transposed",
+    "array-asked-for-truth",
 }  # fmt: skip
 UNREAD = {"legend-order-wrong", "panels-swapped", "one-panel"}  # it reads no words
 

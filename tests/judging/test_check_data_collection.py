@@ -100,6 +100,31 @@ class Before(Recorder):
         return self.told(*(np.array(column) for column in zip(*rows, strict=True)), model)
 
 
+class StepBefore(Recorder):
+    """A step more, before the loop."""
+
+    def push(self, data: Any) -> None:
+        super().push(data)
+        mujoco.mj_step(data.model, data)
+
+
+class Settling(Recorder):
+    """Steps between the reset and the push."""
+
+    def begin(self, model: Any, data: Any) -> None:
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_step(model, data, 200)
+
+
+class ResetInTheLoop(Recorder):
+    """Every step from the reset state."""
+
+    def step(self, model: Any, data: Any, n: int) -> None:
+        self.begin(model, data)
+        self.push(data)
+        super().step(model, data, n)
+
+
 class Keeping(Recorder):
     """Lists that outlive the call."""
 
@@ -340,6 +365,7 @@ HUNDRED_HERTZ = of(steps=lambda _s, _m, duration: round(duration / 0.002))
 SHORT = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) - 20)
 NO_STEPS = of(steps=lambda *_: 0)
 ONE_MORE = of(steps=lambda _s, m, duration: round(duration / m.opt.timestep) + 1)
+WHOLE_SECONDS = counting(lambda duration, dt: int(duration) / dt)
 NO_RESET = of(begin=lambda *_: None)
 NO_PUSH = of(push=lambda *_: None)
 HALF = of(push=_pushed(0, 0.25))
@@ -468,6 +494,8 @@ CASES = [
             ("from zero on", stamped(lambda t, dt: np.arange(len(t)) * dt), None),
             ("half a step too late", stamped(lambda t, dt: t + dt / 2), (0.5, ["time-axis-wrong"])),
             ("numbers of rows", stamped(lambda t, _: np.arange(len(t))), (0.0, ["time-axis-wrong"])),
+            ("that begins after settling", Settling, (0.0, ["time-axis-wrong"])),
+            ("that stands still, which the push is charged for", ResetInTheLoop, (0.0, ["time-axis-wrong"])),
             ("zeros", stamped(lambda t, _: 0 * t), (0.0, ["time-axis-wrong"])),
             ("backward", stamped(lambda t, _: t[::-1]), (0.0, ["time-axis-wrong"])),
             ("one late stamp", _late(0.7), (0.0, ["time-axis-wrong"])),
@@ -483,6 +511,7 @@ CASES = [
             ("its own time step, put back", _for_the_run(_own_timestep), (0.0, ["time-axis-wrong"])),
             ("rows that are never filled", _empty(9), None),
             ("a first row that is empty", telling(_first_row_empty), None),
+            ("a step before the loop, which the rows are charged for", StepBefore, None),
             ("one row", of(steps=lambda *_: 1), None),
             ("five rows", of(steps=lambda *_: 5), None),
             ("twenty too few", SHORT, None),
@@ -533,6 +562,7 @@ CASES = [
             ("three steps early", telling(lambda t, a, g, _m: (t[3:], a[3:], g[3:])), (0.5, [])),
             ("a step early", telling(lambda t, a, g, _m: (t[1:], a[1:], g[1:])), (0.5, [])),
             ("a step early, at the stamps of mj_forward", telling(lambda t, a, g, _m: (t[:-1], a[1:], g[1:])), None),
+            ("a step before the loop", StepBefore, (0.5, [])),
             ("a first row that is empty", telling(_first_row_empty), (0.5, ["first-row-empty"])),
             ("in another order of axes", telling(lambda t, a, g, _m: (t, a[:, [1, 0, 2]], g)), (0.5, ["rows-altered"])),
             ("other signs", telling(lambda t, a, g, _m: (t, a, -g)), (0.5, ["rows-altered"])),
@@ -574,6 +604,8 @@ CASES = [
             ),
         ],
         RESET: [
+            ("none of a run of less than a second, which the count is charged for", WHOLE_SECONDS, (0.0, [])),
+            ("no rows at all", NO_STEPS, "skipped"),
             ("a recording of the hidden run", telling(_recorded_as_it_was), "skipped"),
             ("time alone", TIME_ALONE, "skipped"),
             ("squared", SQUARED, None),
@@ -643,6 +675,7 @@ CASES = [
             ),
             ("the sheet's, in a model that is changed for the run", _for_the_run(_heavier), None),
             ("with a force", of(push=_forced), (0.0, ["wrong-perturbation"])),
+            ("in every step", ResetInTheLoop, (0.0, ["wrong-perturbation"])),
             ("another each time", Random, (0.0, ["random-push"])),
             ("noise on both", telling(_noisy), None),
             ("no simulation", NEVER, "skipped"),
@@ -742,6 +775,7 @@ CHARGED = [
     (TWO_STEPS, [TRUTH]),
     (SWAPPED, [TRUTH]),
     (Before, [TRUTH]),
+    (StepBefore, [TRUTH]),
     (telling(_aliased), [TRUTH]),
     (telling(_noisy), [TRUTH]),
     (telling(_first_row_empty), [TRUTH]),

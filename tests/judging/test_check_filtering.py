@@ -74,6 +74,16 @@ def _writes_into_initial(self: Any, alpha: float = 0.1, initial_value: Any = Non
         initial_value += 1
 
 
+def _keeps_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
+    Sound.__init__(self, alpha)
+    self.value = initial_value
+
+
+def _in_place(self: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    y[:] = Sound.next(self, x, y)
+    return y
+
+
 def _zero_for_initial(self: Any, alpha: float = 0.1, initial_value: Any = None) -> None:
     Sound.__init__(self, alpha, None if initial_value is None else np.zeros(3))
 
@@ -150,6 +160,24 @@ class Shared(Sound):
         cls = type(self)
         cls.state = measurement.copy() if cls.state is None else self.next(measurement, cls.state)
         return cls.state.copy()
+
+
+class Gated(Sound):
+    """What is far from the output is left out."""
+
+    def next(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return super().next(x, y) if np.abs(x - y).max() < 1.0 else y
+
+
+class WarmingUp(Sound):
+    """The first ten measurements as they are."""
+
+    def begin(self) -> None:
+        self.updates = 0
+
+    def next(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        self.updates += 1
+        return x.copy() if self.updates < 10 else super().next(x, y)
 
 
 class NothingAtFirst(Sound):
@@ -345,6 +373,7 @@ class HighPassFromZero(Sound):
 
 
 WRONG_TYPE = (0.0, ["wrong-return-type"])
+IN_INITIAL = of(__init__=_keeps_initial, next=_in_place)
 THE_SAME = of(update=lambda _s, x: x.copy())
 STILL = of(update=lambda _s, x: np.array([1.0, 2.0, 3.0]))
 NAN = of(out=lambda _s, y: y * np.nan)
@@ -400,6 +429,8 @@ CASES = FITTING + [
     Case(name, check, lambda kind=kind: Made(LowPassFilter=type("Fresh", (kind,), {})), marked)  # type: ignore[misc]
     for check, rows in {
         RECURSION: [
+            ("without outliers", Gated, (0.0, [])),
+            ("ten as they are", WarmingUp, (0.0, [])),
             ("sound", Sound, None),
             ("another default", of(__init__=_default_alpha), (0.5, [])),
             ("rounded", ROUNDED, (0.0, ["output-rounded"])),
@@ -544,6 +575,7 @@ CASES = FITTING + [
             ("stuck", STILL, "skipped"),
             ("an average", Averaging, None),
             ("one array for what comes out", OneArray, (0.5, ["aliased-output"])),
+            ("writes into the initial value later", IN_INITIAL, (0.5, ["mutates-input"])),
             ("writes into the initial value", of(__init__=_writes_into_initial), (0.5, ["mutates-input"])),
             ("stuck at the first", FROZEN, None),
             ("shared, and handed out", SharedAndOut, (0.0, ["shared-state", "aliased-output"])),

@@ -13,7 +13,7 @@ import pytest
 from grader.engine.findings import Fault, Lost
 from grader.labs.imu.checks import check_noise_model as checks
 from grader.labs.imu.checks import noise_runs as runs
-from tests.judging.made import Case, Made, is_as_marked, misfits, truth
+from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
@@ -240,6 +240,24 @@ class Redrawn(Sound):
         return self.clean(which) + self.rng.normal(0, (0.1, 0.01)[which], 3) + self.noise(which)
 
 
+class Jumping(Sound):
+    """A jump of the accelerometer now and then, whatever noise is asked for."""
+
+    size, share = 2.0, 0.01
+
+    def one(self, which: int) -> Any:
+        jump = self.rng.choice([-self.size, self.size], 3) * (self.rng.random() < self.share)
+        return super().one(which) + (jump if which == 0 else 0)
+
+
+class JumpingOnTwoAxes(Jumping):
+    """The same jump on two axes."""
+
+    def one(self, which: int) -> Any:
+        jump = self.size * (self.rng.random() < self.share) * np.array([1, 1, 0])
+        return Sound.one(self, which) + (jump if which == 0 else 0)
+
+
 class Frozen(Sound):
     """One draw for all reads."""
 
@@ -428,6 +446,9 @@ UNIFORM = of(noise=lambda s, i: s.rng.uniform(-1, 1, 3) * s.stds[i] * 3**0.5)
 POSITIVE = of(noise=lambda s, i: np.abs(Sound.noise(s, i)))
 CUT = of(noise=lambda s, i: np.clip(Sound.noise(s, i), -2 * s.stds[i], 2 * s.stds[i]))
 ROUNDED = of(one=lambda s, i: Sound.one(s, i).round(3))
+IN_FIVES = of(one=lambda s, i: (Sound.one(s, i) / (0.005, 0.0005)[i]).round() * (0.005, 0.0005)[i])
+JUMPING_OFTEN = both(Jumping, share=0.1)
+LOST_READS = of(one=lambda s, i: Sound.one(s, i) * (s.rng.random() > 0.02))
 LAPLACE = of(noise=lambda s, i: s.rng.laplace(0, s.stds[i], 3))
 SAME_ON_AXES = of(noise=_one_for_all_axes)
 NUMBER = of(read=lambda s: float(Sound.read(s)[0][0]))
@@ -466,6 +487,9 @@ CASES = [
             ("a bias drawn on every read", Redrawn, None),
             ("a drift", Drifting, None),
             ("rounded", ROUNDED, None),
+            ("jumps beside it, which are the law's", Jumping, (0.5, [])),
+            ("many jumps beside it, which are the law's", JUMPING_OFTEN, (0.5, [])),
+            ("jumps beside twice as much", _larger(Jumping), (0.0, [])),
             ("a density", of(noise=lambda s, i: Sound.noise(s, i) / 0.002**0.5), (0.0, ["noise-density"])),
             ("no numbers", NAN, (0.0, ["not-finite"])),
             ("a number", NUMBER, (0.0, ["wrong-return-type"])),
@@ -577,6 +601,8 @@ CASES = [
             ("of no seed", unseeded(), None),
             ("on readings that are enlarged", _enlarged(0, 1), None),
             ("beside rounding", ROUNDED, None),
+            ("beside rounding to fives", IN_FIVES, None),
+            ("beside jumps", Jumping, None),
             ("beside frozen noise", Frozen, None),
             ("not used", NOTHING_GIVEN, (0.0, ["bias-argument-ignored"])),
             ("none", of(bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
@@ -609,6 +635,7 @@ CASES = [
             ("one for both sensors", SharedBias, (0.5, ["bias-shared"])),
             ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),
             ("a drift", Drifting, (0.0, ["bias-drifts"])),
+            ("beside jumps", JUMPING_OFTEN, None),
             ("as large as the noise", of(bias=lambda s, i, _z, g: Sound.bias(s, i, s.stds[i], g)), None),
             (
                 "always the same, as large as the noise",
@@ -653,6 +680,9 @@ CASES = [
             ("one that adds up", Walking, (0.0, ["noise-accumulates"])),
             ("one that remembers", Remembering, (0.0, ["noise-correlated"])),
             ("rounded", ROUNDED, (0.0, ["precision-lost"])),
+            ("in fives", IN_FIVES, (0.0, ["precision-lost"])),
+            ("jumps now and then", Jumping, (0.0, [])),
+            ("lost reads now and then", LOST_READS, (0.0, [])),
             ("none", SILENT, "skipped"),
             ("frozen", Frozen, "skipped"),
             ("stale", Stale, (0.0, ["stale-clean-reading"])),
@@ -707,7 +737,7 @@ CASES = [
             ("sound", Sound, None),
             ("one of the gyroscope that adds up", GyroWalking, None),
             ("one number for all axes", SAME_ON_AXES, (0.0, ["same-noise-on-axes"])),
-            ("opposite on two axes", of(noise=_opposite), (0.0, ["same-noise-on-axes"])),
+            ("opposite on two axes", of(noise=_opposite), (0.0, [])),
             (
                 "one for all axes that adds up",
                 type("Both", (Walking,), {"drawn": _one_for_all_axes}),
@@ -720,14 +750,15 @@ CASES = [
             ("none", SILENT, "skipped"),
             ("frozen", Frozen, "skipped"),
             ("none of the gyroscope", ONE_SENSOR_BEYOND, None),
-            ("one draw for both sensors", OneDraw, (0.0, ["same-noise-on-axes"])),
-            ("one draw for the first axes of both sensors", both(OneDraw, axes=1), (0.0, ["same-noise-on-axes"])),
+            ("one draw for both sensors", OneDraw, (0.0, [])),
+            ("one draw for the first axes of both sensors", both(OneDraw, axes=1), (0.0, [])),
             (
                 "one number for all axes that remembers",
                 both(Remembering, drawn=_one_for_all_axes),
                 (0.0, ["same-noise-on-axes"]),
             ),
-            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, ["same-noise-on-axes"])),
+            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, [])),
+            ("jumps on two axes at once, which are the law's", JumpingOnTwoAxes, (0.0, [])),
             ("the other sensor first", of(read=_swapped), None),
         ],
         ALONE: [
@@ -778,6 +809,27 @@ def test_a_bias_that_is_asked_whether_it_is_true_is_told_with_its_place(file: st
     assert lost.value.where == fault.at
 
 
+CHARGED_ONCE = [
+    (Sound, []),
+    (IN_FIVES, [WHITE]),
+    (Jumping, [WHITE]),
+    (JUMPING_OFTEN, [WHITE]),
+    (JumpingOnTwoAxes, [WHITE]),
+    (of(noise=lambda s, i: Sound.noise(s, i) * (20 if s.rng.random() < 0.01 else 1)), [WHITE]),
+    (SAME_ON_AXES, [APART]),
+]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("kind", "charged"), CHARGED_ONCE)
+def test_one_fault_of_the_noise_is_charged_by_one_check(kind: type, charged: list[Any]) -> None:
+    student = Made(NoisyIMU=kind)
+    found = {check: finding(Case("", check, lambda: student)) for check in (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)}
+    lost = {check: found for check, found in found.items() if found is not None}
+    ids = {check.check.id for check in lost}
+    assert [check for check, each in lost.items() if not ids.intersection(getattr(each, "belongs_to", ()))] == charged
+
+
 def _moves(bias: np.ndarray) -> tuple[str, ...]:
     """The mistakes of a bias (instances, reads, 3) without noise."""
     try:
@@ -805,6 +857,18 @@ def test_a_bias_that_moves_is_told_by_what_the_later_reads_have() -> None:
     assert _moves(np.concatenate([first + 1, another, none], axis=1)) == ("bias-redrawn",)
     assert _moves(np.concatenate([first + 1, another, another], axis=1)) == ("bias-redrawn",)
     assert _moves(np.concatenate([first + 1, none - 2, none - 2], axis=1)) == ("bias-shared",)
+
+
+@pytest.mark.quick
+def test_a_bias_that_moves_in_a_few_instances_alone_is_told_by_the_read_that_is_furthest_off() -> None:
+    bias = np.tile(np.arange(12.0).reshape(4, 1, 3), (1, 3, 1))
+    bias[1, 2, 0] += 0.25
+    with pytest.raises(Lost) as lost:
+        checks._bias_is_constant(bias, "accel", noisy=False)
+    assert lost.value.got == "[3.000 4.000 5.000], then [3.250 4.000 5.000] from the same instance"
+    assert (lost.value.mistakes, lost.value.belongs_to) == ((), ("noise_model.white_and_gaussian",))
+    bias[2:, 1] -= 0.1
+    assert _moves(bias) == ("bias-redrawn",)
 
 
 @pytest.mark.quick

@@ -55,6 +55,21 @@ def elsewhere(other: Reader) -> Reader:
     return read
 
 
+def _filled_again() -> Reader:
+    """One array of its own for all calls."""
+    kept = np.zeros((2, 3))
+
+    def read(*s: Any) -> Any:
+        kept[:] = sound(*s)
+        return kept[0], kept[1]
+
+    return read
+
+
+def _in_a_line(reader: Reader) -> Reader:
+    return lambda *s: np.concatenate(reader(*s))
+
+
 def _strange(x: np.ndarray) -> np.ndarray:
     """Something that no treatment of a reading explains."""
     return np.sin(x) + x**2
@@ -207,7 +222,11 @@ CASES = [
                 lambda *s: dict(zip(("accel", "gyro"), sound(*s), strict=True)),
                 (0.0, ["wrong-return-type"]),
             ),
-            ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-length"])),
+            ("six in a line", lambda *s: np.concatenate(sound(*s)), (0.0, ["wrong-return-type"])),
+            ("columns", altered(lambda x: x[:, None], lambda x: x[:, None]), (0.0, ["wrong-return-type"])),
+            ("three vectors", lambda *s: (*sound(*s), np.zeros(3)), (0.0, ["wrong-return-type"])),
+            ("one component", altered(lambda x: x[0]), (0.0, ["wrong-length"])),
+            ("five in one", altered(lambda x: np.append(x, [1, 2])), (0.0, ["wrong-length"])),
             ("raises", _raises(ValueError), "raised"),
             ("in another order", _turned, (0.0, ["other-parameters"])),
         ],
@@ -221,6 +240,10 @@ CASES = [
             ("smoothed over calls", _Lagging(sound), (0.0, ["reading-smoothed"])),
             ("two numbers each", altered(lambda x: x[:2], lambda x: x[:2]), (0.0, ["wrong-length"])),
             ("one of them short", altered(gyro=lambda x: x[:2]), (0.5, ["wrong-length"])),
+            ("none of one of them", altered(gyro=lambda x: x[:0]), (0.5, ["wrong-length"])),
+            ("none in place of one", altered(gyro=lambda _: None), (0.5, ["wrong-return-type"])),
+            ("six in a line, of which three are in g", _in_a_line(altered(lambda x: x / 9.81)), (0.5, ["wrong-units"])),
+            ("six in a line", _in_a_line(sound), None),
             ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
             ("one axis of the last IMU", _where(18, altered(_x_only), sound, 16), (0.5, [])),
             ("one axis of the second IMU", _where(18, altered(_x_only), sound, 9), (0.5, [])),
@@ -293,6 +316,7 @@ CASES = [
         COPY: [
             ("sound", sound, None),
             ("a view of one", _views, (0.0, ["view-not-copy"])),
+            ("one array on every call", _filled_again(), (0.0, ["view-not-copy"])),
             ("a view of one, and no numbers", lambda *s: (_views(*s)[0], np.full(3, np.nan)), (0.0, ["view-not-copy"])),
             ("a view of the other", lambda *s: _views(*s[:2], s[3], s[2])[::-1], (0.0, ["view-not-copy"])),
             ("chance in one", _by_chance(sound), "skipped"),
@@ -373,7 +397,7 @@ def test_a_view_is_told_by_the_sensor_that_moved(later: float, monkeypatch: pyte
     monkeypatch.setattr(checks, "_torso", lambda *_: _read(5, 2, later))
     with pytest.raises(Lost) as lost:
         checks.check_reading_is_a_copy(Made(get_imu_readings=sound), truth())
-    assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] one step later"
+    assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] after the next step and call"
 
 
 @pytest.mark.quick

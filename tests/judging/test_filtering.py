@@ -249,3 +249,61 @@ def test_noise_and_signal_are_measured_over_the_second_half() -> None:
 )
 def test_the_share_of_a_signal_is_what_swings_with_its_period(y: Array, share: float) -> None:
     assert filtering.share_of_signal(y, 40) == pytest.approx(share, abs=0.01)
+
+
+def _holding(size: float) -> Answers:
+    """What jumps by more is left out."""
+
+    def answer(alpha: float, x: Array) -> Array:
+        y = [x[0]]
+        for sample in x[1:]:
+            y.append(y[-1] if np.abs(sample - y[-1]).max() > size else alpha * sample + (1 - alpha) * y[-1])
+        return np.array(y)
+
+    return answer
+
+
+def _every_second(alpha: float, x: Array) -> Array:
+    return np.repeat(recursion(alpha, x[::2], x[0]), 2, axis=0)[: len(x)]
+
+
+def _from_a_mean(alpha: float, x: Array) -> Array:
+    """The mean of all, of the first ten measurements."""
+    means = np.cumsum(x, axis=0) / np.arange(1, len(x) + 1)[:, None]
+    return np.vstack([means[:10], recursion(alpha, x[9:], means[9])[1:]])
+
+
+def _odd_once(alpha: float, x: Array) -> Array:
+    return _sheet(alpha, x) + _ONE
+
+
+def _late_and_odd(alpha: float, x: Array) -> Array:
+    return _starting_late(alpha, x) + _ONE
+
+
+@pytest.mark.parametrize(
+    ("answer", "holds", "late"),
+    [
+        (_sheet, False, False),
+        (_holding(2.0), True, False),
+        (_holding(1.0), True, False),
+        (_every_second, True, False),
+        (lambda _, x: 0 * x + x[0], False, False),
+        (_averaged(4), False, False),
+        (_starting_late, False, True),
+        (_from_a_mean, False, True),
+        (_odd_once, False, False),
+        (_late_and_odd, False, False),
+        (_restarting(20), False, False),
+        (lambda alpha, x: np.vstack([x[:140], recursion(alpha, x[139:], x[139])[1:]]), False, False),
+    ],
+    ids=[
+        "sheet", "jumps left out", "more left out", "every second", "stuck", "averaged", "late", "from a mean", "odd once",
+        "late and odd", "restarting", "too late",
+    ],
+)  # fmt: skip
+def test_outputs_that_stay_and_outputs_that_begin_late_are_told(answer: Answers, holds: bool, late: bool) -> None:
+    runs = [(alpha, _X, answer(alpha, _X)) for alpha in _ALPHAS]
+    assert (filtering.stays_at_times(runs), filtering.begins_late(runs)) == (holds, late)
+    sound = (0.5, _X, _sheet(0.5, _X))
+    assert (filtering.stays_at_times([sound, *runs]), filtering.begins_late([sound, *runs])) == (holds, late)

@@ -65,6 +65,9 @@ _HALF = _READ.astype(np.float16).astype(float)
         (_READ.round(4), 0.0001),
         (_READ.round(5), 0.0),
         (_READ.round(1) + 0.006, 0.001),
+        ((_READ / 0.005).round() * 0.005, 0.005),
+        ((_READ * 256).round() / 256, 1 / 256),
+        ((_READ / 0.00007).round() * 0.00007, 0.0),
         (_READ.round(1) + 2e-9, 0.0),
         (_HALF, 2.0**-7),
         (_HALF - 1e-5, 0.0),
@@ -292,6 +295,12 @@ def test_a_wrong_size_of_the_noise_is_named(
     assert noise.size_mistakes(sensors, sensors if again is None else again, silent) == told
 
 
+def _now_and_then(share: float) -> list[Facts]:
+    """Reads that were asked for no noise, of which a share is another one."""
+    others = np.random.default_rng(8).random((2, _READS, 1)) < share
+    return [replace(f, residual=f.bias + others * (f.residual - f.bias)) for f in _unasked(0.05, 0.005)]
+
+
 @pytest.mark.parametrize(
     ("sensors", "silent", "redrawn"),
     [
@@ -300,6 +309,8 @@ def test_a_wrong_size_of_the_noise_is_named(
         (_sized(1.1, 1.15), _unasked(0.05, 0.005), True),
         (_sized(1.15, 9), [_unasked(0.05, 0.005)[0], _noiseless(GYRO)], True),
         (_sized(1.1, 9), [_unasked(0.05, 0.005)[0], _noiseless(GYRO)], False),
+        (_sized(3, 3), _now_and_then(0.02), False),
+        (_sized(3, 3), _now_and_then(0.4), True),
     ],
 )
 def test_a_bias_is_redrawn_where_noise_comes_on_top(sensors: list[Facts], silent: list[Facts], redrawn: bool) -> None:

@@ -232,3 +232,33 @@ def test_living_noise_is_that_of_the_axes_that_move() -> None:
     assert laws.living(_of(_NORMAL * [1, 0, 2])).size == 4 * _READS
     assert laws.living(_of(_NORMAL * [1, 0, 2])).std() == pytest.approx(1)
     assert laws.living(_of(_STILL)).size == 0
+
+
+def _with_strays(share: float, off: float, others: Array = _NORMAL) -> Facts:
+    far = np.arange(_READS) % round(1 / share) == 0
+    return _of(others + off * far[None, :, None])
+
+
+@pytest.mark.parametrize(
+    ("facts", "count"),
+    [
+        (_of(_NORMAL), None),
+        (_with_strays(0.01, 40.0), 78),
+        (_with_strays(0.05, -40.0), 378),
+        (_with_strays(0.5, 40.0), None),
+        (_with_strays(0.01, 40.0, _RNG.uniform(-1, 1, (2, _READS, 3))), None),
+        (_of(_STILL), None),
+    ],
+)
+def test_values_far_beyond_a_normal_law_are_counted_where_the_others_have_it(facts: Facts, count: int | None) -> None:
+    strays = laws.strays(facts)
+    assert (strays and strays.count) == count
+    assert strays is None or strays.spread == pytest.approx(_STD, rel=0.02)
+
+
+def test_strays_of_one_axis_leave_the_axes_that_stand_still() -> None:
+    noise = _NORMAL * [1, 0, 0]
+    noise[:, 7, 0] = 30.0
+    strays = laws.strays(_of(noise))
+    assert strays is not None
+    assert strays.count == 2

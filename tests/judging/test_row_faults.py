@@ -131,6 +131,9 @@ def test_early_rows_begin_with_the_first_step(first: float) -> None:
 
 _LATE = ("each row read after its step", "every row late by one sample", ("read-before-step",), 0.5, "")
 _ZEROS = np.concatenate([np.zeros((1, 3)), _ACCEL[1:]])
+_MORE = {"steps": np.array([11.0])}
+_START = "Begin with the first mj_step after the push, and store a row for it"
+_LEFT_OUT = ("a row for every step from the start on", "none for the first step", (), 0.5, _START)
 _LESS = {"steps": np.array([9.0])}
 
 
@@ -193,12 +196,17 @@ def test_rows_of_the_sensors_that_were_asked_for_are_no_fault() -> None:
             Collection(None, _ZEROS, _GYRO, first_step=_LESS),
             (
                 "each row read after its step", "every row early by one sample", (), 0.5,
-                "Read the sensors once after every mj_step, and store that reading in the same pass (Step 3).",
+                "Read the sensors once after every mj_step, and store that reading and data.time in the same pass (Step 3).",
             ),
         ),
-        (-2, _series(), ("a row for every step from the start on", "none for the first 2 steps", (), 0.5, "")),
+        (-1, Collection(None, _ACCEL, _GYRO, first_step=_MORE), _LEFT_OUT),
+        (-1, Collection(None, _ACCEL[:9], _GYRO[:9], first_step=_STEPPED), _LEFT_OUT),
+        (-2, _series(), ("a row for every step from the start on", "none for the first 2 steps", (), 0.5, _START)),
     ],
-    ids=["late", "later", "no step is known", "a first row of zeros", "a step less", "both", "early", "earlier"],
+    ids=[
+        "late", "later", "no step is known", "a first row of zeros", "a step less", "both", "early", "a step more",
+        "a row less", "earlier",
+    ],
 )  # fmt: skip
 def test_rows_that_are_late_or_early_are_told_as_that(
     lag: int, series: Collection, told: tuple[str, str, tuple[str, ...], float, str]

@@ -71,11 +71,15 @@ _RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Reading:
-    """One call of a reader: two vectors, as far as they can be made out, and what is odd about their form."""
+    """One call of a reader: two vectors, as far as they can be made out, and what is odd about their form.
+
+    `whole` is whether each vector that there is has three numbers.
+    """
 
     accel: Array | None
     gyro: Array | None
     oddity: str | None
+    whole: bool = True
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
@@ -90,7 +94,8 @@ def as_reading(node: Node | None, arrays: Arrays) -> Reading:
     right_shape = all(part is not None and part.size == 3 == part.shape[-1] for part in parts)  # a row can hold it
     right_count = node is not None and ("items" not in node or len(node["items"]) == 2)
     odd = None if right_form and right_shape and right_count else shape_in_words(node, arrays)
-    return Reading(accel, gyro, odd)
+    whole = all(part is None or part.size == 3 for part in (accel, gyro))
+    return Reading(accel, gyro, odd, whole)
 
 
 def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None] | None:
@@ -130,6 +135,7 @@ class Readings:
     accel, gyro : (p, k, 3) ndarray, per pair of sensors and state; NaN where nothing usable came
     later_accel, later_gyro : (p, 3) ndarray, the first state's readings looked at again after the simulation moved on
     oddities : what was odd about the form, in words, each once
+    whole : whether each vector that came had three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     fault : what the reader raised, if it did
     departs : the sheet's names of the parameters by which it could not be called as the sheet does
@@ -143,6 +149,7 @@ class Readings:
     disturbance: Array
     fault: Fault | None
     departs: tuple[str, ...] = ()
+    whole: bool = True
 
     def between(self, start: int, end: int) -> Readings:
         """The calls in some of the states."""

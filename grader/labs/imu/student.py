@@ -147,6 +147,7 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
         disturbance=frame.arrays["disturbance"],
         fault=Fault.of(frame.fields.get("error")),
         departs=tuple(frame.fields["departs"]),
+        whole=all(call.whole for call in calls),
     )
 
 

@@ -36,8 +36,13 @@ from grader.labs.imu.recordings import (
 )
 from grader.labs.imu.student import Student
 
-_ROWS = "data_collection.matches_truth"
-"""This charges what other checks see as well."""
+_ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
+_ROWS, _COUNT, _PUSH = (
+    "data_collection.matches_truth",
+    "data_collection.sample_count",
+    "data_collection.applies_push",
+)
+"""These charge what other checks see as well."""
 
 
 @check("data_collection.returns_named_arrays", lab_step=3)
@@ -96,9 +101,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
         mistakes=(mistakes := _count_mistakes(seen, skips=story is not None and story.skip > 1)),
-        hint=""
-        if mistakes
-        else Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3)."),
+        hint="" if mistakes else _ONE_A_STEP,
         belongs_to=_ROWS if elsewhere else "",
     )
 
@@ -157,8 +160,30 @@ def check_time_axis(student: Student, truth: Traces) -> None:
             f"{', '.join(f'{t:g}' for t in time[:3])} … {time[-1]:g} s",
             mistakes=["time-axis-wrong"],
             keeps=0.5 if worst <= 1.001 * worlds.timestep else 0.0,
+            hint=_of_stamps(time, _timestep(worlds, series) * (story or Story()).skip),
+            belongs_to=_PUSH if _stand_still(time) and worlds.claim and len(worlds.claim.set_at) else "",
         )
     _follows_timestep(from_dirt(student, truth), Worlds.of(truth["push_dirty"]), worlds.timestep)
+
+
+def _stand_still(time: Array) -> bool:
+    return len(time) > 1 and not np.ptp(time)
+
+
+def _of_stamps(time: Array, apart: float) -> str:
+    """What to try where the stamps show more than that they are wrong."""
+    if _stand_still(time):
+        return _STILL
+    return _OFF_BY_THE_SAME if np.abs(np.diff(time) - apart).max(initial=0.0) <= TIME_ATOL else ""
+
+
+_STILL = Ours(
+    "Your time stands still: store data.time anew in each pass of the loop, and reset the data once, before the loop (Step 3)."
+)
+_OFF_BY_THE_SAME = Ours(
+    "Your stamps are as far apart as they should be, and all off by the same: begin to store with the first step after the reset, "
+    "and add nothing to data.time (Step 3)."
+)
 
 
 def _follows_timestep(series: Collection, worlds: Worlds, usual: float) -> None:
@@ -229,6 +254,9 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
 def check_starts_from_reset(student: Student, truth: Traces) -> None:
     """A run starts from the reset state, whatever happened before, and leaves the model as it was"""
     series = from_dirt(student, truth)
+    if complete(pushed(student, truth)) and not length(series):
+        duration = f"{Worlds.of(truth['push_dirty']).duration_s:g} s"
+        raise Lost(f"the rows of a run of {duration}", "none", hint=_ONE_A_STEP, belongs_to=_COUNT)
     has_rows(series)
     if series.changed:
         raise Lost(

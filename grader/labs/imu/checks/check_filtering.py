@@ -40,6 +40,14 @@ _WEIGHT = Ours(
 _BEHIND = Ours(
     "Return the output that this measurement has just made; what comes out belongs to the measurement before (Step 6)."
 )
+_STAYS = Ours(
+    "On some measurements your output stays where it was, and on the others it is the sheet's: let every measurement move it, by "
+    "alpha of the way (Step 6)."
+)
+_FROM_THE_SECOND = Ours(
+    "Your later outputs follow the sheet's recursion, and the first ones do not: use it from the second measurement on, whose "
+    "output before is the first measurement (Step 6)."
+)
 _LIMITED = Ours(
     "Return what the recursion gives, however large: a limit cuts off motion along with the noise (Step 6)."
 )
@@ -52,6 +60,10 @@ _FIRST = Ours(
 )
 _INITIAL = Ours(
     "Take the initial value for the output before the first measurement, and update from it as from any other (Step 6)."
+)
+_COPY_INITIAL = Ours(
+    "Keep a copy of the initial value, np.array(initial_value), and compute with that: it belongs to the caller, and *=, += and "
+    "[:] = write into it (Step 6)."
 )
 _OWN = Ours(
     "Let the output follow from this instance's own measurements alone: the same ones did not give the same output again. Look at "
@@ -129,6 +141,10 @@ def _why_not_the_recursion(
         return [], _WEIGHT
     if all(outputs.one_behind(alpha, x, y) for alpha, x, y in runs):
         return [], _BEHIND
+    if diagnosis.stays_at_times(runs):
+        return [], _STAYS
+    if diagnosis.begins_late(runs):
+        return [], _FROM_THE_SECOND
     return (["other-low-pass"], "") if _is_low_pass(student, truth) else ([], _BY_HAND)
 
 
@@ -299,19 +315,30 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
     if not same(_output(cases.spoilt_output), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that came out"
         raise Lost("a state of the filter's own", got, mistakes=["aliased-output"], keeps=0.5)
-    if any(run.input_changed for run in cases.every):
-        raise Lost(
-            "the measurement and the initial value as they were handed in",
-            "an array that was written into",
-            mistakes=["mutates-input"],
-            keeps=0.5,
-        )
+    _leaves_input_alone(cases)
     if any(run.output_changed for run in cases.every):
         got = "one array for all of them, which the next update() writes into"
         raise Lost("an output that stays what it is", got, mistakes=["aliased-output"], keeps=0.5)
     if not same(_output(cases.spoilt_input), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that went in"
         raise Lost("a state of the filter's own", got, keeps=0.5, mistakes=["aliased-input"])
+
+
+def _leaves_input_alone(cases: _Cases) -> None:
+    """The initial value is what was written into where only the filter that was given one wrote into anything."""
+    changed = [run for run in cases.every if run.input_changed]
+    if not changed:
+        return
+    initial = all(run is cases.from_initial[1] for run in changed)
+    raise Lost(
+        "the initial value as it was handed in"
+        if initial
+        else "the measurement and the initial value as they were handed in",
+        "an array that was written into",
+        mistakes=["mutates-input"],
+        keeps=0.5,
+        hint=_COPY_INITIAL if initial else "",
+    )
 
 
 @found_once

@@ -22,6 +22,8 @@ from grader.labs.imu.student import Student
 
 _ROUGHLY = 0.3
 """600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
+_THE_SAME = 0.99
+"""Of a correlation: what goes into one channel goes into the other, and next to nothing else does."""
 _TRUTH_OF_ARRAY = "truth value of an array"
 """What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
 _SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
@@ -45,6 +47,14 @@ _NOTHING_ELSE = Ours(
 )
 _OF_ITS_OWN = Ours(
     "Draw six numbers on every read, one for each axis of each sensor, and use none of them twice (Step 5)."
+)
+_ALL_DIGITS = Ours(
+    "Return the noisy readings as float64: no rounding to a step, no int and no dtype of few digits such as float16; round only "
+    "where you print (Step 5)."
+)
+_READ_ONLY = Ours(
+    "Let read() change nothing of the simulation: move mj_step, mj_resetData and any write to data to the code that calls it "
+    "(Step 5)."
 )
 _ORDER = Ours(
     "Keep the two sensors apart in read(), the accelerometer first: look at the order of the ids, of what you unpack and "
@@ -86,12 +96,22 @@ def check_noise_size(student: Student, truth: Traces) -> None:
 
 
 def _law_explains(student: Student, truth: Traces, wrong: list[int]) -> bool:
-    """Whether the noise goes with the size that is asked for, and only has another law, which white_and_gaussian charges."""
+    """Whether the noise goes with the size asked for, or has it but for a few reads, and only has another law.
+
+    white_and_gaussian charges that.
+    """
     sensors = runs.steady(student, truth)
     if not all(diagnosis.one_signed(sensors[i]) or not laws.is_normal(sensors[i]) for i in wrong):
         return False
+    if all(map(_size_is_right_but_for_strays, (sensors[i] for i in wrong))):
+        return True
     twins = runs.from_one_seed(student, truth)
     return twins is not None and all(twins[i].scales() for i in wrong)
+
+
+def _size_is_right_but_for_strays(facts: Facts) -> bool:
+    strays = laws.strays(facts)
+    return strays is not None and diagnosis.size_is_right(facts, strays.spread)
 
 
 def _size_in_words(facts: Facts) -> str:
@@ -302,13 +322,16 @@ def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     if moves.max() <= diagnosis.EXACT * max(1.0, np.abs(bias).max()) or noisy:
         return
     row = int(np.argmax(moves.max(axis=1)))
+    read = int(np.argmax(np.abs(bias[row] - bias[row, 0]).max(axis=1)))
     wanted = f"one {name} bias that stays the same from read to read"
-    got = f"{vector(bias[row, 0])}, then {vector(bias[row, 1])} from the same instance"
+    got = f"{', then '.join(told_apart(bias[row, 0], bias[row, read]))} from the same instance"
     if np.abs(bias[:, 1:]).max() <= diagnosis.TRUTH_ATOL:
         raise Lost(wanted, got, mistakes=["bias-drifts"], belongs_to=_GIVEN_CHECK)
     if np.ptp(bias[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT:  # the first read was before the next one was made
         got += ", and from every other one that was made meanwhile"
         raise Lost(wanted, got, mistakes=["bias-shared"], keeps=0.5)
+    if np.median(moves.max(axis=1)) <= diagnosis.EXACT:  # of most instances the bias stays
+        raise Lost(wanted, got, hint=_NOTHING_ELSE, belongs_to=_LAW_CHECK)
     raise Lost(wanted, got, mistakes=["bias-redrawn"], belongs_to=_GIVEN_CHECK)
 
 
@@ -320,7 +343,12 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
         grains = " and ".join(
             f"{f.grain:g} {u} ({n})" for f, u, n in zip(raw, SENSOR_UNITS, _NAMES, strict=True) if f.grain
         )
-        raise Lost("readings as fine as float64 has them", f"none finer than {grains}", mistakes=["precision-lost"])
+        raise Lost(
+            "readings as fine as float64 has them",
+            f"none finer than {grains}",
+            mistakes=["precision-lost"],
+            hint=_ALL_DIGITS,
+        )
     sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
     if not sensors:
         raise Skipped("noise that differs from read to read")
@@ -336,11 +364,24 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
                 mistakes=["noise-clipped"],
             )
         if not laws.is_normal(facts):
+            _is_so_in_all_reads(facts, name)
             values = laws.living(facts)
             got = f"{st.geary(values):.3f} over {values.size} values"
             wanted = f"{name} noise with a ratio of mean deviation to standard deviation of 0.798, as a normal law has"
             raise Lost(wanted, got, mistakes=["not-gaussian"])
     _is_centred(student, truth, raw)
+
+
+def _is_so_in_all_reads(facts: Facts, name: str) -> None:
+    """Charge what happens to a few reads alone, where the others are as they should be."""
+    strays = laws.strays(facts)
+    if strays is not None:
+        got = (
+            f"{strays.count} of {facts.residual.size} values more than {st.Z:.1f} standard deviations off, "
+            "and the others as a normal law has them"
+        )
+        off = Size("a few values are further off than a normal law has any")
+        raise Lost(f"{name} noise of a normal law in all reads", got, off=off, hint=_NOTHING_ELSE)
 
 
 def _is_centred(student: Student, truth: Traces, sensors: list[Facts]) -> None:
@@ -402,13 +443,26 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
         pairs, key=lambda pair: round(pair[0], 2)
     )  # as it is told: the last digits differ between processors
     if worst > bound:
+        one = _is_one_for_all_axes(matrix, i // 3)
         raise Lost(
             f"independent noise on {channels[i]} and {channels[j]}",
             f"a correlation of {worst:.2f} over {len(columns)} reads",
-            mistakes=["same-noise-on-axes"] if worst > 0.99 else [],
-            hint="" if worst > 0.99 else _OF_ITS_OWN,
-            belongs_to=_with_one_twice(student, truth),
+            mistakes=["same-noise-on-axes"] if one else [],
+            hint="" if one else _OF_ITS_OWN,
+            belongs_to=(*_with_one_twice(student, truth), *(() if _signs_agree(columns, i, j) else (_LAW_CHECK,))),
         )
+
+
+def _is_one_for_all_axes(matrix: Array, which: int) -> bool:
+    """Whether the noise of a sensor is one number for its three axes, by the correlations (6, 6) of all."""
+    axes = slice(3 * which, 3 * which + 3)
+    return bool(matrix[axes, axes].min() > _THE_SAME)
+
+
+def _signs_agree(columns: Array, i: int, j: int) -> bool:
+    """Whether two channels are correlated by more than what a few far values of theirs, which white_and_gaussian charges, make."""
+    signs = st.correlations(np.sign(columns))
+    return bool(abs(signs[i, j]) > st.correlation_bound(len(columns)))
 
 
 def _with_one_twice(student: Student, truth: Traces) -> tuple[str, ...]:
@@ -432,8 +486,8 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
     changed = [f"{name} changed by {size:.3g}" for name, size in zip(names, change, strict=True) if not size <= 1e-12]
     if changed:
         only_sensors = change[:3].max() <= 1e-12
-        mistake = "mutates-sensordata" if only_sensors else "disturbs-simulation"
-        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake])
+        mistake, hint = ("mutates-sensordata", "") if only_sensors else ("disturbs-simulation", _READ_ONLY)
+        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake], hint=hint)
 
 
 def _has_another_bias(facts: Facts, silent: Facts) -> bool:

@@ -33,7 +33,7 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
     if "dictionary" in got or "object" in got:
         raise Lost(_FORM, got, mistakes=["wrong-return-type"])
     if got:
-        raise Lost(_FORM, got, mistakes=["wrong-length"], belongs_to=(_VALUES, _PLACE))
+        raise Lost(_FORM, got, mistakes=[_of_form(readings)], belongs_to=(_VALUES, _PLACE))
     fits_in(student, "get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
 
 
@@ -42,6 +42,11 @@ _FORM = "a tuple of two arrays of shape (3,)"
 
 def _oddities(readings: Readings) -> str:
     return "; ".join(readings.oddities[:2])
+
+
+def _of_form(readings: Readings) -> str:
+    """The mistake in an odd form: slices of another length, or three numbers of each sensor in another form."""
+    return "wrong-return-type" if readings.whole else "wrong-length"
 
 
 def _is_usable(readings: Readings) -> None:
@@ -118,10 +123,11 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], me
         deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= diagnosis.ATOL
         for got, there in zip((readings.accel, readings.gyro), meant, strict=True)
     ]
-    if readings.oddities:
-        mistakes = ("wrong-length",)  # what is there may be right; the rest is not there
     keeps, finite = 0.5 if any(right) else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
-    if not finite and not readings.oddities:
+    if readings.oddities and not (finite and readings.whole):  # what is there may be right; the rest is not there
+        mistake, off = _of_form(readings), Size("a vector that has not three numbers")
+        raise Lost("three numbers of each sensor", _oddities(readings), mistakes=[mistake], keeps=keeps, off=off)
+    if not finite:
         raise Lost("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"], keeps=keeps)
     gap, got, true, unit, name = _gap(readings, scene)
     raise Lost(
@@ -311,7 +317,9 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
         return
     moved = np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1))
     raise Lost(
-        f"{vector(now[moved])}, as it was read", f"{vector(later[moved])} one step later", mistakes=["view-not-copy"]
+        f"{vector(now[moved])}, as it was read",
+        f"{vector(later[moved])} after the next step and call",
+        mistakes=["view-not-copy"],
     )
 
 

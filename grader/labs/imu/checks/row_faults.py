@@ -13,6 +13,13 @@ from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 
 _BOTH = Ours("Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3).")
+_FROM_THE_FIRST = Ours(
+    "Begin with the first mj_step after the push, and store a row for it: look for a step before the loop, or for first rows "
+    "that are left out (Step 3)."
+)
+_IN_THE_SAME_PASS = Ours(
+    "Read the sensors once after every mj_step, and store that reading and data.time in the same pass (Step 3)."
+)
 _KINDS = {
     "sign-flipped": "the reading with other signs",
     "axes-permuted": "the reading with its axes in another order",
@@ -42,25 +49,38 @@ def of_other_sensors(story: Story) -> None:
 def shifted(story: Story, worlds: Worlds, series: Collection) -> None:
     """Charge rows that are late or early, but for those that stand at the times of their states."""
     if story.lag < -1:
-        raise Lost("a row for every step from the start on", f"none for the first {-story.lag} steps", keeps=0.5)
-    if story.lag != 0 and not _at_own_times(story, worlds, series):
-        _by_one(story, series)
+        _begins_late(-story.lag)
+    if story.lag == 0 or _at_own_times(story, worlds, series):
+        return
+    if _leaves_first_out(story, series):
+        _begins_late(1)
+    _by_one(story, series)
+
+
+def _leaves_first_out(story: Story, series: Collection) -> bool:
+    """Whether rows that are early by one are so for a step that has no row; others were read from states after their steps."""
+    assert series.acceleration is not None
+    return story.lag == -1 and _steps(series) > len(series.acceleration)
+
+
+def _steps(series: Collection) -> int:
+    return int(series.first_step.get("steps", np.zeros(1))[0])
+
+
+def _begins_late(steps: int) -> NoReturn:
+    got = f"none for the first {f'{steps} steps' if steps > 1 else 'step'}"
+    raise Lost("a row for every step from the start on", got, keeps=0.5, hint=_FROM_THE_FIRST)
 
 
 def _by_one(story: Story, series: Collection) -> NoReturn:
     """A first row of zeros is one that was never filled if a step less was made."""
     assert series.acceleration is not None
-    steps = series.first_step.get("steps", np.zeros(1))[0]
-    if story.lag > 0 and steps == len(series.acceleration) - 1 and not series.acceleration[0].any():
+    if story.lag > 0 and _steps(series) == len(series.acceleration) - 1 and not series.acceleration[0].any():
         got = "a first row that was never filled: the loop makes a step less than there are rows"
         raise Lost("a row for every step, the first one too", got, mistakes=["first-row-empty"], keeps=0.5)
     late, mistakes = ("late", ["read-before-step"]) if story.lag > 0 else ("early", [])
-    hint = (
-        ""
-        if mistakes
-        else Ours("Read the sensors once after every mj_step, and store that reading in the same pass (Step 3).")
-    )
     got = f"every row {late} by one sample"
+    hint = "" if mistakes else _IN_THE_SAME_PASS
     raise Lost("each row read after its step", got, mistakes=mistakes, keeps=0.5, hint=hint)
 
 

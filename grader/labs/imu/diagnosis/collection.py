@@ -382,6 +382,6 @@ def time_error(time: Array, timestep: float, story: Story) -> Array:
     if story.at:
         return np.abs(time - timestep * (np.array(story.at) + 1.0)[: len(time)])
     stamps = timestep * story.skip * np.arange(len(time))
-    starts = {*range(story.skip + 1), *((-story.lag, 1 - story.lag) if story.lag < -1 else ())}
+    starts = {*range(story.skip + 1), *((-story.lag, 1 - story.lag) if story.lag < 0 else ())}
     errors = [np.abs(time - stamps - timestep * first) for first in sorted(starts)]
     return min(errors, key=lambda error: float(np.max(error, initial=0.0)))

@@ -69,6 +69,27 @@ def mistakes(runs: Runs) -> list[str]:
     return mistakes_of(_HYPOTHESES, runs)
 
 
+def _off(run: Run) -> Array:
+    """(n - 1,) of bool, which outputs from the second on are not the sheet's from the one before."""
+    alpha, x, y = run
+    return np.asarray(np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL)
+
+
+def stays_at_times(runs: Runs) -> bool:
+    """Whether the recursion holds, but that at times the output stays where it was, whatever the measurement is."""
+    off = [_off(run) for run in runs]
+    stay = (np.abs(np.diff(y, axis=0)[o]).max(initial=0.0) <= ATOL for (*_, y), o in zip(runs, off, strict=True))
+    return any(map(np.any, off)) and all(np.sum(~o) >= _FEWEST for o in off) and all(stay)
+
+
+def begins_late(runs: Runs) -> bool:
+    """Whether the recursion holds after the first outputs, a third of all at most."""
+    last = [int(np.flatnonzero(off)[-1]) + 1 if off.any() else 0 for off in map(_off, runs)]
+    seldom = all(end <= len(y) // 3 for end, (*_, y) in zip(last, runs, strict=True))
+    whole = all(_off(run)[:end].all() for end, run in zip(last, runs, strict=True))
+    return any(last) and seldom and whole
+
+
 def _linear(runs: Runs) -> list[tuple[float, float]]:
     """The coefficients of each run, where every run is a recursion; else nothing."""
     fitted = [f for _, x, y in runs if (f := recursion_of(x, y)) is not None]
@@ -102,7 +123,7 @@ def _from_one_value(weight: float, x: Array, y: Array) -> bool:
 
 def _restarts(runs: Runs) -> bool:
     """Whether the recursion holds, but that now and then the output is the measurement again, as at the start."""
-    off = [np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL for alpha, x, y in runs]
+    off = [_off(run) for run in runs]
     again = [np.abs(y[1:] - x[1:]).max(axis=1) <= ATOL for _, x, y in runs]
     seldom = all(o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(off, again, strict=True))
     return seldom and any((o[1:] & ~o[:-1]).any() for o in off)  # after it had begun

@@ -8,7 +8,7 @@ that is cut off in its largest value, which a normal law would have gone beyond.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,11 @@ _UNLIKE_UNIFORM = 0.9
 """Standard deviations. A normal law that is drawn anew beyond a narrower bound is a uniform one, as far as moments tell."""
 _CUT = 2.9
 """Standard deviations. 7,500 sound values stay within with a probability of (1 - 0.0037)^7500 = 7e-13."""
+
+_OF_MIDDLE_HALF = 1.4826
+"""Standard deviations of a normal law in half the width of its middle half (the median absolute deviation): 1 / 0.6745."""
+_FEW = 0.25
+"""Of all values: so many at most may be taken off, and the others are still all that there is to judge."""
 
 
 def drifts(silent: Facts) -> bool:
@@ -120,3 +125,28 @@ def is_normal(facts: Facts) -> bool:
         return True
     low, high = st.geary_bounds(values.size)
     return bool(low <= st.geary(values) <= high)
+
+
+@dataclass(frozen=True)
+class Strays:
+    """Values that are further off than a normal law of the others' spread has any, and the spread of the others."""
+
+    count: int
+    spread: float
+
+
+def strays(facts: Facts) -> Strays | None:
+    """The values that are too far off; None where there are none, or many, or where the others are not normal.
+
+    The middle of the reads and half the width of their middle half, by which they are told, hardly change with a few far ones.
+    """
+    beside = facts.residual - np.median(facts.residual, axis=1, keepdims=True)
+    spread = np.median(np.abs(beside), axis=1, keepdims=True) * _OF_MIDDLE_HALF
+    far = np.abs(beside) > st.Z * spread
+    if not 0 < far.mean() < _FEW:
+        return None
+    low, high = st.geary_bounds(int((~far).sum()))
+    others = (beside / np.where(spread > 0, spread, np.inf))[~far]
+    if not low <= st.geary(others[others != 0]) <= high:
+        return None
+    return Strays(int(far.sum()), float(np.sqrt(np.mean(beside[~far] ** 2))))
