@@ -315,29 +315,13 @@ def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], len
 
     def after(node: ast.stmt) -> None:
         if isinstance(node, ast.ClassDef):
-            _call_by_right_names(names.get(node.name), node.name, path.partition(":cell ")[0], meant)
+            known = STATE.other_methods.setdefault(path.partition(":cell ")[0], {})
+            spelling.call_by_right_names(names.get(node.name), node.name, meant, known)
         bound = [name for name in stepping.bound(node) if name in STATE.standins]
         names.update({name: _in_place_of(names.get(name), name) for name in bound})
         lending.after(node, names)
 
     STATE.stepper.run(units, path, names, after)
-
-
-def _call_by_right_names(own: Any, name: str, path: str, meant: dict[str, str]) -> None:
-    """Let the methods of a class that has none of the right name be called by that, too."""
-    known = STATE.other_methods.setdefault(path, {})
-    for wanted in [each for each in known if each.partition(".")[0] == name]:
-        del known[wanted]  # of a definition before this one
-    for wanted, method in meant.items():
-        kind, _, right = wanted.partition(".")
-        if kind == name and issubclass(type(own), type) and not _has(own, right):
-            type.__setattr__(own, right, getattr(own, method))
-            known[wanted] = method
-
-
-def _has(own: type, method: str) -> bool:
-    """Whether a class has a method, or may find one where it is asked for."""
-    return any({method, "__getattr__"} & {*_members_of(kind)} for kind in type.mro(own))
 
 
 def _in_place_of(own: Any, name: str) -> Any:
@@ -347,15 +331,11 @@ def _in_place_of(own: Any, name: str) -> Any:
         return standin
     sheets = {part for kind in standin.__mro__ for part in vars(kind)}
     methods = (types.FunctionType, classmethod, staticmethod)
-    members = [member for kind in reversed(type.mro(own)) for member in _members_of(kind).items()]
+    members = [member for kind in reversed(type.mro(own)) for member in spelling.members_of(kind).items()]
     beside = {part: value for part, value in members if isinstance(value, methods) and part not in sheets}
     meant = (each for known in STATE.other_methods.values() for each in known.items())
     beside |= {method: getattr(standin, n.partition(".")[2]) for n, method in meant if n.startswith(f"{name}.")}
     return type(name, (standin,), beside)
-
-
-_members_of = type.__dict__["__dict__"].__get__
-"""What a class holds, whatever its own class would answer."""
 
 
 def _lending_to(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Lending:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import difflib
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
 
 from . import stepping
 
@@ -79,3 +80,23 @@ def _does(method: ast.FunctionDef, values: int) -> bool:
     needed = len(given) - 1 - len(method.args.defaults)
     returned = [each.value for each in ast.walk(method) if isinstance(each, ast.Return)]
     return not method.decorator_list and needed == values and any(value is not None for value in returned)
+
+
+members_of = type.__dict__["__dict__"].__get__
+"""What a class holds, whatever its own class would answer."""
+
+
+def call_by_right_names(own: Any, name: str, meant: Mapping[str, str], known: dict[str, str]) -> None:
+    """Let the methods of a class that has none of the right name be called by that, too; `known` says which, by the last definition."""
+    for wanted in [each for each in known if each.partition(".")[0] == name]:
+        del known[wanted]
+    for wanted, method in meant.items():
+        kind, _, right = wanted.partition(".")
+        if kind == name and issubclass(type(own), type) and not _has(own, right):
+            type.__setattr__(own, right, getattr(own, method))
+            known[wanted] = method
+
+
+def _has(own: type, method: str) -> bool:
+    """Whether a class has a method, or may find one where it is asked for."""
+    return any({method, "__getattr__"} & {*members_of(kind)} for kind in type.mro(own))
