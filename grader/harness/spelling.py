@@ -87,7 +87,7 @@ members_of = type.__dict__["__dict__"].__get__
 
 
 def call_by_right_names(own: Any, name: str, meant: Mapping[str, str], known: dict[str, str]) -> None:
-    """Let the methods of a class that has none of the right name be called by that, too; `known` says which, by the last definition."""
+    """Let the methods of a class that has none of the right name be called by that, too; `known` says which."""
     for wanted in [each for each in known if each.partition(".")[0] == name]:
         del known[wanted]
     for wanted, method in meant.items():
