@@ -330,6 +330,21 @@ def _more_shown(*changes: Callable[[Sheet], Any]) -> Callable[[], Made]:
     return student
 
 
+def _late(
+    *missing: Callable[[Sheet], Any], finally_: Callable[[Sheet], Any] = lambda _sheet: None
+) -> Callable[[], Made]:
+    """A figure that was saved while this was missing from it, and that is at its end what that is."""
+
+    def student() -> Made:
+        early, end = Sheet(), Sheet()
+        _then(finally_, *missing)(early)
+        finally_(end)
+        early.says(finished=replace(end.figure, event="finished"))
+        return Plotted(early.drawing())
+
+    return student
+
+
 def _overwritten(sheet: Sheet) -> None:
     sheet.says(event="overwritten")
 
@@ -414,6 +429,14 @@ def _compared(
     return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
+def _compared_late() -> Drawing:
+    """The comparison, saved before the filtered curve was drawn."""
+    (figure,) = _compared().figures
+    (panel,) = figure.axes
+    early = replace(figure, axes=(replace(panel, curves=panel.curves[:1]),), finished=figure)
+    return Drawing((early,))
+
+
 def _few(rows: int, **words: Any) -> Drawing:
     """The comparison of so many samples."""
     (figure,) = _compared(**words).figures
@@ -432,6 +455,16 @@ _STOPPED = replace(
     _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
 )  # fmt: skip
 _NO_FILTER = ("LowPassFilter",)
+
+_NO_GYROSCOPE = _then(_without((1, 0), (1, 1), (1, 2)), _says(1, title="", ylabel="", xlabel="", legend=()))
+_NO_WORDS = _says(1, title="", ylabel="", xlabel="", legend=())
+_ONE_LATE = {
+    PANELS: _says(1, title="Bottom", ylabel="b (rad/s)"),
+    CURVES: _without((0, 2)),
+    LABELS: _says(1, xlabel=""),
+    LEGEND: _says(1, legend=()),
+    TITLES: _says(1, title=""),
+}
 
 CASES = [
     Case(name, check, student, marked)
@@ -463,6 +496,13 @@ CASES = [
             ("saved to memory", _with(event="forgotten"), (0.0, ["plot-not-saved"])),
             ("a figure without curves that is never saved", _with(event="shown", axes=()), (0.0, ["plot-not-saved"])),
             ("a PDF", _with(format="pdf"), (0.8, [])),
+            ("saved before the gyroscope was drawn", _late(_NO_GYROSCOPE), (0.0, [])),
+            ("saved before the words were written", _late(_NO_WORDS), (0.0, [])),
+            ("saved before the title was written", _late(_ONE_LATE[TITLES]), (0.5, [])),
+            ("saved before something that nobody asks for", _late(lambda s: s.says(texts=()), finally_=lambda s: s.says(texts=("draft",))), None),
+            ("saved before it was spoilt", _late(lambda s: s.says(axes=Sheet().panels), finally_=_exchanged), None),
+            ("saved before one thing was mended and one spoilt", _late(lambda s: s.says(axes=Sheet().panels), _ONE_LATE[TITLES], finally_=_exchanged), None),
+            ("without curves, saved too early", lambda: Plotted(Drawing((replace(Sheet().figure, axes=(), finished=Sheet().figure),))), (0.0, ["blank-image"])),
             ("beside one that cannot be read", lambda: Plotted(Sheet().drawing(Figure("saved", "odd.png", "png", (640, 480)))), None),
             ("a small one and a large one", lambda: Plotted(Sheet().drawing(replace(Sheet().figure, size_px=(100, 100)))), None),
         ],
@@ -624,6 +664,9 @@ CASES = [
             ("another series", _scripts(_compared(other=lambda x: _slow(np.cos(x)), noise=0.1)), (0.0, ["comparison-missing"])),
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
             ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-missing"])),
+            ("saved before the filtered curve was drawn", _scripts(_compared_late()), (0.5, [])),
+            ("saved before it was drawn, and once more", _scripts(_compared_late(), _compared()), None),
+            ("saved before it was drawn, and once more without saving", _scripts(_compared_late(), _compared(event="shown")), (0.5, ["comparison-missing"])),
             ("few samples", _scripts(_few(20)), (0.5, [])),
             ("few samples, a picture handed in", _scripts(_few(20), **_FILTERED), (0.5, [])),
             ("few samples, and a sound one", _scripts(_few(20), _compared()), None),
@@ -634,6 +677,19 @@ CASES = [
         ],
     }.items()
     for name, student, marked in rows
+]  # fmt: skip
+CASES += [
+    Case(f"saved before {what}", check, _late(*changes), None)
+    for check, alone in _ONE_LATE.items()
+    for what, changes in {
+        "the gyroscope was drawn": [_NO_GYROSCOPE],
+        "the words were written": [_NO_WORDS],
+        "it was finished": [alone],
+    }.items()
+]
+CASES += [
+    Case("saved before the words were written, and without a title", TITLES, _late(_NO_WORDS, finally_=_says(0, title="")), (0.5, ["no-title"])),
+    Case("saved before it was spoilt", PANELS, _late(lambda s: s.says(axes=Sheet().panels), finally_=_exchanged), None),
 ]  # fmt: skip
 CASES += misfits(SAVES, drawn(), "plot_imu_data", 0.0)
 

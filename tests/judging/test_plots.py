@@ -297,6 +297,16 @@ def test_figures_that_are_joined_keep_their_words_and_their_places() -> None:
     assert [axes.position for axes in joined.axes] == [*own, *(tuple(1 + share for share in place) for place in own)]
 
 
+def test_figures_that_are_joined_are_joined_as_they_are_at_their_end() -> None:
+    first, second = Sheet().figure, replace(Sheet().figure, title="Second")
+    late = replace(first, finished=replace(first, title="First"))
+    assert plots.joined([first, second]).finished is None
+    for figures in ([late, second], [second, late]):
+        at_its_end = plots.joined(figures).finished
+        assert at_its_end is not None
+        assert len(at_its_end.axes) == 4
+
+
 def test_of_a_label_that_is_missing_the_figure_has_one() -> None:
     sheet = Sheet()
     sheet.says(ylabel="a (m/s²)", xlabel="t")

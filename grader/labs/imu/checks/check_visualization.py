@@ -10,7 +10,7 @@ import numpy as np
 
 from grader.engine.examination import check
 from grader.engine.figures import Figure
-from grader.engine.findings import Fault, Lost, Missing, Ours, Skipped, raised
+from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
@@ -18,10 +18,13 @@ from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.checks.panel_words import has_empty_panel, is_named, label_problems, misnaming, quoted
 from grader.labs.imu.checks.plot_runs import (
     SENSOR_WORDS,
+    Plot,
+    best_of,
     candidates,
     cut_off,
     drawing_or_fault,
     drawn_plot,
+    finished,
     has_curves,
     plot_of,
 )
@@ -34,6 +37,9 @@ _CURVES = "visualization.curves_match_data"
 """This charges what another check sees as well."""
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
+_SAVE_LAST = Ours(
+    "What is drawn or written after savefig is not in the picture: call savefig last, before plt.show and plt.close (Step 4)."
+)
 _OTHER_FORMS = ("pdf", "svg", "svgz", "eps", "ps", "pgf")
 
 
@@ -58,6 +64,44 @@ def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, 
     return judged
 
 
+Judge = Callable[[Student, Traces, Plot], None]
+"""Of a plot: what one of the checks says of it."""
+
+
+def _better_one(student: Student, truth: Traces, plot: Plot) -> Plot:
+    """The figure as it was saved, or as it is at its end: what its picture lacks of that is charged by the check of the picture."""
+    at_its_end = finished(plot, truth)
+    return plot if at_its_end is None or not _gains(student, truth, plot, at_its_end) else at_its_end
+
+
+def _gains(student: Student, truth: Traces, before: Plot, after: Plot) -> int:
+    """In how many respects a plot has become better; 0 where it has become worse in any."""
+    gains = [_kept(judge, student, truth, after) - _kept(judge, student, truth, before) for judge in _RESPECTS]
+    return sum(gain > 0 for gain in gains) if min(gains) >= 0 else 0
+
+
+def _kept(judge: Judge, student: Student, truth: Traces, plot: Plot) -> float:
+    try:
+        judge(student, truth, plot)
+    except Lost as lost:
+        return lost.keeps
+    return 1.0
+
+
+def _saved_in_the_end(student: Student, truth: Traces, plot: Plot | None) -> None:
+    """Charge what was drawn or written on the figure after it was saved, and is missing from its picture."""
+    at_its_end = finished(plot, truth) if plot is not None else None
+    if plot is None or at_its_end is None or not (gains := _gains(student, truth, plot, at_its_end)):
+        return
+    raise Lost(
+        "a picture of the finished figure",
+        "a picture that was saved before all was drawn and labelled",
+        keeps=0.5 if gains == 1 else 0.0,
+        hint=_SAVE_LAST,
+        off=Size("a picture that was saved before all was drawn and labelled"),
+    )
+
+
 @check("visualization.saves_image", lab_step=4)
 @_to_the_end
 def check_saves_image(student: Student, truth: Traces) -> None:
@@ -72,6 +116,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         lost_pictures.none_saved(student, truth, drawing)
     lost_pictures.some_overwritten(candidates(student, truth, drawing))
     fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0)
+    _saved_in_the_end(student, truth, best_of(candidates(student, truth, drawing)))
     width, height = max((figure.size_px for figure in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
@@ -94,7 +139,10 @@ def _saved_curves(drawing: Drawing) -> list[Figure]:
 @_to_the_end
 def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     """Acceleration and angular velocity have a panel each, which says what it shows"""
-    plot = plot_of(student, truth)
+    _panels_say_what_they_show(student, truth, _better_one(student, truth, plot_of(student, truth)))
+
+
+def _panels_say_what_they_show(_student: Student, _truth: Traces, plot: Plot) -> None:
     if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
         raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
     unlabelled = []
@@ -133,13 +181,12 @@ def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
 def check_curves_match_data(student: Student, truth: Traces) -> None:
     """Six curves show the six channels of the data against time"""
     try:
-        _six_channels(student, truth)
+        _six_channels(student, truth, _better_one(student, truth, drawn_plot(student, truth)))
     finally:
         handed_in.hold_against_code(student, truth)
 
 
-def _six_channels(student: Student, truth: Traces) -> None:
-    plot = drawn_plot(student, truth)
+def _six_channels(student: Student, truth: Traces, plot: Plot) -> None:
     outside = cut_off(student, truth, plot)
     if len(plot.drawn - set(outside)) < 6:
         curve_faults.some_missing(plot, outside)
@@ -152,7 +199,11 @@ def _six_channels(student: Student, truth: Traces) -> None:
 @_to_the_end
 def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
     """The axes are labelled, with units"""
-    lost = label_problems(plot_of(student, truth))
+    _axes_have_labels(student, truth, _better_one(student, truth, plot_of(student, truth)))
+
+
+def _axes_have_labels(_student: Student, _truth: Traces, plot: Plot) -> None:
+    lost = label_problems(plot)
     if lost:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
         keeps = round(1 - len(lost) / 3, 4) if len(lost) < 3 else 0.0
@@ -168,7 +219,10 @@ def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
 @_to_the_end
 def check_legend_names_curves(student: Student, truth: Traces) -> None:
     """A legend, or text beside the curves, tells the curves of a panel apart"""
-    plot = plot_of(student, truth)
+    _curves_have_names(student, truth, _better_one(student, truth, plot_of(student, truth)))
+
+
+def _curves_have_names(_student: Student, _truth: Traces, plot: Plot) -> None:
     crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
@@ -196,7 +250,10 @@ def check_legend_names_curves(student: Student, truth: Traces) -> None:
 @_to_the_end
 def check_titles(student: Student, truth: Traces) -> None:
     """The panels, or the figure, have a title"""
-    plot = plot_of(student, truth)
+    _panels_have_titles(student, truth, _better_one(student, truth, plot_of(student, truth)))
+
+
+def _panels_have_titles(_student: Student, _truth: Traces, plot: Plot) -> None:
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
     titled = [panel.axes.position in places for panel in panels]
@@ -214,6 +271,8 @@ def check_titles(student: Student, truth: Traces) -> None:
     )
 
 
+_RESPECTS = (_panels_say_what_they_show, _six_channels, _axes_have_labels, _curves_have_names, _panels_have_titles)
+
 _FILTER = "filtering.follows_recursion"
 _NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
 """What a file cannot be read with: nobody knows what it would draw, and what it defines is charged where it is missed."""
@@ -229,7 +288,7 @@ _MEND_SCRIPT = Ours(
 @check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
-    drawn = unread = False
+    drawn = unread = late = False
     few = 0
     broken_off: Fault | None = None
     seen = ""
@@ -245,7 +304,11 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             _noise_is_shown(saved, student)
             return
         drawn = drawn or bool(compared)
+        late = late or any(_compared(student, figure.finished) for figure in drawing.figures if figure.finished)
         few = max([few, *(comparing.too_few(figure) for figure in drawing.figures if figure.is_saved)])
+    if late and not drawn:
+        got = "a picture that was saved before both were drawn"
+        raise Lost("a picture of raw and filtered data", got, keeps=0.5, hint=_SAVE_LAST)
     if few and not drawn:
         wanted = f"raw and filtered data of {plots.FEWEST_POINTS} samples or more"
         raise Lost(wanted, f"{few} samples", keeps=0.5, hint=_MORE_SAMPLES)

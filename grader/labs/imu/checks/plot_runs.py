@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -165,10 +165,16 @@ def plot_of(student: Student, truth: Traces) -> Plot:
 def drawn_plot(student: Student, truth: Traces) -> Plot:
     """The figure that shows most, whether a reader sees it or not."""
     drawing = drawing_or_fault(student, truth)
-    best = max(candidates(student, truth, drawing), key=_showing, default=None)
+    best = best_of(candidates(student, truth, drawing))
     if best is None or not best.panels:
         raise Skipped("a figure with curves in it")
     return best
+
+
+def finished(plot: Plot, truth: Traces) -> Plot | None:
+    """The figure as it is at its end; None where nothing was drawn or written on it after it was saved."""
+    figure = plot.figure.finished
+    return None if figure is None else Plot(figure, plots.panels(figure, series_of(truth)))
 
 
 def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
@@ -178,6 +184,11 @@ def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
     joined = [plots.joined(figures) for figures in (saved, ever_saved) if len(figures) > 1]
     series = series_of(truth)
     return student.once("plots", lambda: [Plot(f, plots.panels(f, series)) for f in (*drawing.figures, *joined)])
+
+
+def best_of(drawn: Sequence[Plot]) -> Plot | None:
+    """The one that shows most; the first of equal ones."""
+    return max(drawn, key=_showing, default=None)
 
 
 def _showing(plot: Plot) -> tuple[int, int, bool]:

@@ -51,7 +51,9 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """The figure with what is seen of each curve."""
+    """The figure with what is seen of each curve, as it was saved and at its end."""
+    if figure.finished is not None:
+        figure = replace(figure, finished=looked_at(figure.finished, patience))
     if not figure.axes:
         return figure
     axes = (
