@@ -13,6 +13,7 @@ import pytest
 from grader.engine.findings import Fault, Lost
 from grader.labs.imu.checks import check_noise_model as checks
 from grader.labs.imu.checks import noise_runs as runs
+from grader.labs.imu.checks import noise_sizes
 from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
@@ -793,7 +794,7 @@ def test_noise_that_is_off_is_told_by_one_number_and_by_each_axis_where_the_numb
     def words(*sizes: float) -> str:
         centred = steps * np.array(sizes) / np.sqrt(2 / 3)
         pooled = float(np.sqrt(np.mean(centred**2)))
-        return checks._size_in_words(cast(Any, SimpleNamespace(pooled_spread=pooled, std=1.0, centred=centred)))
+        return noise_sizes.in_words(cast(Any, SimpleNamespace(pooled_spread=pooled, std=1.0, centred=centred)))
 
     assert words(1.07, 1.07, 1.07) == "1.07"
     assert words(1.12, 1.0, 1.0) == "1.12 on x and 1 on y and 1 on z"

@@ -12,6 +12,7 @@ from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
 from grader.labs.imu.checks import noise_runs as runs
+from grader.labs.imu.checks import noise_sizes
 from grader.labs.imu.compare import Array, vector
 from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
@@ -20,8 +21,6 @@ from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.digits import told_apart
 from grader.labs.imu.student import Student
 
-_ROUGHLY = 0.3
-"""600 noise-free values tell their spread to 3 %; the rest is for the shape of the law that the biases are drawn from."""
 _THE_SAME = 0.99
 """Of a correlation: what goes into one channel goes into the other, and next to nothing else does."""
 _TRUTH_OF_ARRAY = "truth value of an array"
@@ -67,16 +66,16 @@ def check_noise_size(student: Student, truth: Traces) -> None:
     """The noise of each sensor has the standard deviation that was asked for"""
     sensors = runs.steady(student, truth)
     right = [
-        _size_is_right(facts)
-        or (laws.correlated(facts) and _size_of_correlated(student, truth, which, facts))
-        or _size_beside_drift(student, truth, which, facts)
+        noise_sizes.is_right(facts)
+        or (laws.correlated(facts) and noise_sizes.right_of_correlated(student, truth, which, facts))
+        or noise_sizes.right_beside_drift(student, truth, which, facts)
         for which, facts in enumerate(sensors)
     ]
     if all(right):
         runs.in_sound_form(student, truth)
         return
     again, silent = runs.given_again(student, truth), runs.without_noise_or_drift(student, truth)
-    if _redrawn_bias_explains(sensors, silent):
+    if noise_sizes.redrawn_bias_explains(sensors, silent):
         return
     wrong = right.index(False)
     mistakes = diagnosis.size_mistakes(sensors, again, silent)
@@ -84,7 +83,7 @@ def check_noise_size(student: Student, truth: Traces) -> None:
         mistakes = ["noise-density"]
     raise Lost(
         f"{_NAMES[wrong]} noise with a standard deviation of {sensors[wrong].std:g} {SENSOR_UNITS[wrong]}",
-        f"{_size_in_words(sensors[wrong])} {SENSOR_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
+        f"{noise_sizes.in_words(sensors[wrong])} {SENSOR_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
         mistakes=mistakes,
         keeps=0.5 if any(right) else 0.0,
         hint="" if mistakes else _SIZE,
@@ -103,57 +102,10 @@ def _law_explains(student: Student, truth: Traces, wrong: list[int]) -> bool:
     sensors = runs.steady(student, truth)
     if not all(diagnosis.one_signed(sensors[i]) or not laws.is_normal(sensors[i]) for i in wrong):
         return False
-    if all(map(_size_is_right_but_for_strays, (sensors[i] for i in wrong))):
+    if all(map(noise_sizes.right_but_for_strays, (sensors[i] for i in wrong))):
         return True
     twins = runs.from_one_seed(student, truth)
     return twins is not None and all(twins[i].scales() for i in wrong)
-
-
-def _size_is_right_but_for_strays(facts: Facts) -> bool:
-    strays = laws.strays(facts)
-    return strays is not None and diagnosis.size_is_right(facts, strays.spread)
-
-
-def _size_in_words(facts: Facts) -> str:
-    """The spread of all axes; of each, where only these are off."""
-    if abs(facts.pooled_spread / facts.std - 1) > 0.05:
-        return f"{facts.pooled_spread:.3g}"
-    return " and ".join(
-        f"{spread:.3g} on {axis}"
-        for spread, axis in zip(np.sqrt(np.mean(facts.centred**2, axis=(0, 1))), "xyz", strict=True)
-    )
-
-
-def _size_beside_drift(student: Student, truth: Traces, which: int, facts: Facts) -> bool:
-    """The size of noise beside a drift that is as large, which default_bias charges: what a larger one adds."""
-    twins = runs.from_one_seed(student, truth) if runs.which_drift(student, truth)[which] else None
-    return twins is not None and abs(twins[which].noise_size() / facts.std - 1) < _ROUGHLY
-
-
-def _size_of_correlated(student: Student, truth: Traces, which: int, facts: Facts) -> bool:
-    """The size of noise whose memory white_and_gaussian charges: it goes with the argument, or what is new in a read fits."""
-    twins = runs.from_one_seed(student, truth)
-    return (twins is not None and twins[which].scales()) or diagnosis.size_is_right(facts, laws.innovation(facts))
-
-
-def _size_is_right(facts: Facts) -> bool:
-    """The size, in the light of a fault that another check charges: a law that is not normal, noise that adds up."""
-    if diagnosis.accumulates(facts):
-        return diagnosis.size_is_right(facts, float(np.sqrt(np.mean(facts.increments**2))))
-    if diagnosis.one_signed(facts):  # |normal| has the root mean square that was asked for, an exponential law the mean
-        beside = np.abs(facts.residual - facts.bias)
-        return any(diagnosis.size_is_right(facts, float(s)) for s in (np.sqrt(np.mean(beside**2)), beside.mean()))
-    if laws.clipped(facts):
-        return True
-    return diagnosis.size_is_right(facts) or diagnosis.half_width_is_std(facts)
-
-
-def _redrawn_bias_explains(sensors: list[Facts], silent: list[Facts]) -> bool:
-    """Whether what is too much is a bias that is drawn anew on every read, which default_bias charges."""
-    if not diagnosis.bias_is_redrawn(sensors, silent):
-        return False
-    whole = [float(np.hypot(f.std, s.pooled_spread)) for f, s in zip(sensors, silent, strict=True)]
-    return all(abs(f.pooled_spread / w - 1) < _ROUGHLY for f, w in zip(sensors, whole, strict=True))
 
 
 @check("noise_model.given_bias", lab_step=5)
