@@ -36,6 +36,8 @@ from grader.labs.imu.recordings import (
 )
 from grader.labs.imu.student import Student
 
+_BUT_FOR_ONE = 0.75
+"""Of the rows' points, where the last one alone was never filled."""
 _ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
 _ROWS, _COUNT, _PUSH = (
     "data_collection.matches_truth",
@@ -246,8 +248,9 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
             mistakes=["samples-skipped"],
         )
     row_faults.shifted(story, worlds, series)
-    if filled < n - 1:
-        raise Lost(f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=0.5)
+    if filled < n:
+        keeps = _BUT_FOR_ONE if filled == n - 1 else 0.5
+        raise Lost(f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=keeps)
 
 
 @check("data_collection.starts_from_reset", lab_step=3, needs=simulated)
