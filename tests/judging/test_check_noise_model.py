@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -425,6 +426,11 @@ class SharedBias(Sound):
         return self.first
 
 
+def _drawn_times(factor: float) -> Callable[..., Any]:
+    """Default biases that are so many times as large; given ones are used as they are."""
+    return lambda s, i, z, g: Sound.bias(s, i, z, g) * (1.0 if g is not None else factor)
+
+
 def _less_of_gyro(self: Any, which: int) -> Any:
     given = 1 if np.any(self.stds) else -1
     return self.clean(which) + self.biases[which] * (given if which else 1) + self.noise(which)
@@ -668,6 +674,13 @@ CASES = [
                 (0.5, ["bias-shared"]),
             ),
             ("none of the accelerometer", of(bias=_only_for(1)), (0.5, ["bias-not-random"])),
+            ("ten times as large", of(bias=_drawn_times(10)), None),
+            ("thirty times as large", of(bias=_drawn_times(30)), (0.5, [])),
+            (
+                "thirty times as large of the gyroscope",
+                of(bias=lambda *a: (_drawn_times(30) if a[1] else Sound.bias)(*a)),
+                (0.5, []),
+            ),
             ("where zero is taken for none", of(bias=_unless_zero), None),
             ("the other sensor first", of(read=_swapped), None),
             ("no numbers", NAN, (0.0, ["not-finite"])),

@@ -32,6 +32,7 @@ _SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
 )
 """These charge what other checks see as well."""
 _NAMES = ("accel", "gyro")
+_AS_SMALL = Ours("Draw the default biases as small as sensors have them: about 0.1 m/s² and 0.01 rad/s (Step 5).")
 _SIZE = Ours(
     "Draw the noise of each sensor with the standard deviation that was given for it, as it is: no other factor, unit or power "
     "of it, one draw for each axis and read (Step 5)."
@@ -246,6 +247,11 @@ def check_default_bias(student: Student, truth: Traces) -> None:
     if np.ptp(ratio) <= 1e-3 * np.abs(ratio).max():
         got = f"{ratio[0, 0]:.3g} times the accelerometer's for the gyroscope, on every axis"
         raise Lost("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
+    too_large = noise_sizes.too_large_for_a_sensor(biases)
+    if too_large is not None:
+        which, drawn, sheets = too_large
+        wanted = f"a default {_NAMES[which]} bias as sensors have it, about {sheets:g} {SENSOR_UNITS[which]}"
+        raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL)
 
 
 def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:

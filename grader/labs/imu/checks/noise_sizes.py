@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from grader.engine.traces import Traces
 from grader.labs.imu.checks import noise_runs as runs
+from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
 from grader.labs.imu.diagnosis.noise import Facts
@@ -60,3 +63,14 @@ def redrawn_bias_explains(sensors: list[Facts], silent: list[Facts]) -> bool:
         return False
     whole = [float(np.hypot(f.std, s.pooled_spread)) for f, s in zip(sensors, silent, strict=True)]
     return all(abs(f.pooled_spread / w - 1) < _ROUGHLY for f, w in zip(sensors, whole, strict=True))
+
+
+_SHEETS_BIASES, _TOO_MANY = (0.1, 0.01), 20.0
+"""m/s², rad/s: the standard deviations that Step 5 draws biases with; so many times as much is no sensor's any more."""
+
+
+def too_large_for_a_sensor(biases: Sequence[Array]) -> tuple[int, float, float] | None:
+    """The first sensor whose default biases (instances, reads, 3) are, how large they are, and what the sheet draws."""
+    sizes = [float(np.sqrt(np.mean(bias**2))) for bias in biases]
+    both = enumerate(zip(sizes, _SHEETS_BIASES, strict=True))
+    return next(((which, size, sheets) for which, (size, sheets) in both if size > _TOO_MANY * sheets), None)
