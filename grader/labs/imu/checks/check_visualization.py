@@ -37,9 +37,6 @@ _CURVES = "visualization.curves_match_data"
 """This charges what another check sees as well."""
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
-_SAVE_LAST = Ours(
-    "What is drawn or written after savefig is not in the picture: call savefig last, before plt.show and plt.close (Step 4)."
-)
 _OTHER_FORMS = ("pdf", "svg", "svgz", "eps", "ps", "pgf")
 
 
@@ -97,7 +94,7 @@ def _saved_in_the_end(student: Student, truth: Traces, plot: Plot | None) -> Non
         "a picture of the finished figure",
         "a picture that was saved before all was drawn and labelled",
         keeps=0.5 if gains == 1 else 0.0,
-        hint=_SAVE_LAST,
+        hint=lost_pictures.SAVE_LAST,
         off=Size("a picture that was saved before all was drawn and labelled"),
     )
 
@@ -308,7 +305,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         few = max([few, *(comparing.too_few(figure) for figure in drawing.figures if figure.is_saved)])
     if late and not drawn:
         got = "a picture that was saved before both were drawn"
-        raise Lost("a picture of raw and filtered data", got, keeps=0.5, hint=_SAVE_LAST)
+        raise Lost("a picture of raw and filtered data", got, keeps=0.5, hint=lost_pictures.SAVE_LAST)
     if few and not drawn:
         wanted = f"raw and filtered data of {plots.FEWEST_POINTS} samples or more"
         raise Lost(wanted, f"{few} samples", keeps=0.5, hint=_MORE_SAMPLES)

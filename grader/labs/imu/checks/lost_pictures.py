@@ -12,6 +12,10 @@ from grader.labs.imu.checks import handed_in
 from grader.labs.imu.checks.plot_runs import Plot, has_curves, sensors_in_words
 from grader.labs.imu.student import Student
 
+SAVE_LAST = Ours(
+    "What is drawn or written after savefig is not in the picture: call savefig last, before plt.show and plt.close (Step 4)."
+)
+
 
 def some_overwritten(drawn: list[Plot]) -> None:
     """Charge what a figure showed that is in no file at the end: it is lost to the reader."""
@@ -44,8 +48,11 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
         hint = Ours("Save the figure last, under a name that nothing else is written to afterwards (Step 4).")
         got = "a file in which the figure no longer stands at the end"
         raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
-    if any(figure.is_saved for figure in drawing.figures):
-        raise Lost("a picture of the curves", "a picture that was saved from an empty figure", mistakes=["blank-image"])
+    empty = [figure for figure in drawing.figures if figure.is_saved]
+    if empty:
+        last = SAVE_LAST if any(figure.finished is not None for figure in empty) else ""
+        got = "a picture that was saved from an empty figure"
+        raise Lost("a picture of the curves", got, mistakes=["blank-image"], hint=last)
     if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
         if not handed_in.counts(student, truth):
             student.note(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
