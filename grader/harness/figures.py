@@ -240,7 +240,7 @@ def _kind(target: Any, kwargs: dict[str, Any]) -> str:
 def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
     seeing.must_be_honest(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
-    artists = [text for part in (figure, *_parts(figure)) for text in part.texts]
+    artists = [text for part in (figure, *_subfigures(figure)) for text in part.texts]
     seeing.must_be_honest(*artists)
     texts = [words for text in artists if (words := seeing.words(text, behind))]
     return {
@@ -253,11 +253,11 @@ def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
     }
 
 
-def _parts(figure: Any) -> Iterator[Any]:
-    """The subfigures of a figure, and theirs."""
+def _subfigures(figure: Any) -> Iterator[Any]:
+    """The parts of a figure, and theirs."""
     for part in figure.subfigs:
         yield part
-        yield from _parts(part)
+        yield from _subfigures(part)
 
 
 def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
