@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu.compare import Array, same
@@ -69,10 +70,10 @@ def mistakes(runs: Runs) -> list[str]:
     return mistakes_of(_HYPOTHESES, runs)
 
 
-def _off(run: Run) -> Array:
+def _off(run: Run) -> NDArray[np.bool_]:
     """(n - 1,) of bool, which outputs from the second on are not the sheet's from the one before."""
     alpha, x, y = run
-    return np.asarray(np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL)
+    return np.asarray(np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL, bool)
 
 
 def stays_at_times(runs: Runs) -> bool:
