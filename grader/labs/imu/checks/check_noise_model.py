@@ -447,6 +447,7 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
         raise Lost(
             f"independent noise on {channels[i]} and {channels[j]}",
             f"a correlation of {worst:.2f} over {len(columns)} reads",
+            off=Size("two of the six channels have noise that goes together"),
             mistakes=["same-noise-on-axes"] if one else [],
             hint="" if one else _OF_ITS_OWN,
             belongs_to=(*_with_one_twice(student, truth), *(() if _signs_agree(columns, i, j) else (_LAW_CHECK,))),
