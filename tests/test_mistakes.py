@@ -45,7 +45,7 @@ MEANS = {
         "not-the-sensor": "takes qvel, qacc, cvel or another state instead of sensordata",
         "disturbs-simulation": "steps, resets or writes to data while reading",
         "cached-reading": "keeps the first reading and returns it again",
-        "precision-lost": "rounds the reading, or converts it to integers",
+        "precision-lost": "rounds the reading, or converts it to integers or to a type of few digits",
     },
     "data_collection": {
         "no-reset": "does not reset the simulation first, so a second run starts where the first ended",
@@ -109,7 +109,7 @@ MEANS = {
         "initial-value-ignored": "an initial value given to the constructor is not used",
         "shared-state": "all instances share one state",
         "aliased-output": "returns its own state array; what the caller does to it changes the filter",
-        "mutates-input": "writes into the measurement it was given",
+        "mutates-input": "writes into the measurement or the initial value it was given",
         "output-stuck": "the output does not follow the input after the first sample",
         "gain-not-one": "a constant input does not come out as itself",
         "alpha-ignored": "uses a fixed coefficient",

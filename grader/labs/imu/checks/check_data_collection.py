@@ -102,6 +102,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
     raise Lost(
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
+        off=Size("another number of samples"),
         mistakes=(mistakes := _count_mistakes(seen, skips=story is not None and story.skip > 1)),
         hint="" if mistakes else _ONE_A_STEP,
         belongs_to=_ROWS if elsewhere else "",

@@ -251,7 +251,7 @@ def check_default_bias(student: Student, truth: Traces) -> None:
     if too_large is not None:
         which, drawn, sheets = too_large
         wanted = f"a default {_NAMES[which]} bias as sensors have it, about {sheets:g} {SENSOR_UNITS[which]}"
-        raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL)
+        raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL, belongs_to=_GIVEN_CHECK)
 
 
 def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:
@@ -405,6 +405,7 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
         raise Lost(
             f"independent noise on {channels[i]} and {channels[j]}",
             f"a correlation of {worst:.2f} over {len(columns)} reads",
+            off=Size("two of the six channels have noise that goes together"),
             mistakes=["same-noise-on-axes"] if one else [],
             hint="" if one else _OF_ITS_OWN,
             belongs_to=(*_with_one_twice(student, truth), *(() if _signs_agree(columns, i, j) else (_LAW_CHECK,))),

@@ -69,7 +69,8 @@ def _steps(series: Collection) -> int:
 
 def _begins_late(steps: int) -> NoReturn:
     got = f"none for the first {f'{steps} steps' if steps > 1 else 'step'}"
-    raise Lost("a row for every step from the start on", got, keeps=0.5, hint=_FROM_THE_FIRST)
+    off = Size("no row for the first of the steps")
+    raise Lost("a row for every step from the start on", got, keeps=0.5, hint=_FROM_THE_FIRST, off=off)
 
 
 def _by_one(story: Story, series: Collection) -> NoReturn:

@@ -73,7 +73,7 @@ def mistakes(runs: Runs) -> list[str]:
 def _off(run: Run) -> NDArray[np.bool_]:
     """(n - 1,) ndarray, which outputs from the second on are not the sheet's from the one before."""
     alpha, x, y = run
-    return np.asarray(np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL)
+    return np.asarray(np.abs(y[1:] - alpha * x[1:] - (1 - alpha) * y[:-1]).max(axis=1) > ATOL, bool)
 
 
 def stays_at_times(runs: Runs) -> bool:
