@@ -303,6 +303,24 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
 }  # fmt: skip
 
 
+def _chained() -> Files:
+    """noisy_imu.py writes what it has read when it is run, and filters.py filters that."""
+    files = _changed(
+        tidy(),
+        NOISY,
+        {
+            '    print("noisy reading:", *imu.read())\n': "    raw = []\n    for _ in range(500):\n        mujoco.mj_step(model, data)\n"
+            '        raw.append(imu.read()[0])\n    np.save("raw.npy", raw)\n'
+        },
+    )
+    head, _, rest = str(files[FILTER]).partition("    model = mujoco.MjModel")
+    drawing = rest.partition("    fig, ax")[2]
+    load = (
+        '    raw = np.load("raw.npy")\n    low_pass = LowPassFilter(alpha=0.1)\n    t = np.arange(len(raw)) * 0.002\n'
+    )
+    return files | {FILTER: f"{head}{load}    smooth = [low_pass.update(accel) for accel in raw]\n    fig, ax{drawing}"}
+
+
 def _slips() -> Iterator[Slip]:
     for name, (path, changes, lost, named) in (PARAMETERS | EDITED).items():
         yield Slip(name, _changed(verbatim(), path, changes), lost, named)
@@ -329,6 +347,7 @@ def _slips() -> Iterator[Slip]:
         {"visualization.curves_match_data": 2.5},
         ("curves-missing",),
     )
+    yield Slip("scripts that read what the one before has written", _chained(), {})
     yield Slip(
         "legends of the parts of a figure",
         _changed(

@@ -253,20 +253,21 @@ def test_of_a_long_curve_the_last_points_are_looked_at() -> None:
 def test_what_follows_a_running_mean_is_about_as_large(strength: float, follows: bool) -> None:
     mean = _averaged(9)(NOISY)
     level = float(mean[N // 2 :].mean())
-    assert comparing._follows(NOISY, level + strength * (mean - level), 9, 0.75) is follows
+    assert comparing._follows(NOISY, level + strength * (mean - level), 9, comparing._Likeness()) is follows
 
 
 @pytest.mark.parametrize(("widths", "near"), [(2.9, True), (-2.9, True), (3.1, False), (-3.1, False)])
 def test_what_is_alike_is_near_by_three_times_its_width(widths: float, near: bool) -> None:
     wave = np.sin(np.arange(N))
     begins, ends = np.array([0]), np.array([N])
-    assert comparing._alike(wave, wave + widths * wave.std(), (begins, ends), begins, 0.75) is near
+    assert comparing._alike(wave, wave + widths * wave.std(), (begins, ends), begins, comparing._Likeness()) is near
 
 
 STANDING = np.random.default_rng(5).normal(-9.81, 0.05, 1000)
 """A robot at rest: noise alone."""
 ITS_MEAN = lfilter([0.1], [1, -0.9], STANDING - STANDING[0]) + STANDING[0]
 FALLING = STANDING + np.exp(-np.arange(1000) / 200)
+PUSHED = np.random.default_rng(6).normal(0, 0.005, 1000) + np.exp(-np.arange(1000) / 60) * np.sin(np.arange(1000) / 6)
 ITS_OPPOSITE = -lfilter([0.1], [1, -0.9], FALLING - FALLING[0]) + FALLING[0]
 
 
@@ -277,6 +278,10 @@ ITS_OPPOSITE = -lfilter([0.1], [1, -0.9], FALLING - FALLING[0]) + FALLING[0]
         (STANDING[::3], ITS_MEAN[::3], ("noisy", "filtered"), True),
         (STANDING[::3], ITS_MEAN[::3], ("a", "b"), False),
         (STANDING[::3], ITS_MEAN[::3] + 1, ("raw", "filtered"), False),
+        (STANDING, ITS_MEAN + 0.25, ("raw", "filtered"), True),
+        (STANDING, ITS_MEAN + 0.25, ("a", "b"), False),
+        (STANDING, lfilter([0.1], [1, -0.9], STANDING), ("a", "b"), True),
+        (PUSHED, lfilter([0.5], [1, -0.5], PUSHED), ("a", "b"), True),
         (STANDING[::3], 20 * (ITS_MEAN[::3] + 9.81) - 9.81, ("raw", "filtered"), False),
         (STANDING[::3], STANDING[1::3], ("raw", "filtered"), False),
         (FALLING[::3], ITS_OPPOSITE[::3], ("raw", "filtered"), False),
@@ -285,7 +290,8 @@ ITS_OPPOSITE = -lfilter([0.1], [1, -0.9], FALLING - FALLING[0]) + FALLING[0]
 def test_of_noise_that_is_thinned_the_names_tell_what_is_compared(
     raw: Array, smooth: Array, names: tuple[str, str], found: bool
 ) -> None:
-    drawn = figure(*(curve(y[:333], name, np.arange(333.0)) for y, name in zip((raw, smooth), names, strict=True)))
+    rows = np.arange(min(len(raw), len(smooth)))
+    drawn = figure(*(curve(y[rows], name, 1.0 * rows) for y, name in zip((raw, smooth), names, strict=True)))
     assert bool(comparing.comparisons(drawn)) is found
 
 

@@ -33,6 +33,9 @@ _RETURNS = {
 }
 _METHODS = {"NoisyIMU.read": 0, "LowPassFilter.update": 1, "ComplementaryFilter.update": 2}
 """How many values each is given."""
+_DATA_FILE = re.compile(
+    rb"\.(?:np[yz]|csv|tsv|txt|dat|json|ya?ml|pkl|pickle|mat|h5|hdf5|parquet|feather|db|sqlite3?)[\"']"
+)
 _FURTHER = 3  # programs that are run to see what they draw
 
 
@@ -142,6 +145,8 @@ class Plotting(Conversation):
             drawing = self.once(("script", path), partial(self._run_script, path))
             if drawing is not None:
                 yield drawing
+        if any(_DATA_FILE.search(content) for path, content in self.files.items() if path.endswith(".py")):
+            yield from self.once(("scripts in turn",), self._drawn_in_turn)
 
     def _runnable(self) -> list[str]:
         others = sorted(p for p in self.paths if p.endswith(".ipynb") and p not in self.used)
@@ -169,6 +174,19 @@ class Plotting(Conversation):
             return None
         finally:
             self.end_session()
+
+    def _drawn_in_turn(self) -> list[Drawing]:
+        """The same, one after the other in one folder: a script may read what the one before it has written."""
+        found = []
+        self.end_session()
+        try:
+            for path in (*(file for file in self._lab.files if file in self.paths), *self.further_scripts()):
+                found.append(drawing_of(self.ask("run_script", {"path": path})))
+        except NoAnswer:
+            pass  # what came before counts
+        finally:
+            self.end_session()
+        return found
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
         """The same without stand-ins: a script that fits its own broken part need not fit a sound one."""

@@ -28,6 +28,8 @@ _TURNS = 0.25
 noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
 _LIKENESS, _OPPOSED = 0.75, -0.5
 """Correlations: of a series with its smoother version, and of one that goes up where the other goes down."""
+_BIAS_OF_NOISE = 8.0
+"""Of the noise's standard deviation: the sheet draws biases with two of it, and four of them are rare."""
 _ROUNDING = 1e-5
 """Of the largest value: second differences below that are of digits that were cut off."""
 
@@ -108,7 +110,9 @@ def _may_be_smoothed(raw: Array, smooth: Array) -> bool:
 
 
 def _is_smoother(raw: Array, smooth: Array) -> bool:
-    return float(np.std(np.diff(smooth))) <= _SMOOTHER * float(np.std(np.diff(raw)))
+    """By its differences from value to value, of all rows or of the second half: at first a filter climbs, or a robot is pushed."""
+    steps, its_steps = np.diff(raw), np.diff(smooth)
+    return any(np.std(its_steps[n:]) <= _SMOOTHER * np.std(steps[n:]) for n in (0, len(steps) // 2))
 
 
 def series_drawn(figure: Figure) -> list[Array]:
@@ -159,21 +163,33 @@ def _is_smoothed(raw: Array, smooth: Array, step: int, *, named: bool) -> bool:
     value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
 
     What only noise has moved need not be the same where both are `named`: a filter was given values that are not drawn, and of
-    every third one a correlation of 0.4 is left, as two runs of noise may have.
+    every third one a correlation of 0.4 is left, as two runs of noise may have. Its bias may have been taken off, too.
     """
     if len(raw) < FEWEST_POINTS or not _is_smoother(raw[::step], smooth[::step]):
         return False
     windows = [window for window in (3, 9, 27, 81) if 4 * window < len(raw)]
     doubtful = named and not np.corrcoef(raw, smooth)[0, 1] < _OPPOSED
-    wanted = _LIKENESS * (_share_of_motion(raw, step, windows[-1]) if doubtful else 1.0)
-    return any(_follows(raw, smooth, window, wanted) for window in windows)
+    likeness = _of_noise(raw, step, windows[-1]) if doubtful else _Likeness()
+    return any(_follows(raw, smooth, window, likeness) for window in windows)
 
 
-def _share_of_motion(raw: Array, step: int, window: int) -> float:
-    """Which part of the variance of a running mean is no noise, at the least: by chance it is up to three times as much."""
-    noise = float(np.var(np.diff(raw[::step]))) / 2 * step / window
+@dataclass(frozen=True)
+class _Likeness:
+    """What two series must have in common: a correlation, and means no farther apart than that or three of their widths."""
+
+    correlation: float = _LIKENESS
+    apart: float = 0.0
+
+
+def _of_noise(raw: Array, step: int, window: int) -> _Likeness:
+    """What is asked of a series with that noise: of the variance of its running mean, the part that is none at the least.
+
+    By chance white noise moves a mean by three times its variance. A bias is a few times as large as the noise (Step 5).
+    """
+    noise = float(np.var(np.diff(raw[::step]))) / 2
     moved = float(np.var(np.convolve(raw, np.full(window, 1 / window), mode="valid")[len(raw) // 2 :]))
-    return max(0.0, 1 - 3 * noise / max(moved, 1e-300))
+    share = max(0.0, 1 - 3 * noise * step / window / max(moved, 1e-300))
+    return _Likeness(_LIKENESS * share, _BIAS_OF_NOISE * float(np.sqrt(noise)))
 
 
 def _has_noise(raw: Array) -> bool:
@@ -183,10 +199,10 @@ def _has_noise(raw: Array) -> bool:
     return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
-def _follows(raw: Array, smooth: Array, window: int, likeness: float) -> bool:
+def _follows(raw: Array, smooth: Array, window: int, likeness: _Likeness) -> bool:
     """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
 
-    Both are as long, and longer than four windows: a lag leaves two thirds of the rows. `likeness` is a correlation.
+    Both are as long, and longer than four windows: a lag leaves two thirds of the rows.
     """
     mean = np.convolve(raw, np.full(window, 1 / window), mode="valid")
     lags = np.arange(min(2 * window, len(mean) // 4) + 1)
@@ -197,15 +213,15 @@ def _follows(raw: Array, smooth: Array, window: int, likeness: float) -> bool:
     return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags, likeness)
 
 
-def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, likeness: float) -> bool:
+def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, likeness: _Likeness) -> bool:
     """Whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
     begins, ends = rows
     means, widths = _moments(wanted, begins, ends)
     its_means, its_widths = _moments(got, begins + lags, ends + lags)
     each = zip(begins, ends, lags, strict=True)
     products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in each])
-    alike = products / (ends - begins) - means * its_means > likeness * widths * its_widths
-    near = np.abs(means - its_means) <= 3 * widths + 1e-12
+    alike = products / (ends - begins) - means * its_means > likeness.correlation * widths * its_widths
+    near = np.abs(means - its_means) <= np.maximum(3 * widths, likeness.apart) + 1e-12
     as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
     return bool(np.any(alike & near & as_large))
 
