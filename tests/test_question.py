@@ -86,7 +86,7 @@ _OTHER: Mapping[str, Any] = {
     "duration_s": 2.0, "timestep": 0.004, "dirty": (np.ones(4), np.ones(3), 1.0), "gravity": np.ones(3), "reads": 4,
     "stds": (0.1, 0.3), "biases": None, "instances": 9, "cases": [FilterCase(_VECTORS, alpha=0.4)], "steps": 4,
     "course": {"qpos": np.ones(3)}, "sheet": {"time": _VECTORS}, "data": {"t": _VECTORS}, "samples": _VECTORS[:, 0],
-    "sample_rate_hz": 50.0, "push": 0.1,
+    "sample_rate_hz": 50.0, "push": 0.1, "own_form": True,
 }  # fmt: skip
 _ASKED: Mapping[Any, dict[str, Any]] = {
     Student.read: {"model": "<m/>", **_STATE, "pairs": np.array([[1, 2]])},
@@ -97,7 +97,7 @@ _ASKED: Mapping[Any, dict[str, Any]] = {
     Student.noise_twins: {**_NOISE, "stds": [(0.1, 0.2)], "biases": np.zeros((1, 2, 3))},
     Student.default_bias: {**_NOISE, "instances": 8},
     Student.filter: {"cases": [FilterCase(_VECTORS, alpha=0.3)]},
-    Student.plot: {"data": {"time": _VECTORS + 1}, "sheet": {"time": _VECTORS + 1}, "ids": (1, 2)},
+    Student.plot: {"data": {"time": _VECTORS + 1}, "sheet": {"time": _VECTORS + 1}, "ids": (1, 2), "own_form": False},
     bonuses.tilt: {"cases": [bonuses.TiltCase(0.1, _VECTORS, _VECTORS)]},
     bonuses.allan: {"samples": _VECTORS, "sample_rate_hz": 100.0},
     bonuses.imus: {"model": "<m/>", **_STATE},

@@ -458,7 +458,7 @@ class LowPassFilter:
     _filter("starts-from-twice-the-first", _low_pass(("            self.state = x\n", "            self.state = 2 * x\n")), START, most=3),
     _filter("adds-noise-of-its-own", _low_pass((_OUT, "        return self.state + np.random.normal(0, 1e-4, 3)\n")), RECURSION, OWN, most=9, names=LOW),
     _filter("one-behind", _low_pass((_STEP, "            old = self.state\n" + _STEP + "            return old.copy()\n")), RECURSION, most=6),
-    _filter("first-five-as-they-are", _low_pass((_INIT, _INIT + "        self.n = 0\n"), ("        if self.state is None:\n", "        self.n += 1\n        if self.state is None or self.n <= 5 and self.seedless:\n"), ("        self.alpha = alpha\n", "        self.alpha, self.seedless = alpha, initial_value is None\n")), RECURSION, most=6, names=LOW),
+    _filter("first-five-as-they-are", _low_pass((_INIT, _INIT + "        self.n = 0\n"), ("        if self.state is None:\n", "        self.n += 1\n        if self.state is None or self.n <= 5 and self.seedless:\n"), ("        self.alpha = alpha\n", "        self.alpha, self.seedless = alpha, initial_value is None\n")), RECURSION, most=6),
     _filter("steps-away-from-the-measurement", _low_pass((_STEP, _STEP.replace("x - self.state", "self.state - x"))), RECURSION, most=6),
     _filter("forgets-every-fifty", _low_pass((_INIT, _INIT + "        self.n = 0\n"), ("        if self.state is None:\n", "        self.n += 1\n        if self.state is None or self.n % 50 == 0:\n")), RECURSION, most=6, names=("filter-restarts",)),
     _filter("mean-of-two-outputs", _low_pass((_STEP, "            old = self.state\n" + _STEP + "            return (old + self.state) / 2\n")), RECURSION, most=6, names=LOW),

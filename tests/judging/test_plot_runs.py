@@ -25,8 +25,12 @@ pytestmark = pytest.mark.quick
 class Asked(Plotted):
     """One that keeps what its plot was given."""
 
-    def plot(self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: Any, called: str) -> Drawing:  # type: ignore[override]
-        self.given = data, sheet, ids, called
+    own_form: bool
+
+    def plot(
+        self, *, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: Any, called: str, own_form: bool
+    ) -> Drawing:  # type: ignore[override]
+        self.given, self.own_form = (data, sheet, ids, called), own_form
         return Sheet().drawing()
 
 
@@ -83,6 +87,20 @@ def test_a_plot_is_given_what_the_submission_itself_records(
     assert list(sheet) == list(KEYS)
     for name, key in zip(names, KEYS, strict=False):
         assert np.array_equal(data[name], truth()["tumbling"][key])
+
+
+@pytest.mark.parametrize(
+    ("recording", "own"),
+    [
+        (_recorded(), False),
+        (_recorded(oddities=(("wrong-return-type", "got a tuple"),)), True),
+        (Raised(Fault("E", "", None, None, None), ""), False),
+    ],
+)
+def test_a_recording_of_another_form_may_be_what_the_plot_is_made_for(recording: Any, own: bool) -> None:
+    student = Recording(recording)
+    plot_runs.drawing_of_data(student, truth())
+    assert student.own_form is own
 
 
 # ---- which figure is judged ----

@@ -437,3 +437,13 @@ def test_a_text_beside_a_curve_names_it_by_its_axis(text: str, at: float, height
     names = named(Placed("nothing", (MIDDLE, TOP_OF_X), "#000000"), Placed(text, (at, height), "#000000"))
     assert names[0] == (text if found else None)
     assert named(Placed(text, (at, height), Y.colour))[0] is None
+
+
+def test_a_channel_is_lacking_where_no_figure_draws_it() -> None:
+    upper, lower = Sheet().panels
+    both = [replace(Sheet().figure, axes=(panel,)) for panel in (upper, lower)]
+    series = {key: truth()["tumbling"][key] for key in ("time", "acceleration", "angular_velocity")}
+    assert not plots.lacking([Sheet().figure], series)
+    assert not plots.lacking(both, series)
+    assert plots.lacking(both[:1], series)
+    assert plots.lacking([], series)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import PurePosixPath
@@ -20,6 +20,7 @@ from grader.engine.question import key_of
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Array, Drawing, drawing_of
+from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot
 from grader.labs.imu.robot import robot_of
 from grader.sandbox.box import Box
@@ -73,7 +74,7 @@ class Plotting(Conversation):
         sheet: Mapping[str, Array],
         ids: tuple[int, int],
         called: str = "",
-        fits: Callable[[Drawing], bool] | None = None,
+        own_form: bool = False,
     ) -> Drawing:
         """What `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
 
@@ -83,24 +84,24 @@ class Plotting(Conversation):
 
         Parameters
         ----------
-        fits : whether a drawing shows the data; asked where the submission's recording has another form than the sheet's, and
-            the plot may be made for that
+        own_form : whether the submission records in another form than the sheet's, for which its plot may be made: then a drawing
+            that shows all the data is looked for
         """
-        key = (key_of("plot", {"ids": ids}, data), key_of("plot", {}, sheet))
-        return self.known_as(called, key, lambda: self._plot(data, sheet, ids, fits))
+        key = (key_of("plot", {"ids": ids, "own_form": own_form}, data), key_of("plot", {}, sheet))
+        return self.known_as(called, key, lambda: self._plot(data, sheet, ids, own_form))
 
     def _plot(
         self,
         data: Mapping[str, Array],
         sheet: Mapping[str, Array],
         ids: tuple[int, int],
-        fits: Callable[[Drawing], bool] | None,
+        own_form: bool,
     ) -> Drawing:
         drawing = self._plotted(data)
-        if drawing.fault is None and (fits is None or fits(drawing)):
+        if drawing.fault is None and not (own_form and plots.lacking(drawing.figures, sheet)):
             return drawing
         own = self._plotted_as_recorded(data, sheet, ids)
-        if own is not None and own.fault is None and (fits is None or fits(own) or drawing.fault):
+        if own is not None and own.fault is None and (drawing.fault or not plots.lacking(own.figures, sheet)):
             return own
         if drawing.fault is None or data.keys() == sheet.keys():
             return drawing

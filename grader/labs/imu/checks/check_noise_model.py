@@ -248,7 +248,7 @@ def check_default_bias(student: Student, truth: Traces) -> None:
         got = f"{ratio[0, 0]:.3g} times the accelerometer's for the gyroscope, on every axis"
         raise Lost("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
     too_large = noise_sizes.too_large_for_a_sensor(biases)
-    if too_large is not None:
+    if too_large is not None and not noisy:
         which, drawn, sheets = too_large
         wanted = f"a default {_NAMES[which]} bias as sensors have it, about {sheets:g} {SENSOR_UNITS[which]}"
         raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL, belongs_to=_GIVEN_CHECK)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -122,7 +121,7 @@ def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> D
         sheet=series,
         ids=torso_ids(truth),
         called="plot" if run == "tumbling" else "",
-        fits=partial(_shows_all, series=series) if own is not None and own.oddities else None,
+        own_form=own is not None and bool(own.oddities),
     )
 
 
@@ -138,12 +137,6 @@ def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
     if own is None or any(name.isdigit() for name in own.keys.values()):
         return series
     return {own.keys.get(key, key): value for key, value in series.items()} | plots.as_recorded(own, series)
-
-
-def _shows_all(drawing: Drawing, series: dict[str, Array]) -> bool:
-    """Whether there is a curve of each channel."""
-    channels = {c for figure in drawing.figures for panel in plots.panels(figure, series) for c in panel.channels}
-    return channels == set(CHANNELS)
 
 
 def drawing_or_fault(student: Student, truth: Traces) -> Drawing:

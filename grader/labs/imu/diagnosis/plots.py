@@ -6,7 +6,7 @@ Curves are tied to the data that the plot function was given, not to their label
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -146,6 +146,11 @@ def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
     seen = {match.channel for match in shown}  # one channel drawn twice hides itself
     shown += [match for match in hidden if match.channel in seen]
     return Panel(axes, tuple(shown), tuple(strange), tuple(match for match in hidden if match.channel not in seen))
+
+
+def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
+    """Whether one of the six channels is drawn in none of these figures."""
+    return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
 def is_reference(curve: Curve) -> bool:
