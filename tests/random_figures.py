@@ -68,7 +68,7 @@ def told(figure: Any, left_out: str = "") -> Figure:
 def frame_of(figure: Any, left_out: str = "") -> Frame:
     """The same as it comes over the wire."""
     packer = Packer()
-    facts = figures._figure(figure, packer)
+    facts = figures.facts_of(figure, packer)
     if left_out:
         _curve_of(figure, left_out).set_visible(False)
     seen = drawing.look(figure)

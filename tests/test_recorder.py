@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from grader.harness.figures import Recorder
+from grader.harness.recorder import Recorder
 
 pytestmark = pytest.mark.quick
 X = np.linspace(0, 1, 60)

@@ -5,8 +5,10 @@ Whoever asks for one gets an answer that lets the program go on: a window was cl
 
 from __future__ import annotations
 
+import atexit
 import builtins
 import contextlib
+import functools
 import io
 import os
 import subprocess
@@ -42,6 +44,24 @@ def furnish(run_magic: RunMagic) -> None:
     _offer_notebook_names(run_magic)
     _send_debuggers_on()
     _say_installed()
+    vars(atexit).update(register=_at_exit)
+
+
+_AT_EXIT: list[Callable[[], Any]] = []
+"""What programs have left to be done when they end."""
+
+
+def _at_exit(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Callable[..., Any]:
+    """Stands in for `atexit.register`: the process goes on when a program is over."""
+    _AT_EXIT.append(functools.partial(function, *args, **kwargs))
+    return function
+
+
+def end_program() -> None:
+    """Do what a program has left to be done, the last first; what raises there is told by nobody, as at the end of a process."""
+    while _AT_EXIT:
+        with contextlib.suppress(Exception):
+            _AT_EXIT.pop()()
 
 
 def _take_the_screen_away() -> None:

@@ -6,144 +6,40 @@ data and colour, and what the call to `savefig` asked for; and the witness, pixe
 
 from __future__ import annotations
 
-import functools
 import itertools
-import os
-from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
-from . import drawing, saved, seeing
+from . import seeing
 from .values import Packer
 
-_MAX_FIGURES = 12
-_MAX_TOLD = 16  # of them, those among them that are told of as they are at their end
 _MAX_AXES = 16
 _MAX_CURVES = 48
 _MAX_CURVES_IN_ALL = 200
 _MAX_POINTS = 6000
 _MAX_TEXTS = 40
 _MAX_INKS = 8
-_QUICKLY = {"compress_level": 1, "compress_type": 3}  # runs of equal bytes alone: a picture that is read once
-_RAW = ("raw", "rgba")
-_ENDS = ("closed", "cleared", "open")
-"""Events that a figure meets once. A live plot is shown at every step, and nobody knows which of them is its last."""
 
 
-class Recorder:
-    """What was saved and shown since the last `take`."""
-
-    def __init__(self) -> None:
-        self._drawn: list[saved.Drawn] = []
-        self._noted: dict[Any, bool] = {}
-        """The figures so far, and whether there was anything on them."""
-        self._saved: dict[Any, tuple[frozenset[Any], list[saved.Drawn]]] = {}
-        """What was on a figure when it was saved, and the files that it was saved to like that."""
-        self._packer = Packer()
-        self._files: dict[str, bytes | None] = {}
-        self._deaf = False
-
-    def take(self, folder: str, *, with_open: bool = True) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """The facts so far, those of figures that are still open and were never saved among them; then start anew.
-
-        Returns
-        -------
-        ``figures``, ``pictures`` (names of all picture files) and ``strange`` (those that hold no figure, with the reason).
-        """
-        import matplotlib.pyplot as plt
-
-        if with_open:
-            for number in plt.get_fignums():
-                self.note(plt.figure(number), event="open")
-        self._deaf = True
-        plt.close("all")
-        self._deaf = False
-        strange = saved.settle(self._drawn, folder, self._files)
-        told, arrays = _told(self._drawn), self._packer.arrays
-        arrays |= {one.facts["seen"]: one.seen.pixels for one in told if one.seen is not None}
-        facts = [one.facts for one in told]
-        self._drawn, self._noted, self._saved, self._packer = [], {}, {}, Packer()
-        return {"figures": facts, "pictures": saved.written_pictures(folder), "strange": strange}, arrays
-
-    def note(
-        self,
-        figure: Any,
-        *,
-        event: str,
-        target: Any = None,
-        dpi: Any = None,
-        kind: str = "",
-        seen: drawing.Seen | None = None,
-    ) -> None:
-        """Take the facts; `seen` where the figure was looked at already."""
-        if event in _ENDS and not self._deaf:
-            self._note_the_end(figure)
-        filled = any(axes.has_data() for axes in figure.get_axes())
-        known = figure in self._noted and self._noted[figure] >= filled  # one that was empty then may be drawn into now
-        again = known and (event != "saved" or kind in _RAW)  # a film is many pictures of one figure
-        if self._deaf or len(self._drawn) >= _MAX_FIGURES or again:
-            return
-        self._noted[figure] = filled
-        content, place = (None, None) if event != "saved" or kind in _RAW else saved.content_of(target)
-        width, height = (float(x) for x in figure.get_size_inches())
-        dots = float(figure.dpi if dpi is None or dpi == "figure" else dpi)
-        facts: dict[str, Any] = {
-            "event": event,
-            "path": _name(target),
-            "format": kind,
-            "size_px": [round(width * dots), round(height * dots)],
-        }
-        drawn = self._described(figure, facts, f"seen{len(self._drawn)}", seen)
-        drawn.written, drawn.place = content, place
-        self._drawn.append(drawn)
-        if event == "saved":
-            self._remember(figure, drawn)
-
-    def _described(self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Seen | None) -> saved.Drawn:
-        """A figure with what is on it beside these facts; its pixels go by that name."""
-        try:
-            with seeing.as_it_was():
-                seen = seen or drawing.look(figure)
-                facts |= _figure(figure, self._packer)
-            facts |= {"seen": name, "extent": list(seen.extent), "dots": seen.dots}
-        except Exception as error:  # artists of the student's own making
-            facts |= {"unreadable": type(error).__name__, "axes": []}
-            seen = None
-        return saved.Drawn(facts, seen)
-
-    def _remember(self, figure: Any, drawn: saved.Drawn) -> None:
-        """Keep what was on a figure when it was saved."""
-        parts = _parts(figure)
-        before, files = self._saved.get(figure, (frozenset(), []))
-        self._saved[figure] = (parts, [*files, drawn] if before == parts else [drawn])
-
-    def _note_the_end(self, figure: Any) -> None:
-        """Take the facts of a figure that was saved, and on which there is more now."""
-        parts, files = self._saved.pop(figure, (frozenset(), []))
-        if files and parts < _parts(figure):
-            finished = self._described(figure, {"event": "finished"}, f"end_of_{files[0].facts.get('seen')}", None)
-            for one in files:
-                one.finished = finished
+def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
+    seeing.must_be_honest(figure, *figure.legends)
+    axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
+    artists = [text for part in (figure, *_subfigures(figure)) for text in part.texts]
+    seeing.must_be_honest(*artists)
+    texts = [words for text in artists if (words := seeing.words(text, behind))]
+    return {
+        "title": seeing.words(getattr(figure, "_suptitle", None), behind),
+        "xlabel": seeing.words(getattr(figure, "_supxlabel", None), behind),
+        "ylabel": seeing.words(getattr(figure, "_supylabel", None), behind),
+        "texts": texts[:_MAX_TEXTS],
+        "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
+        "axes": [_axes(one, axes, packer) for one in axes],
+    }
 
 
-def _told(drawn: list[saved.Drawn]) -> list[saved.Drawn]:
-    """The figures, each followed by itself as it was at its end: the same file shows less."""
-    room, told = _MAX_TOLD - len(drawn), []
-    for one in drawn:
-        told.append(one)
-        if one.finished is not None and room:
-            told.append(saved.Drawn(_of_file(one) | one.finished.facts, one.finished.seen))
-            room -= 1
-    return told
-
-
-def _of_file(drawn: saved.Drawn) -> dict[str, Any]:
-    return {name: drawn.facts[name] for name in ("path", "format", "size_px")}
-
-
-def _parts(figure: Any) -> frozenset[Any]:
+def parts_of(figure: Any) -> frozenset[Any]:
     """What is drawn and written on a figure, each by itself; nothing where the student's own artists do not tell."""
     try:
         return frozenset(_each_part(figure))
@@ -161,96 +57,6 @@ def _each_part(figure: Any) -> Iterator[Any]:
             yield id(axes), "legend"
     yield from ((id(legend), "legend") for legend in figure.legends)
     yield from ((id(text), text.get_text()) for text in written if text.get_text().strip())
-
-
-RECORDER = Recorder()
-
-
-def watch(*, read_back: bool) -> None:
-    """Record every figure that is saved or shown from now on; where pictures are read back, save them as asked."""
-    import matplotlib.pyplot as plt
-    from matplotlib import rcParams
-    from matplotlib.backend_bases import FigureCanvasBase
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    really_print = FigureCanvasBase.print_figure
-    really_print_png: Callable[..., None] = FigureCanvasAgg.print_png
-
-    def print_figure(self: Any, filename: Any, dpi: Any = None, *args: Any, **kwargs: Any) -> None:
-        asked = rcParams["savefig.dpi"] if dpi is None else dpi
-        options = dict(zip(("facecolor", "edgecolor", "orientation", "format"), args, strict=False)) | kwargs
-        kind = _kind(filename, options)
-        blank = drawing.save_blank if kind in _RAW else drawing.save
-        save = drawing.save_as_asked if read_back else blank
-        if kind == "png" and save is drawing.save:
-            options = {"pil_kwargs": _QUICKLY} | options
-        seen = save(really_print, self, filename, asked, options)
-        RECORDER.note(self.figure, event="saved", target=filename, dpi=asked, kind=kind, seen=seen)
-
-    @functools.wraps(really_print_png)  # matplotlib asks for its parameters
-    def print_png(self: Any, filename: Any, **kwargs: Any) -> None:
-        if self._is_saving:  # by `print_figure`
-            really_print_png(self, filename, **kwargs)
-        else:
-            self.print_figure(filename, dpi="figure", format="png", **kwargs)
-
-    really_close, really_clear = plt.close, Figure.clear
-
-    def close(fig: Any = None) -> None:
-        current = [plt.gcf()] if fig is None and plt.get_fignums() else [fig] if isinstance(fig, Figure) else []
-        for figure in map(plt.figure, plt.get_fignums()) if fig == "all" else current:
-            RECORDER.note(figure, event="closed")
-        really_close(fig)
-
-    def clear(self: Any, *args: Any, **kwargs: Any) -> Any:
-        if self.get_axes():
-            RECORDER.note(self, event="cleared")
-        return really_clear(self, *args, **kwargs)
-
-    def show(*args: Any, block: bool | None = None, **kwargs: Any) -> None:
-        for number in plt.get_fignums():
-            RECORDER.note(plt.figure(number), event="shown")
-        if block is not False and not plt.isinteractive():
-            plt.close("all")
-
-    vars(plt).update(show=show, close=close)
-    setattr(Figure, "clear", clear)  # noqa: B010
-    if not read_back:
-        setattr(Figure, "tight_layout", drawing.tight_layout)  # noqa: B010
-    setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
-    setattr(FigureCanvasAgg, "print_png", print_png)  # noqa: B010
-    setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
-    seeing.remember(Figure, FigureCanvasBase, FigureCanvasAgg)
-
-
-def _name(target: Any) -> str | None:
-    if isinstance(target, str | os.PathLike):
-        return str(os.fspath(target))[:300]
-    return None
-
-
-def _kind(target: Any, kwargs: dict[str, Any]) -> str:
-    if kwargs.get("format"):
-        return str(kwargs["format"])[:10].lower()
-    name = _name(target)
-    return (Path(name).suffix[1:].lower() or "png")[:10] if name else "png"
-
-
-def _figure(figure: Any, packer: Packer) -> dict[str, Any]:
-    seeing.must_be_honest(figure, *figure.legends)
-    axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
-    artists = [text for part in (figure, *_subfigures(figure)) for text in part.texts]
-    seeing.must_be_honest(*artists)
-    texts = [words for text in artists if (words := seeing.words(text, behind))]
-    return {
-        "title": seeing.words(getattr(figure, "_suptitle", None), behind),
-        "xlabel": seeing.words(getattr(figure, "_supxlabel", None), behind),
-        "ylabel": seeing.words(getattr(figure, "_supylabel", None), behind),
-        "texts": texts[:_MAX_TEXTS],
-        "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
-        "axes": [_axes(one, axes, packer) for one in axes],
-    }
 
 
 def _subfigures(figure: Any) -> Iterator[Any]:

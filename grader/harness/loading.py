@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from . import drawing, faults, figures, gaps, newer, notebooks, packages, returning, spelling, stepping, world
+from . import desktop, drawing, faults, gaps, newer, notebooks, packages, recorder, returning, spelling, stepping, world
 from .lending import Lending
 
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
@@ -75,7 +75,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
         _write_cells_to_files(path, fields["withheld"])
     world.furnish(STATE.furniture, run_magic=_run_magic)
     world.seed(fields["seed"])
-    figures.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
+    recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
     _define_standins(fields["standins"])
     return {"paths": STATE.paths}, {}
@@ -87,7 +87,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     path: str = fields["path"]
     with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
-    seen, arrays = figures.RECORDER.take(STATE.folder)
+    seen, arrays = recorder.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
     answer["lent"] = STATE.lent.get(path, [])
     answer["misspelt"] = [*STATE.misspelt.get(path, []), *STATE.other_methods.get(path, {}).items()]
@@ -102,7 +102,8 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
-    seen, arrays = figures.RECORDER.take(STATE.folder)
+        desktop.end_program()
+    seen, arrays = recorder.RECORDER.take(STATE.folder)
     error = _unreadable(path) or next((e for e in STATE.stepper.noted if e["path"] == path), None)
     return seen | {"error": error, "stepped_over": STATE.stepper.noted}, arrays
 

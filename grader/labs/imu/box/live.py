@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import figures, loading
+from grader.harness import loading, recorder
 from grader.harness.screen import Screen, open_figures, replaced
 from grader.harness.values import Packer
 
@@ -50,14 +50,14 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     watch = _Watch(data, fields["duration_s"])
     screen = Screen(watch.seen, watch.done)
     answer: dict[str, Any] = {"returned": False}
-    figures.RECORDER.take(loading.STATE.folder)
+    recorder.RECORDER.take(loading.STATE.folder)
     with examined(answer), screen.standing(), watch.counting_steps():
         plot, _ = calls.collecting_by(function, model, fields["duration_s"], ids)
         value = plot(model, data, fields["duration_s"])
         screen.show_animations_left()
         answer["returned"] = True
         del value  # an animation that was handed back lives until here
-    figures.RECORDER.take(loading.STATE.folder, with_open=False)
+    recorder.RECORDER.take(loading.STATE.folder, with_open=False)
     return watch.reply(answer)
 
 

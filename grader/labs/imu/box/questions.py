@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import faults, figures, loading, saved, world
+from grader.harness import faults, loading, recorder, saved, world
 from grader.harness.calling import fitted, way_of
 from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
@@ -386,7 +386,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     arrays : what is plotted; a number is an array of no dimension
     """
     function = loading.find("plot_imu_data", fields["path"])
-    figures.RECORDER.take(loading.STATE.folder)
+    recorder.RECORDER.take(loading.STATE.folder)
     for name in saved.written_pictures(loading.STATE.folder):
         Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
     answer: dict[str, Any] = {"departs": []}
@@ -398,7 +398,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         answer["departs"] = list(way.departs)
         recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
         way(function, calls.WRITTEN | given | {"imu_data": recorded})
-    seen, facts = figures.RECORDER.take(loading.STATE.folder)
+    seen, facts = recorder.RECORDER.take(loading.STATE.folder)
     return answer | seen, facts
 
 
