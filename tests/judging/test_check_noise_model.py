@@ -751,6 +751,16 @@ CASES = [
             ("sound", Sound, None),
             ("one of the gyroscope that adds up", GyroWalking, None),
             ("one number for all axes", SAME_ON_AXES, (0.0, ["same-noise-on-axes"])),
+            (
+                "one number for all axes of the gyroscope",
+                of(noise=lambda s, i: (_one_for_all_axes if i else Sound.noise)(s, i)),
+                (0.0, ["same-noise-on-axes"]),
+            ),
+            (
+                "one number for two axes of the gyroscope",
+                of(noise=lambda s, i: Sound.noise(s, i)[[0, 1, 1 + (i == 0)]]),
+                (0.0, []),
+            ),
             ("opposite on two axes", of(noise=_opposite), (0.0, [])),
             (
                 "one for all axes that adds up",

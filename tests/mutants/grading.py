@@ -47,7 +47,12 @@ class Reasons:
 
 
 def _fits(pattern: str, key: str) -> bool:
-    return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), key) is not None
+    return _compiled(pattern).fullmatch(key) is not None
+
+
+@cache  # thousands of mutants are held against a thousand patterns
+def _compiled(pattern: str) -> re.Pattern[str]:
+    return re.compile(".*".join(map(re.escape, pattern.split("*"))))
 
 
 @cache
