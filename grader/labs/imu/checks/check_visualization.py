@@ -61,7 +61,7 @@ def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, 
     return judged
 
 
-Judge = Callable[[Student, Traces, Plot], None]
+Judge = Callable[[Plot], None]
 """Of a plot: what one of the checks says of it."""
 
 
@@ -73,13 +73,13 @@ def _better_one(student: Student, truth: Traces, plot: Plot) -> Plot:
 
 def _gains(student: Student, truth: Traces, before: Plot, after: Plot) -> int:
     """In how many respects a plot has become better; 0 where it has become worse in any."""
-    gains = [_kept(judge, student, truth, after) - _kept(judge, student, truth, before) for judge in _RESPECTS]
+    gains = [_kept(judge, after) - _kept(judge, before) for judge in _respects(student, truth)]
     return sum(gain > 0 for gain in gains) if min(gains) >= 0 else 0
 
 
-def _kept(judge: Judge, student: Student, truth: Traces, plot: Plot) -> float:
+def _kept(judge: Judge, plot: Plot) -> float:
     try:
-        judge(student, truth, plot)
+        judge(plot)
     except Lost as lost:
         return lost.keeps
     return 1.0
@@ -136,10 +136,10 @@ def _saved_curves(drawing: Drawing) -> list[Figure]:
 @_to_the_end
 def check_two_labelled_panels(student: Student, truth: Traces) -> None:
     """Acceleration and angular velocity have a panel each, which says what it shows"""
-    _panels_say_what_they_show(student, truth, _better_one(student, truth, plot_of(student, truth)))
+    _panels_say_what_they_show(_better_one(student, truth, plot_of(student, truth)))
 
 
-def _panels_say_what_they_show(_student: Student, _truth: Traces, plot: Plot) -> None:
+def _panels_say_what_they_show(plot: Plot) -> None:
     if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
         raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
     unlabelled = []
@@ -196,10 +196,10 @@ def _six_channels(student: Student, truth: Traces, plot: Plot) -> None:
 @_to_the_end
 def check_axis_labels_with_units(student: Student, truth: Traces) -> None:
     """The axes are labelled, with units"""
-    _axes_have_labels(student, truth, _better_one(student, truth, plot_of(student, truth)))
+    _axes_have_labels(_better_one(student, truth, plot_of(student, truth)))
 
 
-def _axes_have_labels(_student: Student, _truth: Traces, plot: Plot) -> None:
+def _axes_have_labels(plot: Plot) -> None:
     lost = label_problems(plot)
     if lost:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
@@ -216,10 +216,10 @@ def _axes_have_labels(_student: Student, _truth: Traces, plot: Plot) -> None:
 @_to_the_end
 def check_legend_names_curves(student: Student, truth: Traces) -> None:
     """A legend, or text beside the curves, tells the curves of a panel apart"""
-    _curves_have_names(student, truth, _better_one(student, truth, plot_of(student, truth)))
+    _curves_have_names(_better_one(student, truth, plot_of(student, truth)))
 
 
-def _curves_have_names(_student: Student, _truth: Traces, plot: Plot) -> None:
+def _curves_have_names(plot: Plot) -> None:
     crowded = [panel for panel in plot.main_panels if len(panel.shown) > 1]
     nameless = []
     for panel in crowded:
@@ -247,10 +247,10 @@ def _curves_have_names(_student: Student, _truth: Traces, plot: Plot) -> None:
 @_to_the_end
 def check_titles(student: Student, truth: Traces) -> None:
     """The panels, or the figure, have a title"""
-    _panels_have_titles(student, truth, _better_one(student, truth, plot_of(student, truth)))
+    _panels_have_titles(_better_one(student, truth, plot_of(student, truth)))
 
 
-def _panels_have_titles(_student: Student, _truth: Traces, plot: Plot) -> None:
+def _panels_have_titles(plot: Plot) -> None:
     figure, panels = plot.figure, plot.titled_panels
     places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
     titled = [panel.axes.position in places for panel in panels]
@@ -268,7 +268,10 @@ def _panels_have_titles(_student: Student, _truth: Traces, plot: Plot) -> None:
     )
 
 
-_RESPECTS = (_panels_say_what_they_show, _six_channels, _axes_have_labels, _curves_have_names, _panels_have_titles)
+def _respects(student: Student, truth: Traces) -> tuple[Judge, ...]:
+    six_channels = functools.partial(_six_channels, student, truth)
+    return _panels_say_what_they_show, six_channels, _axes_have_labels, _curves_have_names, _panels_have_titles
+
 
 _FILTER = "filtering.follows_recursion"
 _NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
