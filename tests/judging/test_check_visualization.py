@@ -394,6 +394,12 @@ def _untitled(**words: Any) -> Callable[[], Made]:
     return drawn(_then(_says(0, title=""), _says(1, title=""), lambda sheet: sheet.says(**words)))
 
 
+def _with_a_third(sheet: Sheet) -> None:
+    """The gyroscope's curves once more, below."""
+    left, low, right, high = sheet.panels[1].position
+    sheet.says(axes=(*sheet.panels, replace(sheet.panels[1], position=(left, low - 0.5, right, high - 0.5))))
+
+
 def _with_a_panel_of_lengths(sheet: Sheet) -> None:
     lengths = _curve(sheet.time, np.linalg.norm(sheet.rows[0], axis=1), "", "#123456")
     beside = replace(sheet.panels[0], title="", position=(0.92, 0.1, 0.99, 0.9), curves=(lengths,), legend=())
@@ -429,9 +435,9 @@ def _compared(
     return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
-def _compared_late() -> Drawing:
+def _compared_late(**words: Any) -> Drawing:
     """The comparison, saved before the filtered curve was drawn."""
-    (figure,) = _compared().figures
+    (figure,) = _compared(**words).figures
     (panel,) = figure.axes
     early = replace(figure, axes=(replace(panel, curves=panel.curves[:1]),), finished=figure)
     return Drawing((early,))
@@ -640,6 +646,7 @@ CASES = [
             ("one of two", _panel(0, title=" "), (0.5, ["no-title"])),
             ("one for both", drawn(_then(_says(0, title="IMU readings"), _says(1, title=""))), None),
             ("one that speaks of both", drawn(_then(_says(0, title="Acceleration and rates"), _says(1, title=""))), None),
+            ("one over three in a column", drawn(_then(_says(0, title="Accelerometer"), _says(1, title=""), _with_a_third)), None),
             ("one of its own sensor", drawn(_then(_says(0, title="Accelerometer"), _says(1, title=""))), (0.5, ["no-title"])),
             ("of the figure", _untitled(title="IMU"), None),
             ("a text of the figure", _untitled(texts=("IMU",)), None),
@@ -665,6 +672,7 @@ CASES = [
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
             ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-missing"])),
             ("saved before the filtered curve was drawn", _scripts(_compared_late()), (0.5, [])),
+            ("saved before another curve was drawn", _scripts(_compared_late(other=np.array)), (0.0, ["comparison-missing"])),
             ("saved before it was drawn, and once more", _scripts(_compared_late(), _compared()), None),
             ("saved before it was drawn, and once more without saving", _scripts(_compared_late(), _compared(event="shown")), (0.5, ["comparison-missing"])),
             ("few samples", _scripts(_few(20)), (0.5, [])),
