@@ -463,6 +463,11 @@ CASES = [
             ("and nothing else", TIME_ALONE, None),
             ("a step and a half too late", stamped(lambda t, dt: t + 1.5 * dt), (0.0, ["time-axis-wrong"])),
             (
+                "every third step, ten too late",
+                both(of(step=lambda s, m, d, n: mujoco.mj_step(m, d, 3)), stamped(lambda t, dt: t + 10 * dt)),
+                (0.0, ["time-axis-wrong"]),
+            ),
+            (
                 "two rows at a usual time step",
                 both(COUNTED, of(steps=lambda *_: 2)),
                 (0.5, ["hard-coded-timestep"]),

@@ -267,6 +267,8 @@ STANDING = np.random.default_rng(5).normal(-9.81, 0.05, 1000)
 """A robot at rest: noise alone."""
 ITS_MEAN = lfilter([0.1], [1, -0.9], STANDING - STANDING[0]) + STANDING[0]
 FALLING = STANDING + np.exp(-np.arange(1000) / 200)
+SWING = np.exp(-np.arange(334) / 25) * np.sin(np.arange(334) / 12)
+"""A motion that is over in the second half of a thinned recording."""
 PUSHED = np.random.default_rng(6).normal(0, 0.005, 1000) + np.exp(-np.arange(1000) / 60) * np.sin(np.arange(1000) / 6)
 ITS_OPPOSITE = -lfilter([0.1], [1, -0.9], FALLING - FALLING[0]) + FALLING[0]
 
@@ -277,6 +279,12 @@ ITS_OPPOSITE = -lfilter([0.1], [1, -0.9], FALLING - FALLING[0]) + FALLING[0]
         (STANDING[::3], ITS_MEAN[::3], ("raw", "filtered"), True),
         (STANDING[::3], ITS_MEAN[::3], ("noisy", "filtered"), True),
         (STANDING[::3], ITS_MEAN[::3], ("a", "b"), False),
+        (STANDING[::3], ITS_MEAN[::3], ("raw", "b"), False),
+        (STANDING[::3], ITS_MEAN[::3], ("a", "filtered"), False),
+        (STANDING[::3] + SWING, ITS_MEAN[::3] + SWING, ("raw", "filtered"), True),
+        (STANDING[::3] + SWING, ITS_MEAN[::3] - SWING, ("raw", "filtered"), False),
+        (STANDING, ITS_MEAN - 5.0 * (np.arange(1000) < 400), ("a", "b"), True),
+        (STANDING, ITS_MEAN - 5.0 * (np.arange(1000) < 600), ("a", "b"), False),
         (STANDING[::3], ITS_MEAN[::3] + 1, ("raw", "filtered"), False),
         (STANDING, ITS_MEAN + 0.25, ("raw", "filtered"), True),
         (STANDING, ITS_MEAN + 0.25, ("a", "b"), False),
@@ -293,6 +301,22 @@ def test_of_noise_that_is_thinned_the_names_tell_what_is_compared(
     rows = np.arange(min(len(raw), len(smooth)))
     drawn = figure(*(curve(y[rows], name, 1.0 * rows) for y, name in zip((raw, smooth), names, strict=True)))
     assert bool(comparing.comparisons(drawn)) is found
+
+
+@pytest.mark.parametrize("step", [1, 3])
+@pytest.mark.parametrize("window", [27, 81])
+def test_of_a_series_with_noise_the_motion_is_asked_for(step: int, window: int) -> None:
+    raw = STANDING + 0.5 * np.sin(np.arange(1000) / 90)
+    noise = np.var(np.diff(raw[::step])) / 2
+    moved = np.var([raw[n : n + window].mean() for n in range(500, 1001 - window)])
+    likeness = comparing._of_noise(raw, step, window)
+    assert likeness.correlation == pytest.approx(0.75 * (1 - 3 * noise * step / window / moved), rel=1e-6)
+    assert likeness.apart == pytest.approx(8 * np.sqrt(noise), rel=1e-6)
+
+
+def test_of_noise_alone_nothing_is_asked_for_but_its_size_and_a_constant_has_none() -> None:
+    assert comparing._of_noise(STANDING, 1, 81).correlation == 0
+    assert comparing._of_noise(np.ones(1000), 1, 81) == comparing._Likeness(0.75, 0.0)
 
 
 def test_fifty_points_are_enough() -> None:
@@ -322,6 +346,8 @@ def test_mean_and_spread_of_runs_of_rows_are_those_of_their_rows() -> None:
         (4, CLEAN, 0),
         (20, NOISY, 0),
         (20, FILTERED - 9, 0),
+        (20, FILTERED + 2.9 * NOISY[:20].std() + NOISY[:20].mean() - FILTERED[:20].mean(), 20),
+        (20, FILTERED + 3.1 * NOISY[:20].std() + NOISY[:20].mean() - FILTERED[:20].mean(), 0),
         (20, 2 * 9.81 - FILTERED, 20),
     ],
 )

@@ -306,6 +306,11 @@ def test_ids_of_the_students_own_model_are_told_in_a_hidden_run_as_well() -> Non
     assert isinstance(lost.value.hint, Ours)
 
 
+def test_steps_are_counted_in_whole_numbers_and_the_hint_for_late_rows_is_ours() -> None:
+    assert isinstance(row_faults._IN_THE_SAME_PASS, Ours)
+    assert type(row_faults._steps(_series())) is int
+
+
 def test_rows_that_stand_still_are_told_by_whether_a_step_was_made() -> None:
     with pytest.raises(Lost) as stepped:
         row_faults.standing_still(10, _series())
