@@ -245,6 +245,8 @@ def _with_strays(share: float, off: float, others: Array = _NORMAL) -> Facts:
         (_of(_NORMAL), None),
         (_with_strays(0.01, 40.0), 78),
         (_with_strays(0.05, -40.0), 378),
+        (_with_strays(0.01, 11.0), 78),
+        (_with_strays(1 / 3, 40.0), None),
         (_with_strays(0.5, 40.0), None),
         (_with_strays(0.01, 40.0, _RNG.uniform(-1, 1, (2, _READS, 3))), None),
         (_of(_STILL), None),

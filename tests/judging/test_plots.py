@@ -447,3 +447,22 @@ def test_a_channel_is_lacking_where_no_figure_draws_it() -> None:
     assert not plots.lacking(both, series)
     assert plots.lacking(both[:1], series)
     assert plots.lacking([], series)
+
+
+@pytest.mark.parametrize(
+    ("kind", "x"),
+    [
+        ("s", lambda t: t),
+        ("ms", lambda t: 1e3 * t),
+        ("us", lambda t: 1e6 * t),
+        ("ns", lambda t: 1e9 * t),
+        ("date", lambda t: 20_000 + t / 86_400),
+    ],
+)
+def test_time_may_be_drawn_in_other_units_and_as_dates(kind: str, x: Callable[[Array], Array]) -> None:
+    panel = Sheet().panels[0]
+    drawn = replace(panel, curves=tuple(replace(curve, x=x(curve.x)) for curve in panel.curves))
+    series = {key: truth()["tumbling"][key] for key in KEYS}
+    (found,) = plots.panels(replace(Sheet().figure, axes=(drawn,)), series)
+    assert {shown.x for shown in found.shown} == {kind}
+    assert len(found.shown) == 3
