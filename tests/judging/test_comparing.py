@@ -303,6 +303,14 @@ def test_of_noise_that_is_thinned_the_names_tell_what_is_compared(
     assert bool(comparing.comparisons(drawn)) is found
 
 
+def test_of_clean_channels_all_rows_tell_which_is_smoother() -> None:
+    rest = np.exp(-np.arange(1000) / 150) * np.sin(np.arange(1000) / 20)
+    other = rest * np.where(np.arange(1000) < 500, 1.5, 0.6)
+    noisy = np.random.default_rng(8).normal(0, 0.02, 1000)
+    assert not comparing._is_smoother(rest, other)
+    assert comparing._is_smoother(rest + noisy, other)
+
+
 @pytest.mark.parametrize("step", [1, 3])
 @pytest.mark.parametrize("window", [27, 81])
 def test_of_a_series_with_noise_the_motion_is_asked_for(step: int, window: int) -> None:
