@@ -289,9 +289,13 @@ class Limited(Plotted):
         return self._drawing if called else sheet.drawing()
 
 
+def _cropped(sheet: Sheet) -> None:
+    sheet.panel_says(0, y_limits=(-5.0, 5.0))
+
+
 def _a_little_outside() -> Drawing:
     sheet = Sheet()
-    sheet.panel_says(0, y_limits=(-5.0, 5.0))
+    _cropped(sheet)
     return sheet.drawing()
 
 
@@ -697,6 +701,8 @@ CASES += [
 ]
 CASES += [
     Case("saved before the words were written, and without a title", TITLES, _late(_NO_WORDS, finally_=_says(0, title="")), (0.5, ["no-title"])),
+    Case("saved before the words were written, a little outside", TITLES, _late(_NO_WORDS, finally_=_cropped), None),
+    Case("saved before the words were written, a little outside", SAVES, _late(_NO_WORDS, finally_=_cropped), (0.0, [])),
     Case("saved before it was spoilt", PANELS, _late(lambda s: s.says(axes=Sheet().panels), finally_=_exchanged), None),
 ]  # fmt: skip
 CASES += misfits(SAVES, drawn(), "plot_imu_data", 0.0)
@@ -717,6 +723,7 @@ _ONE, _OTHER = np.arange(50.0), np.arange(50.0) ** 2
     [
         ([], [], "a plot whose curves are constant"),
         ([_ONE], [], "a plot with one curve alone"),
+        ([_ONE[:1]], [], "a plot with 1 samples at most"),
         ([_ONE], ["raw"], "a plot with one curve alone"),
         ([_ONE[:20], _OTHER[:49]], [], "a plot with 49 samples at most"),
         ([_ONE[:20], _OTHER], [], "a plot with 2 curves, none of which is a smoother version of another"),

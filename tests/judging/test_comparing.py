@@ -327,6 +327,13 @@ def test_of_noise_alone_nothing_is_asked_for_but_its_size_and_a_constant_has_non
     assert comparing._of_noise(np.ones(1000), 1, 81) == comparing._Likeness(0.75, 0.0)
 
 
+def test_of_a_series_with_noise_the_longest_mean_tells_how_much_is_motion() -> None:
+    rows = np.arange(1000)
+    raw = 0.15 * np.sin(rows / 60) + np.random.default_rng(0).normal(0, 0.3, 1000)
+    assert comparing._is_smoothed(raw, 0.15 * np.sin(rows / 60), 1, named=True)
+    assert not comparing._is_smoothed(raw, 0.15 * np.sin(rows / 60 + 1.3), 1, named=True)
+
+
 def test_fifty_points_are_enough() -> None:
     raw = np.sin(np.arange(50) / 8) + np.tile([0.3, -0.3], 25)
     smooth = np.sin(np.arange(50) / 8)

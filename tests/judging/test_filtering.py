@@ -277,6 +277,11 @@ def _odd_once(alpha: float, x: Array) -> Array:
     return _sheet(alpha, x) + _ONE
 
 
+def _falling(alpha: float, x: Array) -> Array:
+    """Every fifth output is lower than it should be, and so lower than the one before."""
+    return _sheet(alpha, x) - 1e3 * np.cumsum(np.arange(len(x)) % 5 == 4)[:, None]
+
+
 def _late_and_odd(alpha: float, x: Array) -> Array:
     return _starting_late(alpha, x) + _ONE
 
@@ -294,12 +299,13 @@ def _late_and_odd(alpha: float, x: Array) -> Array:
         (_from_a_mean, False, True),
         (_odd_once, False, False),
         (_late_and_odd, False, False),
+        (_falling, False, False),
         (_restarting(20), False, False),
         (lambda alpha, x: np.vstack([x[:140], recursion(alpha, x[139:], x[139])[1:]]), False, False),
     ],
     ids=[
         "sheet", "jumps left out", "more left out", "every second", "stuck", "averaged", "late", "from a mean", "odd once",
-        "late and odd", "restarting", "too late",
+        "late and odd", "falling", "restarting", "too late",
     ],
 )  # fmt: skip
 def test_outputs_that_stay_and_outputs_that_begin_late_are_told(answer: Answers, holds: bool, late: bool) -> None:

@@ -79,6 +79,16 @@ def test_the_grain_is_that_of_the_last_digit_of_noisy_reads(readings: Array, gra
     assert _reading(readings).grain == pytest.approx(grain)
 
 
+@pytest.mark.parametrize("grain", [0.1, 0.01, 0.001, 0.0001])
+def test_the_grain_is_a_decimal_where_no_two_reads_are_as_near(grain: float) -> None:
+    reads = np.random.default_rng(3).choice([0, 3, 10, 22, 47], _READ.shape)
+    assert _reading(9.0 + grain * reads).grain == grain
+
+
+def test_reads_that_are_all_alike_are_nowhere_near_each_other() -> None:
+    assert noise._closest(np.full(9, 3.0)) == 0
+
+
 def test_the_grain_of_half_precision_is_that_of_the_largest_number_whatever_its_sign() -> None:
     truth = np.array([[0.5, -0.9, -9.6], [1.2, 0.4, -9.1]])
     residual = (truth[:, None, :] + 0.05 * _WHITE).astype(np.float16) - truth[:, None, :]

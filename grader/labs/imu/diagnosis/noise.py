@@ -191,8 +191,8 @@ def bias_is_redrawn(sensors: Sequence[Facts], silent: Sequence[Facts]) -> bool:
     Noise of a fixed size, whatever was asked for, varies as much in both. The spread of 600 values errs by 3 %. Reads of which a
     few are off have jumps, and their bias stays.
     """
-    more = [f.pooled_spread / s.pooled_spread for f, s in zip(sensors, silent, strict=True) if s.restless]
-    return max(more, default=0.0) > 1.12
+    both = zip(sensors, silent, strict=True)
+    return any(noisy.pooled_spread > 1.12 * quiet.pooled_spread for noisy, quiet in both if quiet.restless)
 
 
 def _only_offsets(seen: _Sizes) -> bool:
