@@ -24,6 +24,7 @@ from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -135,6 +136,8 @@ class _Judged:
     def __init__(self, collected: Collected, reach: Reach) -> None:
         self._collected = collected
         self._reach = reach
+        _standing()
+        gc.freeze()  # what is here now is nothing that a mutant leaves behind
 
     def end_of(self, mutant: Mutant) -> str:
         """What killed it; "" for a survivor, and for one that could not be judged, which is said."""
@@ -241,21 +244,21 @@ def put_in_place(mutant: Mutant) -> bool:
     name = function_of(mutant)
     if name is None:
         return False
-    for remembered in remembering([mutant.file]):
-        remembered.cache_clear()
     path = str(ROOT / mutant.file)
+    functions, remembered = _standing()[path]
+    for each in remembered:
+        each.cache_clear()
     before = _code_of(name, (ROOT / mutant.file).read_text("utf-8"), path)
     after = _code_of(name, mutant.source, path)
     inner = list(_inside(before)), list(_inside(after))
-    there = [f for f in gc.get_objects() if isinstance(f, FunctionType) and f.__code__.co_filename == path]
     if len(inner[0]) != len(inner[1]):
-        if any(function.__code__ in inner[0] for function in there):
+        if any(function.__code__ in inner[0] for function in functions):
             return False  # which of those made when the module was loaded became which is not known
         inner = [], []
     closures = dict(zip(*inner, strict=True))
     changed = False
     try:
-        for function in there:
+        for function in functions:
             if function.__qualname__ == name and function.__code__.co_name == before.co_name:
                 function.__code__, changed = after, True
             elif function.__code__ in closures:  # made when the module was loaded
@@ -263,6 +266,18 @@ def put_in_place(mutant: Mutant) -> bool:
     except ValueError:  # another number of variables from around it
         return False
     return changed
+
+
+@cache
+def _standing() -> dict[str, tuple[list[FunctionType], list[Any]]]:
+    """By file: the functions that stand there, and those of them that remember what they gave; looked for once, before all forks."""
+    there: dict[str, tuple[list[FunctionType], list[Any]]] = {str(ROOT / file): ([], []) for file in files()}
+    for thing in gc.get_objects():
+        if isinstance(thing, FunctionType) and thing.__code__.co_filename in there:
+            there[thing.__code__.co_filename][0].append(thing)
+    for each in remembering(files()):
+        there[each.__wrapped__.__code__.co_filename][1].append(each)
+    return there
 
 
 def _code_of(name: str, source: str, path: str) -> CodeType:
