@@ -48,6 +48,23 @@ def _late(rows: int, by: int = 1) -> Collection:
     return _taken(np.maximum(np.arange(rows) - by, 0))
 
 
+@pytest.mark.parametrize("available", [0, 1, 7, 20, 40])
+@pytest.mark.parametrize("n", [0, 1, 12, 20])
+@pytest.mark.parametrize(
+    "story",
+    [
+        Story(), Story(lag=1), Story(lag=-1), Story(lag=-9), Story(lag=30), Story(lag=-30), Story(skip=2), Story(skip=2, first=1),
+        Story(skip=5, first=4), Story(skip=3, lag=2), Story(skip=3, lag=-4), Story(aliased=True), Story(skip=2, at=(1, 3, 4, 25)),
+    ],
+)  # fmt: skip
+def test_rows_are_held_against_those_that_the_story_tells_of(story: Story, n: int, available: int) -> None:
+    told = [r * story.skip + story.first - story.lag for r in range(n)]
+    told = [n - 1] * n if story.aliased else list(story.at[:n]) if story.at else told
+    pairs = [(row, wanted) for row, wanted in enumerate(told) if 0 <= wanted < available]
+    rows, wanted = collection._rows(story, n, available)
+    assert list(zip(np.arange(n)[rows].tolist(), np.arange(available)[wanted].tolist(), strict=True)) == pairs
+
+
 _AT = tuple(int(step) for step in np.flatnonzero(np.random.default_rng(3).random(_STEPS) < 0.4))
 _IRREGULAR = _taken(list(_AT), time=_STAMPS[list(_AT)])
 _FLAT = (np.tile([0, 0, 9.81], (_STEPS, 1)), _GYRO)
@@ -516,3 +533,9 @@ def test_the_worlds_of_a_claim_show_the_last_sensor_where_it_is_whole_and_the_le
     read = collection.with_own_reader(worlds, np.arange(12.0).reshape(2, 6))
     assert read.claimed == worlds.claimed | {OWN_WORLD}
     assert [part[1].tolist() for part in read.series[OWN_WORLD]] == [[6, 7, 8], [9, 10, 11]]
+
+
+@pytest.mark.parametrize("rows", [_ACCEL, _WEAK + 1])
+def test_rows_that_have_no_stamp_are_explained_without_them(rows: Array) -> None:
+    stamped = _taken(slice(None), rows, time=_STAMPS[list(_AT)][:30])
+    assert collection.explain(stamped, _WORLDS) == collection.explain(replace(stamped, time=None), _WORLDS)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.engine import hypothesis
 from grader.engine.traces import Scenario
@@ -27,7 +28,8 @@ TIME_ATOL = 1e-6
 FEWEST_ROWS = 20
 """That a story has to predict, unless fewer are all that there is."""
 TRUE_WORLD = "truth"
-
+Rows = slice | NDArray[np.intp]
+"""Of a series: equally far apart, or one by one."""
 
 CLAIMED_WORLD = "claimed"
 OWN_WORLD = "as the own reader reads it"
@@ -171,18 +173,17 @@ class Story:
         there = min(len(accel), len(gyro))
         rows, wanted = _rows(self, there if self.altered else series.filled_rows, len(true_accel))
         every = series.filled_rows if self.lag == 0 else FEWEST_ROWS  # a few rows do not tell late from early
-        if len(rows) < min(FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip)), max(1, every)):
+        if len(accel[rows]) < min(FEWEST_ROWS, max(1, worlds.steps // (2 * self.skip)), max(1, every)):
             return False
         if self.altered == SENSORS:
             pairs = ((accel[rows], true_accel[wanted]), (gyro[rows], true_gyro[wanted]))
             return all(treatment(key, *pair) is not None for key, pair in zip(SENSORS, pairs, strict=True))
-        if self.skip != 1 and same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION):
-            return False  # nothing moves in these rows: they would come of any number of steps
-        told = (
-            same(accel[rows], true_accel[wanted], ATOL_ACCELERATION),
-            same(gyro[rows], true_gyro[wanted], ATOL_RATE),
-        )
-        return told == tuple(key not in self.altered for key in SENSORS)
+        if same(accel[rows], true_accel[wanted], ATOL_ACCELERATION) == (SENSORS[0] in self.altered):
+            return False
+        if same(gyro[rows], true_gyro[wanted], ATOL_RATE) == (SENSORS[1] in self.altered):
+            return False
+        # Where nothing moves in these rows, they would come of any number of steps.
+        return self.skip == 1 or not same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION)
 
     @property
     def told(self) -> tuple[object, ...]:
@@ -253,7 +254,7 @@ def _stories(series: Collection, worlds: Worlds) -> Iterator[Story]:
             yield from (Story(world, lag, exchanged=exchanged) for lag in lags)
             for skip in strides:
                 yield from (Story(world, skip=skip, first=first, exchanged=exchanged) for first in {0, skip - 1})
-            if at:
+            if at and len(at) >= series.filled_rows:
                 yield Story(world, skip=apart, at=at, exchanged=exchanged)
             yield Story(world, exchanged=exchanged, aliased=True)
 
@@ -363,14 +364,16 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
     return bool(np.sum(left**2) < 0.25 * np.sum(change**2))
 
 
-def _rows(story: Story, n: int, available: int) -> tuple[np.ndarray, np.ndarray]:
-    """Which rows of the student's to hold against which rows of the truth."""
-    rows = np.arange(n)
-    wanted = np.full(n, n - 1) if story.aliased else rows * story.skip + story.first - story.lag
-    if story.at:
-        wanted = np.array(story.at[:n])
+def _rows(story: Story, n: int, available: int) -> tuple[Rows, Rows]:
+    """Which rows of the student's to hold against which rows of the truth: slices where they are equally far apart."""
+    if not story.aliased and not story.at:
+        late, skip = story.first - story.lag, story.skip
+        begin = max(0, -(late // skip))
+        end = max(begin, min(n, -((late - available) // skip)))
+        return slice(begin, end), slice(begin * skip + late, end * skip + late, skip)
+    wanted = np.array(story.at[:n], np.intp) if story.at else np.full(n, n - 1)
     known = (wanted >= 0) & (wanted < available)
-    return rows[known], wanted[known]
+    return np.flatnonzero(known), wanted[known]
 
 
 def time_error(time: Array, timestep: float, story: Story) -> Array:
