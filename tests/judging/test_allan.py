@@ -17,18 +17,22 @@ _WHITE = _RECORDS[0]
 _SIZES = np.array([1, 2, 3, 5, 8, 13, 20, 30, 40, 100, 300])
 
 
+def _means(x: Array, m: int, every: int = 1) -> Array:
+    """Of the runs of `m` samples that begin at every so many-th one."""
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(x, m)[::every].mean(axis=1))
+
+
 def _overlapping(x: Array, m: int) -> float:
-    means = np.array([x[i : i + m].mean() for i in range(len(x) - m + 1)])
+    means = _means(x, m)
     return float(np.sqrt(np.mean((means[m:] - means[:-m]) ** 2) / 2))
 
 
 def _separate(x: Array, m: int) -> float:
-    means = np.array([x[i : i + m].mean() for i in range(0, len(x) - m + 1, m)])
-    return float(np.sqrt(np.mean(np.diff(means) ** 2) / 2))
+    return float(np.sqrt(np.mean(np.diff(_means(x, m, every=m)) ** 2) / 2))
 
 
 def _spread(ddof: int) -> Callable[[Array, int], float]:
-    return lambda x, m: float(np.std([x[i : i + m].mean() for i in range(0, len(x) - m + 1, m)], ddof=ddof))
+    return lambda x, m: float(np.std(_means(x, m, every=m), ddof=ddof))
 
 
 def _curve(form: Callable[[Array, int], float] = _overlapping, x: Array = _WHITE, sizes: Array = _SIZES) -> Array:
