@@ -16,7 +16,7 @@ from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
 from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import Story, Worlds
-from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
+from tests.judging.made import Case, Made, finding, is_as_marked, marked, misfits, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -917,3 +917,34 @@ def test_a_run_is_simulated_again_by_two_steps_more_and_never_without_an_end(ste
     series = Collection(None, None, None, first_step={"steps": np.array([float(steps)])})
     assert recordings._with_claim(student, truth(), series, worlds) is worlds
     assert replays == [asked]
+
+
+def _two_of_three(values: np.ndarray) -> np.ndarray:
+    return values[np.arange(len(values)) % 3 > 0]
+
+
+_SHAPE, _STAMPS, _ROWS = (0.0, ["wrong-return-type"]), (0.0, ["time-axis-wrong"]), (0.5, ["rows-altered"])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("stamps", "rows", "scale", "kept"),
+    [
+        (lambda t: t[::2], slice(None), 0.5, [_SHAPE, None, _STAMPS, _ROWS, None, None]),
+        (_two_of_three, slice(None), 0.5, [_SHAPE, None, _STAMPS, _ROWS, None, None]),
+        (_two_of_three, slice(7, None), 1.0, [_SHAPE, (0.0, []), _STAMPS, (0.5, []), None, None]),
+        (_two_of_three, slice(0, 50), 0.5, [_SHAPE, (0.0, ["ignores-duration"]), _STAMPS, _ROWS, None, None]),
+        (lambda t: t[:0], slice(None), 1.0, [_SHAPE, None, "skipped", None, None, None]),
+        (lambda t: t, slice(0), 1.0, [_SHAPE, None, None, "skipped", "skipped", "skipped"]),
+    ],
+    ids=["every second", "two of three", "late rows", "few rows", "no stamp", "no row"],
+)
+def test_stamps_and_rows_of_any_length_are_judged(
+    stamps: Callable[[np.ndarray], np.ndarray], rows: slice, scale: float, kept: list[Any]
+) -> None:
+    kind = telling(lambda t, a, g, _m: (stamps(t), scale * a[rows], g[rows]))
+    cases = [
+        Case("of any length", check, lambda: Made(simulate_and_collect=_function(kind())))
+        for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
+    ]
+    assert [marked(finding(case)) for case in cases] == kept
