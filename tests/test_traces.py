@@ -6,6 +6,7 @@ import json
 import pickle
 import re
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -450,6 +451,19 @@ def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
     (tmp_path / "reference" / "traces.py").write_text("raise OSError('no space left')\n", encoding="utf-8")
     monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     with pytest.raises(GraderError, match="recording the hidden traces failed: OSError: no space left"):
+        bundles.obtain(SECRET, tmp_path / "cache")
+
+
+def test_a_python_that_cannot_be_started_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "python").write_text("of somebody else", encoding="utf-8")
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
+    with pytest.raises(GraderError, match="^recording the hidden traces failed: .*/python: Permission denied$"):
+        bundles.obtain(SECRET, tmp_path / "cache")
+
+
+def test_a_recorder_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(recording, "RECORDING_LIMIT_S", 0.01)
+    with pytest.raises(GraderError, match=r"^recording the hidden traces did not end within 0\.01 s$"):
         bundles.obtain(SECRET, tmp_path / "cache")
 
 

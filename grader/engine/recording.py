@@ -116,8 +116,10 @@ def run(module: Sequence[str], what: str, text: str = "") -> subprocess.Complete
             timeout=RECORDING_LIMIT_S,
             check=False,
         )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise GraderError(f"{what} failed: {type(error).__name__}") from None
+    except OSError as error:
+        raise GraderError(f"{what} failed: {error.filename}: {error.strerror}") from None
+    except subprocess.TimeoutExpired:
+        raise GraderError(f"{what} did not end within {RECORDING_LIMIT_S} s") from None
 
 
 def last_line(done: subprocess.CompletedProcess[str]) -> str:
