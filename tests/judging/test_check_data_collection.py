@@ -491,7 +491,7 @@ CASES = [
             ("a step too late", telling(lambda t, a, g, _m: (t + 0.002, a, g)), (0.5, ["time-axis-wrong"])),
             ("a usual time step", COUNTED, (0.5, ["hard-coded-timestep"])),
             ("no numbers", telling(lambda t, a, g, _m: (t * np.nan, a, g)), (0.0, ["not-finite"])),
-            ("none", WITHOUT_TIME, "skipped"),
+            ("none", WITHOUT_TIME, (0.0, [])),
             ("every second", Skipping, None),
             ("five steps too late", telling(lambda t, a, g, _m: (t + 0.01, a, g)), (0.0, ["time-axis-wrong"])),
             ("no rows", NO_STEPS, "skipped"),
@@ -934,7 +934,7 @@ _SHAPE, _STAMPS, _ROWS = (0.0, ["wrong-return-type"]), (0.0, ["time-axis-wrong"]
         (_two_of_three, slice(None), 0.5, [_SHAPE, None, _STAMPS, _ROWS, None, None]),
         (_two_of_three, slice(7, None), 1.0, [_SHAPE, (0.0, []), _STAMPS, (0.5, []), None, None]),
         (_two_of_three, slice(0, 50), 0.5, [_SHAPE, (0.0, ["ignores-duration"]), _STAMPS, _ROWS, None, None]),
-        (lambda t: t[:0], slice(None), 1.0, [_SHAPE, None, "skipped", None, None, None]),
+        (lambda t: t[:0], slice(None), 1.0, [_SHAPE, None, (0.0, []), None, None, None]),
         (lambda t: t, slice(0), 1.0, [_SHAPE, None, None, "skipped", "skipped", "skipped"]),
     ],
     ids=["every second", "two of three", "late rows", "few rows", "no stamp", "no row"],
@@ -948,3 +948,22 @@ def test_stamps_and_rows_of_any_length_are_judged(
         for check in (NAMED, COUNT, TIME, TRUTH, RESET, PUSH)
     ]
     assert [marked(finding(case)) for case in cases] == kept
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("stamps", "charged"),
+    [
+        (lambda t: t[::2], ("data_collection.returns_named_arrays",)),
+        (lambda t: np.append(t, 0.0) * 1000, ("data_collection.returns_named_arrays",)),
+        (lambda t: t * 1000, ("",)),
+    ],
+    ids=["every second", "one more, in milliseconds", "milliseconds"],
+)
+def test_stamps_that_are_not_one_for_each_row_are_charged_by_the_check_of_the_arrays(
+    stamps: Callable[[np.ndarray], np.ndarray], charged: tuple[str, ...]
+) -> None:
+    kind = telling(lambda t, a, g, _m: (stamps(t), a, g))
+    lost = finding(Case("not one for each", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
+    assert isinstance(lost, Lost)
+    assert lost.belongs_to == charged

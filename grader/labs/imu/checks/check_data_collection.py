@@ -39,7 +39,8 @@ from grader.labs.imu.student import Student
 _BUT_FOR_ONE = 0.75
 """Of the rows' points, where the last one alone was never filled."""
 _ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
-_ROWS, _COUNT, _PUSH = (
+_NAMED, _ROWS, _COUNT, _PUSH = (
+    "data_collection.returns_named_arrays",
     "data_collection.matches_truth",
     "data_collection.sample_count",
     "data_collection.applies_push",
@@ -147,8 +148,10 @@ def _count_mistakes(seen: list[tuple[int, Worlds]], *, skips: bool) -> list[str]
 def check_time_axis(student: Student, truth: Traces) -> None:
     """Each sample carries its simulation time in seconds"""
     series = pushed(student, truth)
-    if series.time is None:
+    if series.time is None and not complete(series):
         raise Skipped("time stamps, which the returned value does not hold")
+    if series.time is None:
+        raise Lost("a time stamp for each sample", "none", belongs_to=_NAMED)
     story, worlds = story_of(student, truth, "push", series)
     filled = series.filled_rows if complete(series) else None
     time = series.time[:filled] if filled else series.time
@@ -164,9 +167,17 @@ def check_time_axis(student: Student, truth: Traces) -> None:
             mistakes=["time-axis-wrong"],
             keeps=0.5 if worst <= 1.001 * worlds.timestep else 0.0,
             hint=_of_stamps(time, _timestep(worlds, series) * (story or Story()).skip),
-            belongs_to=_PUSH if _stand_still(time) and worlds.claim and len(worlds.claim.set_at) else "",
+            belongs_to=_charging(series, worlds),
         )
     _follows_timestep(from_dirt(student, truth), Worlds.of(truth["push_dirty"]), worlds.timestep)
+
+
+def _charging(series: Collection, worlds: Worlds) -> str:
+    """The check that charges wrong stamps as well: of those that are no stamp for each row, or that a push in every step resets."""
+    assert series.time is not None
+    if series.acceleration is not None and len(series.acceleration) != len(series.time):
+        return _NAMED
+    return _PUSH if _stand_still(series.time) and worlds.claim and len(worlds.claim.set_at) else ""
 
 
 def _stand_still(time: Array) -> bool:
