@@ -457,7 +457,7 @@ def test_a_recorder_that_fails_is_the_graders_fault_and_says_why(
 def test_a_python_that_cannot_be_started_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "python").write_text("of somebody else", encoding="utf-8")
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(GraderError, match="^recording the hidden traces failed: .*/python: Permission denied$"):
+    with pytest.raises(GraderError, match=r"^recording the hidden traces failed: .*/python: Permission denied$"):
         bundles.obtain(SECRET, tmp_path / "cache")
 
 
