@@ -278,8 +278,11 @@ def _odd_once(alpha: float, x: Array) -> Array:
 
 
 def _falling(alpha: float, x: Array) -> Array:
-    """Every fifth output is lower than it should be, and so lower than the one before."""
-    return _sheet(alpha, x) - 1e3 * np.cumsum(np.arange(len(x)) % 5 == 4)[:, None]
+    """At every fifth measurement the output falls, whatever that is, and goes on from there."""
+    y = [x[0]]
+    for n, sample in enumerate(x[1:], 1):
+        y.append(y[-1] - 5 if n % 5 == 0 else alpha * sample + (1 - alpha) * y[-1])
+    return np.array(y)
 
 
 def _late_and_odd(alpha: float, x: Array) -> Array:
