@@ -117,7 +117,7 @@ def run(module: Sequence[str], what: str, text: str = "") -> subprocess.Complete
             check=False,
         )
     except OSError as error:
-        raise GraderError(f"{what} failed: {error.filename}: {error.strerror}") from None
+        raise GraderError(f"{what} failed: {error.filename or sys.executable}: {error.strerror}") from None
     except subprocess.TimeoutExpired:
         raise GraderError(f"{what} did not end within {RECORDING_LIMIT_S} s") from None
 

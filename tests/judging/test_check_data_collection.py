@@ -955,10 +955,22 @@ def test_stamps_and_rows_of_any_length_are_judged(
     ("stamps", "charged"),
     [
         (lambda t: t[::2], ("data_collection.returns_named_arrays",)),
-        (lambda t: np.append(t, 0.0) * 1000, ("data_collection.returns_named_arrays",)),
+        (lambda t: np.append(t[::2] + 0.001, 1.2), ("",)),
+        (lambda t: np.append(t, 1.3) * 1000, ("",)),
+        (lambda t: np.append(t[::2], 1.21), ("",)),
+        (lambda t: np.append(t[::2], 0.5), ("",)),
+        (lambda t: np.append(-0.01, t[::2]), ("",)),
         (lambda t: t * 1000, ("",)),
     ],
-    ids=["every second", "one more, in milliseconds", "milliseconds"],
+    ids=[
+        "every second",
+        "between steps",
+        "one more, in milliseconds",
+        "after the end",
+        "back",
+        "before the start",
+        "milliseconds",
+    ],
 )
 def test_stamps_that_are_not_one_for_each_row_are_charged_by_the_check_of_the_arrays(
     stamps: Callable[[np.ndarray], np.ndarray], charged: tuple[str, ...]

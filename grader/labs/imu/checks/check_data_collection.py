@@ -148,10 +148,10 @@ def _count_mistakes(seen: list[tuple[int, Worlds]], *, skips: bool) -> list[str]
 def check_time_axis(student: Student, truth: Traces) -> None:
     """Each sample carries its simulation time in seconds"""
     series = pushed(student, truth)
-    if series.time is None and not complete(series):
-        raise Skipped("time stamps, which the returned value does not hold")
     if series.time is None:
-        raise Lost("a time stamp for each sample", "none", belongs_to=_NAMED)
+        if complete(series):
+            raise Lost("a time stamp for each sample", "none", belongs_to=_NAMED)
+        raise Skipped("time stamps, which the returned value does not hold")
     story, worlds = story_of(student, truth, "push", series)
     filled = series.filled_rows if complete(series) else None
     time = series.time[:filled] if filled else series.time
@@ -173,11 +173,19 @@ def check_time_axis(student: Student, truth: Traces) -> None:
 
 
 def _charging(series: Collection, worlds: Worlds) -> str:
-    """The check that charges wrong stamps as well: of those that are no stamp for each row, or that a push in every step resets."""
+    """The check that charges the same: of right stamps that are too few or too many, or of those that every push resets."""
     assert series.time is not None
-    if series.acceleration is not None and len(series.acceleration) != len(series.time):
+    rows = {len(sensor) for sensor in (series.acceleration, series.angular_velocity) if sensor is not None}
+    if rows and len(series.time) not in rows and _each_of_a_step(series.time, worlds):
         return _NAMED
     return _PUSH if _stand_still(series.time) and worlds.claim and len(worlds.claim.set_at) else ""
+
+
+def _each_of_a_step(time: Array, worlds: Worlds) -> bool:
+    """Whether every stamp is that of a step of the run, each of a later one."""
+    steps = np.round(time / worlds.timestep)
+    whole = np.abs(time - steps * worlds.timestep).max(initial=0.0) <= TIME_ATOL
+    return bool(whole and np.all(np.diff(steps) > 0) and steps.min() >= 0 and steps.max() <= worlds.steps)
 
 
 def _stand_still(time: Array) -> bool:

@@ -27,10 +27,10 @@ TIME_ATOL = 1e-6
 """s. Adding a time step 5,000 times errs by 1e-12 s, and single precision by 1e-7 s at 3 s."""
 FEWEST_ROWS = 20
 """That a story has to predict, unless fewer are all that there is."""
-TRUE_WORLD = "truth"
 Rows = slice | NDArray[np.intp]
 """Of a series: equally far apart, or one by one."""
 
+TRUE_WORLD = "truth"
 CLAIMED_WORLD = "claimed"
 OWN_WORLD = "as the own reader reads it"
 LAST_SENSOR = "the model's last sensor"
@@ -367,7 +367,10 @@ def follows(rows: Array, true: Array, other_rows: Array, other_true: Array) -> b
 def _rows(story: Story, n: int, available: int) -> tuple[Rows, Rows]:
     """Which rows of the student's to hold against which rows of the truth: slices where they are equally far apart."""
     if not story.aliased and not story.at:
-        late, skip = story.first - story.lag, story.skip
+        late, skip = (
+            story.first - story.lag,
+            story.skip,
+        )  # row n is that of step n * skip + late; both bounds are rounded up
         begin = max(0, -(late // skip))
         end = max(begin, min(n, -((late - available) // skip)))
         return slice(begin, end), slice(begin * skip + late, end * skip + late, skip)
