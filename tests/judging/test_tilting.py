@@ -132,8 +132,8 @@ def test_a_turn_counts_at_once_or_a_sample_later(later: int) -> None:
 def test_a_turn_is_taken_where_more_of_it_shows() -> None:
     out = np.zeros((2, 250, 2))
     out[0, 200], out[0, 201] = [-0.2, 0], [-0.1, 0]
-    out[1, 200], out[1, 201] = [0, -0.1], [0, -0.15]
-    assert tilting.turns(list(out)) == pytest.approx(np.diag([-1, -0.75]))
+    out[1, 200], out[1, 201] = [0, -0.1], [0, -0.3]
+    assert tilting.turns(list(out)) == pytest.approx(np.diag([-1, -1.5]))
 
 
 @pytest.mark.parametrize(
