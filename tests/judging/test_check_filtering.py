@@ -13,6 +13,7 @@ import pytest
 from grader.engine.findings import Fault, Lost
 from grader.ground.text import printable
 from grader.labs.imu.checks import check_filtering as checks
+from grader.labs.imu.checks import filter_runs
 from grader.labs.imu.compare import vector
 from tests.judging.made import Case, Made, is_as_marked, misfits, truth
 
@@ -602,7 +603,7 @@ def test_the_charts_of_a_report_find_the_runs() -> None:
 def test_why_there_is_no_filter_without_alpha_is_told_with_its_place_and_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     for file, begins in (("filters.py", "TypeError at filters.py, line 7: "), (None, "TypeError: ")):
         fault = Fault("TypeError", "x" * 190 + "\x1b[0m" + "y" * 100, file, 7, None)
-        monkeypatch.setattr(checks, "_cases", lambda *_, fault=fault: SimpleNamespace(needs_alpha=fault))
+        monkeypatch.setattr(checks, "asked", lambda *_, fault=fault: SimpleNamespace(needs_alpha=fault))
         with pytest.raises(Lost) as lost:
             checks._needs_no_alpha(Made(), truth())
         assert lost.value.got == begins + printable(fault.message, 200)
@@ -612,13 +613,13 @@ def test_why_there_is_no_filter_without_alpha_is_told_with_its_place_and_cut(mon
 @pytest.mark.quick
 def test_the_measurement_that_met_the_initial_value_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     student = Made(LowPassFilter=of(__init__=_halves_initial))
-    cases = checks._cases(student, truth())
+    cases = filter_runs.asked(student, truth())
     signal = np.arange(180.0).reshape(60, 3)
     run = cases.from_initial[1]
     assert run.output is not None
     output = np.vstack([run.output[:1], run.output[1:] + 1e6])
     changed = replace(cases, from_initial=(signal, replace(run, output=output)))
-    monkeypatch.setattr(checks, "_cases", lambda *_: changed)
+    monkeypatch.setattr(checks, "asked", lambda *_: changed)
     with pytest.raises(Lost) as lost:
         checks._follows_initial_value(student, truth())
     assert f"from the measurement {vector(signal[0])} after" in lost.value.expected

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from grader.engine.conversation import found_once
 from grader.engine.examination import check
-from grader.engine.findings import Fault, Lost, Ours, Size, Skipped, Unusable, raised
+from grader.engine.findings import Lost, Ours, Size, Skipped
 from grader.engine.traces import Traces
 from grader.ground.text import printable
-from grader.labs.imu.answers import FilterRun
+from grader.labs.imu.checks.filter_runs import (
+    FORM,
+    RECURSION,
+    SLOW_PERIOD,
+    Cases,
+    asked,
+    output,
+    output_of_signal,
+    plain,
+)
 from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import Array, same, vector
 from grader.labs.imu.diagnosis import filter_outputs as outputs
 from grader.labs.imu.diagnosis import filtering as diagnosis
 from grader.labs.imu.digits import told_apart
-from grader.labs.imu.student import FilterCase, Student
+from grader.labs.imu.student import Student
 
-_RECURSION, _OWN_STATE = "filtering.follows_recursion", "filtering.instances_independent"
-"""These charge what other checks see as well: a filter that obeys the recursion passes constants, noise and signals as it does."""
-_DEFAULT_ALPHA = 0.1
-_ALPHA = 0.2
-_SLOW_PERIOD = 200  # samples; the sheet's filter with alpha 0.2 lags by 4 of them
+_OWN_STATE = "filtering.instances_independent"
+"""It charges what other checks see as well, as RECURSION does."""
 _LARGEST_NOISE_GAIN = 0.95
 """Of the variance. The sheet's filter leaves alpha / (2 - alpha) = 0.11 for alpha 0.2, averaging two samples 0.5; no filter 1."""
 _LEAST_SHARE = 0.5
@@ -73,7 +77,6 @@ _SUM = Ours(
     "A constant has to come out as itself: look at the sum of the weights, alpha and 1 - alpha in the sheet, and at what is "
     "added or cut off on the way (Step 6)."
 )
-_FORM = "an array of three numbers from update()"
 _SMALL = Ours(
     "Noise has to come out smaller: look at how much of the measurement goes straight into the output. In the sheet that is "
     "alpha, and the rest is the output before (Step 6)."
@@ -87,19 +90,19 @@ _SLOW = Ours(
 @check("filtering.follows_recursion", lab_step=6)
 def check_follows_recursion(student: Student, truth: Traces) -> None:
     """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1], with alpha 0.1 where none is given"""
-    runs = [(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)]
+    runs = [(alpha, signal, output(run)) for alpha, signal, run in plain(student, truth)]
     wrong = [run for run in runs if not diagnosis.obeys(run[1], run[2], run[0], 1 - run[0])]
     if not wrong:
         _in_sound_form(student, truth)
         _needs_no_alpha(student, truth)
-        departs = next((run.departs for *_, run in _plain(student, truth) if run.departs), ())
+        departs = next((run.departs for *_, run in plain(student, truth) if run.departs), ())
         fits_in(student, "LowPassFilter", departs)
         return
     alpha, x, y = wrong[0]
     wanted = alpha * x[1:] + (1 - alpha) * y[:-1]
     row = np.argmax(np.abs(y[1:] - wanted).max(axis=1))
     expected, got = told_apart(wanted[row], y[row + 1])
-    has_default = _cases(student, truth).needs_alpha is None
+    has_default = asked(student, truth).needs_alpha is None
     only_default = has_default and len(wrong) == 1 and wrong[0] is runs[-1]
     mistakes, hint = ([], _DEFAULT) if only_default else _why_not_the_recursion(student, truth, runs)
     raise Lost(
@@ -114,13 +117,13 @@ def check_follows_recursion(student: Student, truth: Traces) -> None:
 
 def _in_sound_form(student: Student, truth: Traces) -> None:
     """Charge another form that a vector could be made out of; nothing at first alone is another check's."""
-    odd = next((run.odd for *_, run in _plain(student, truth) if run.odd), "")
-    if odd and not _cases(student, truth).nothing_at_first:
-        raise Lost(_FORM, odd, mistakes=["wrong-return-type"], keeps=0.5)
+    odd = next((run.odd for *_, run in plain(student, truth) if run.odd), "")
+    if odd and not asked(student, truth).nothing_at_first:
+        raise Lost(FORM, odd, mistakes=["wrong-return-type"], keeps=0.5)
 
 
 def _needs_no_alpha(student: Student, truth: Traces) -> None:
-    fault = _cases(student, truth).needs_alpha
+    fault = asked(student, truth).needs_alpha
     if fault is not None:
         got = f"{fault.type}{f' at {fault.where}' if fault.where else ''}: {printable(fault.message, 200)}"
         off = Size("no filter where no alpha is given")
@@ -149,18 +152,18 @@ def _why_not_the_recursion(
 
 
 def _is_low_pass(student: Student, truth: Traces) -> bool:
-    cases = _cases(student, truth)
+    cases = asked(student, truth)
     noise, slow, constant = cases.noise, cases.slow, cases.constant
     return (
-        diagnosis.noise_gain(noise[0], _output(noise[1])) < _LARGEST_NOISE_GAIN
-        and diagnosis.signal_error(slow[0], _output(slow[1])) < _LARGEST_SIGNAL_ERROR
-        and same(_output(constant[1])[-1], constant[0][0], 1e-3)
+        diagnosis.noise_gain(noise[0], output(noise[1])) < _LARGEST_NOISE_GAIN
+        and diagnosis.signal_error(slow[0], output(slow[1])) < _LARGEST_SIGNAL_ERROR
+        and same(output(constant[1])[-1], constant[0][0], 1e-3)
     )
 
 
 def filters(student: Student, truth: Traces) -> None:
     """What comes out depends on the measurements, and on more than the present one."""
-    runs = [(signal, _output(run)) for _, signal, run in _plain(student, truth)]
+    runs = [(signal, output(run)) for _, signal, run in plain(student, truth)]
     if all(diagnosis.has_no_memory(x, y) for x, y in runs):
         raise Skipped(
             "a filter that keeps something of the measurements before: each output comes from one measurement alone"
@@ -169,8 +172,8 @@ def filters(student: Student, truth: Traces) -> None:
         raise Skipped("a filter whose output follows the measurements: it stays the same, whatever goes in")
     if all(diagnosis.runs_away(x, y) for x, y in runs):
         return
-    _, run = _cases(student, truth).slow
-    if diagnosis.share_of_signal(_of_signal(run), _SLOW_PERIOD) < _LEAST_SHARE and not _is_rounded(student, truth):
+    _, run = asked(student, truth).slow
+    if diagnosis.share_of_signal(output_of_signal(run), SLOW_PERIOD) < _LEAST_SHARE and not _is_rounded(student, truth):
         raise Skipped("a filter whose output follows the measurements: a slow motion is not seen in what comes out")
 
 
@@ -180,19 +183,19 @@ def lets_constants_through(student: Student, truth: Traces) -> None:
     Where the recursion holds elsewhere the filter is no high-pass: what it makes of a constant is a fault of its own.
     """
     filters(student, truth)
-    if all(diagnosis.obeys(x, _output(run), alpha, 1 - alpha) for alpha, x, run in _plain(student, truth)):
+    if all(diagnosis.obeys(x, output(run), alpha, 1 - alpha) for alpha, x, run in plain(student, truth)):
         return
-    signal, run = _cases(student, truth).constant
-    if np.abs(_of_signal(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[0]).max():
+    signal, run = asked(student, truth).constant
+    if np.abs(output_of_signal(run)[-1]).max() < _NOTHING_LEFT * np.abs(signal[0]).max():
         raise Skipped("a filter that lets the signal through: of a constant nothing comes out")
 
 
 @check("filtering.starts_from_first_measurement", lab_step=6, needs=filters)
 def check_starts_from_first_measurement(student: Student, truth: Traces) -> None:
     """The first output is the first measurement, or follows from the initial value where one is given"""
-    alpha, x, run = _plain(student, truth)[0]
-    y = _output(run)
-    if _cases(student, truth).nothing_at_first:
+    alpha, x, run = plain(student, truth)[0]
+    y = output(run)
+    if asked(student, truth).nothing_at_first:
         got = f"{run.odd} from the first update(), vectors from the next ones"
         raise Lost(vector(x[0]), got, mistakes=["wrong-return-type"], off=Size("no vector from the first update()"))
     if not same(y[0], x[0], outputs.ATOL):
@@ -206,7 +209,7 @@ def check_starts_from_first_measurement(student: Student, truth: Traces) -> None
             mistakes=mistakes,
             off=_off(y[0], x[0]),
             hint="" if mistakes else _FIRST,
-            belongs_to="" if mistakes else _OWN_STATE if _shares_state(student, truth) else _RECURSION,
+            belongs_to="" if mistakes else _OWN_STATE if _shares_state(student, truth) else RECURSION,
         )
     _follows_initial_value(student, truth)
 
@@ -221,9 +224,9 @@ def _from_zero(x: Array, y: Array) -> bool:
 
 
 def _follows_initial_value(student: Student, truth: Traces) -> None:
-    cases = _cases(student, truth)
+    cases = asked(student, truth)
     x, run, alpha, initial = *cases.from_initial, cases.initial_alpha, cases.initial
-    y = _output(run)
+    y = output(run)
     wanted = alpha * x[0] + (1 - alpha) * initial
     if same(y[0], wanted, outputs.ATOL):
         return
@@ -237,15 +240,15 @@ def _follows_initial_value(student: Student, truth: Traces) -> None:
         mistakes=["initial-value-ignored"] if ignored else [],
         keeps=0.5,
         hint="" if ignored else _INITIAL,
-        belongs_to=_OWN_STATE if _shares_state(student, truth) else "" if ignored else _RECURSION,
+        belongs_to=_OWN_STATE if _shares_state(student, truth) else "" if ignored else RECURSION,
     )
 
 
 @check("filtering.passes_constant", lab_step=6, needs=lets_constants_through)
 def check_passes_constant(student: Student, truth: Traces) -> None:
     """A constant input comes out as itself"""
-    signal, run = _cases(student, truth).constant
-    y, wanted = _output(run), signal[0]
+    signal, run = asked(student, truth).constant
+    y, wanted = output(run), signal[0]
     if not same(y[-1], wanted, 1e-3):
         expected, got = told_apart(wanted, y[-1])
         mistakes = _named(student, truth)
@@ -255,15 +258,15 @@ def check_passes_constant(student: Student, truth: Traces) -> None:
             off=_off(y[-1], wanted),
             mistakes=mistakes,
             hint="" if mistakes else _SUM,
-            belongs_to=_RECURSION,
+            belongs_to=RECURSION,
         )
 
 
 @check("filtering.reduces_noise", lab_step=6, needs=filters)
 def check_reduces_noise(student: Student, truth: Traces) -> None:
     """Noise comes out smaller than it went in"""
-    x, run = _cases(student, truth).noise
-    gain = diagnosis.noise_gain(x, _output(run))
+    x, run = asked(student, truth).noise
+    gain = diagnosis.noise_gain(x, output(run))
     if not gain < _LARGEST_NOISE_GAIN:
         mistakes = _named(student, truth)
         raise Lost(
@@ -271,15 +274,15 @@ def check_reduces_noise(student: Student, truth: Traces) -> None:
             f"{gain:.3g} times that of the input (alpha 0.2)",
             mistakes=mistakes,
             hint="" if mistakes else _SMALL,
-            belongs_to=_RECURSION,
+            belongs_to=RECURSION,
         )
 
 
 @check("filtering.preserves_signal", lab_step=6, needs=lets_constants_through)
 def check_preserves_signal(student: Student, truth: Traces) -> None:
     """A slow motion comes through the filter"""
-    x, run = _cases(student, truth).slow
-    error = diagnosis.signal_error(x, _output(run))
+    x, run = asked(student, truth).slow
+    error = diagnosis.signal_error(x, output(run))
     if not error < _LARGEST_SIGNAL_ERROR:
         mistakes = _named(student, truth)
         raise Lost(
@@ -287,44 +290,44 @@ def check_preserves_signal(student: Student, truth: Traces) -> None:
             f"an output that misses it by {error:.3g} of its spread",
             mistakes=mistakes,
             hint="" if mistakes else _SLOW,
-            belongs_to=_RECURSION,
+            belongs_to=RECURSION,
         )
 
 
 def _named(student: Student, truth: Traces) -> list[str]:
-    return diagnosis.mistakes([(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth)])
+    return diagnosis.mistakes([(alpha, signal, output(run)) for alpha, signal, run in plain(student, truth)])
 
 
 @check("filtering.instances_independent", lab_step=6)
 def check_instances_independent(student: Student, truth: Traces) -> None:
     """Each instance keeps a state of its own, which nobody else can change"""
-    cases = _cases(student, truth)
-    alone = _output(cases.alone)
+    cases = asked(student, truth)
+    alone = output(cases.alone)
     if not np.ptp(alone, axis=0).any() and not same(alone[0], cases.plain[0][1][0], outputs.ATOL):
         raise Skipped("an output that depends on the measurements")
     if _shares_state(student, truth):
-        settled = outputs.settles(_output(cases.again) - alone)
-        aliased = [] if outputs.settles(_output(cases.spoilt_output) - alone) else ["aliased-output"]
+        settled = outputs.settles(output(cases.again) - alone)
+        aliased = [] if outputs.settles(output(cases.spoilt_output) - alone) else ["aliased-output"]
         raise Lost(
             "the same output beside a second filter as alone",
             "another output",
             mistakes=["shared-state", *aliased] if settled else [],
             hint="" if settled else _OWN,
-            belongs_to="" if settled else _RECURSION,
+            belongs_to="" if settled else RECURSION,
         )
-    if not same(_output(cases.spoilt_output), alone, outputs.ATOL):
+    if not same(output(cases.spoilt_output), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that came out"
         raise Lost("a state of the filter's own", got, mistakes=["aliased-output"], keeps=0.5)
     _leaves_input_alone(cases)
     if any(run.output_changed for run in cases.every):
         got = "one array for all of them, which the next update() writes into"
         raise Lost("an output that stays what it is", got, mistakes=["aliased-output"], keeps=0.5)
-    if not same(_output(cases.spoilt_input), alone, outputs.ATOL):
+    if not same(output(cases.spoilt_input), alone, outputs.ATOL):
         got = "one that changes when the caller writes into the array that went in"
         raise Lost("a state of the filter's own", got, keeps=0.5, mistakes=["aliased-input"])
 
 
-def _leaves_input_alone(cases: _Cases) -> None:
+def _leaves_input_alone(cases: Cases) -> None:
     """The initial value is what was written into where only the filter that was given one wrote into anything."""
     changed = [run for run in cases.every if run.input_changed]
     if not changed:
@@ -344,7 +347,7 @@ def _leaves_input_alone(cases: _Cases) -> None:
 @found_once
 def _is_rounded(student: Student, truth: Traces) -> bool:
     """Whether all outputs are rounded, which follows_recursion charges."""
-    return all(outputs.grain(alpha, signal, _output(run)) for alpha, signal, run in _plain(student, truth))
+    return all(outputs.grain(alpha, signal, output(run)) for alpha, signal, run in plain(student, truth))
 
 
 def _is_limited(runs: list[tuple[float, Array, Array]]) -> bool:
@@ -353,113 +356,9 @@ def _is_limited(runs: list[tuple[float, Array, Array]]) -> bool:
 
 
 def _shares_state(student: Student, truth: Traces) -> bool:
-    cases = _cases(student, truth)
-    return not same(_output(cases.beside), _output(cases.alone), outputs.ATOL)
-
-
-# --- what the checks share -----------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Cases:
-    """Each case as its signal and the run, or the run alone; `needs_alpha` is what it raises where alpha alone is not given."""
-
-    plain: list[tuple[float, Array, FilterRun]]
-    noise: tuple[Array, FilterRun]
-    slow: tuple[Array, FilterRun]
-    constant: tuple[Array, FilterRun]
-    from_initial: tuple[Array, FilterRun]
-    initial: Array
-    initial_alpha: float
-    alone: FilterRun
-    beside: FilterRun
-    spoilt_input: FilterRun
-    spoilt_output: FilterRun
-    again: FilterRun
-    nothing_at_first: bool
-    needs_alpha: Fault | None
-
-    @property
-    def every(self) -> list[FilterRun]:
-        pairs = (self.noise, self.slow, self.constant, self.from_initial)
-        return [run for *_, run in self.plain] + [run for _, run in pairs] + [self.alone, self.beside]
-
-
-@found_once
-def _cases(student: Student, truth: Traces) -> _Cases:
-    scenario = truth["filter"]
-    signal, alphas, initial = scenario["input"], [float(a) for a in scenario["alpha"]], scenario["initial"]
-    short = signal[:60]
-    noise = scenario["acceleration"] - scenario["acceleration_clean"] + signal[0]
-    phase = 2 * np.pi * np.arange(400)[:, None] / _SLOW_PERIOD + np.array([0.0, 1.0, 2.0])
-    slow = np.sin(phase) * np.array([1.0, 2.0, 0.5]) + signal[0]
-    constant = np.tile(signal[0], (300, 1))
-    cases = [
-        *(FilterCase(signal, alpha) for alpha in alphas),
-        FilterCase(signal[:100]),
-        FilterCase(noise, _ALPHA),
-        FilterCase(slow, _ALPHA),
-        FilterCase(constant, _ALPHA),
-        FilterCase(short, alphas[1], initial),
-        *(
-            FilterCase(short, 0.3, None, handling)
-            for handling in ("plain", "beside", "spoil_input", "spoil_output", "plain")
-        ),
-    ]
-    runs = student.filter(cases, called="filter")
-    series = [_from_first_vector(case.signal, run) for case, run in zip(cases, runs, strict=True)]
-    plain = [(alpha, *pair) for alpha, pair in zip((*alphas, _DEFAULT_ALPHA), series, strict=False)]
-    of_noise, of_slow, of_constant, from_initial, alone, beside, spoilt_input, spoilt_output, again = series[
-        len(plain) :
-    ]
-    needs_alpha = None if any(run.fault for *_, run in plain[:-1]) else plain[-1][2].fault
-    return _Cases(
-        plain[:-1] if needs_alpha else plain,
-        of_noise,
-        of_slow,
-        of_constant,
-        from_initial,
-        initial,
-        initial_alpha=alphas[1],
-        alone=alone[1],
-        beside=beside[1],
-        spoilt_input=spoilt_input[1],
-        spoilt_output=spoilt_output[1],
-        again=again[1],
-        nothing_at_first=len(series[0][0]) < len(signal),
-        needs_alpha=needs_alpha,
-    )
-
-
-def _from_first_vector(signal: Array, run: FilterRun) -> tuple[Array, FilterRun]:
-    """A case without its first sample if update() returned nothing for that alone, which is one fault and judged as that."""
-    missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
-    if run.fault or missing != [0] or not run.odd:
-        return signal, run
-    assert run.output is not None
-    return signal[1:], replace(run, output=run.output[1:])
-
-
-def _plain(student: Student, truth: Traces) -> list[tuple[float, Array, FilterRun]]:
-    return _cases(student, truth).plain
+    cases = asked(student, truth)
+    return not same(output(cases.beside), output(cases.alone), outputs.ATOL)
 
 
 def _off(got: Array, wanted: Array) -> Size:
     return Size("the output is off", float(np.max(np.abs(got - wanted))))
-
-
-def _of_signal(run: FilterRun) -> Array:
-    """An output that may stop being finite for this signal alone: follows_recursion charges what does not obey it."""
-    if run.fault is None and run.output is not None and not run.odd and not np.isfinite(run.output).all():
-        raise Lost(_FORM, "NaN or infinity", mistakes=["not-finite"], belongs_to=_RECURSION)
-    return _output(run)
-
-
-def _output(run: FilterRun) -> Array:
-    raised(run.fault, "filtering measurements")
-    if run.output is None:
-        raise Skipped("an output")
-    if not np.isfinite(run.output).all():
-        mistake = "wrong-return-type" if run.odd else "not-finite"
-        raise Unusable(_FORM, run.odd or "NaN or infinity", mistakes=[mistake])
-    return run.output
