@@ -979,3 +979,23 @@ def test_stamps_that_are_not_one_for_each_row_are_charged_by_the_check_of_the_ar
     lost = finding(Case("not one for each", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
     assert isinstance(lost, Lost)
     assert lost.belongs_to == charged
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("steps", "right"),
+    [
+        ([1, 2, 3, 4, 5], True),
+        ([0, 1, 2], True),
+        ([1, 3, 5], True),
+        ([4, 5, 6], False),
+        ([-1, 0, 1], False),
+        ([1, 1, 2], False),
+        ([2, 1], False),
+        ([0.6, 1.6], False),
+        ([1.4, 2.4], False),
+    ],
+)
+def test_right_stamps_are_those_of_later_and_later_steps_of_the_run(steps: list[float], right: bool) -> None:
+    worlds: Any = SimpleNamespace(timestep=0.002, steps=5)
+    assert checks._each_of_a_step(0.002 * np.array(steps), worlds) is right

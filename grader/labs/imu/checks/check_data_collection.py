@@ -184,7 +184,7 @@ def _charging(series: Collection, worlds: Worlds) -> str:
 def _each_of_a_step(time: Array, worlds: Worlds) -> bool:
     """Whether every stamp is that of a step of the run, each of a later one."""
     steps = np.round(time / worlds.timestep)
-    whole = np.abs(time - steps * worlds.timestep).max(initial=0.0) <= TIME_ATOL
+    whole = np.abs(time - steps * worlds.timestep).max() <= TIME_ATOL
     return bool(whole and np.all(np.diff(steps) > 0) and steps.min() >= 0 and steps.max() <= worlds.steps)
 
 
