@@ -403,6 +403,21 @@ CASES = [
             ("more beside them", of(told=lambda s, *a: {**Recorder.told(s, *a), "rate": 500.0}), None),
             ("a list", of(told=lambda _s, t, a, g, _m: [t, a, g]), (0.0, ["wrong-return-type"])),
             ("without time", WITHOUT_TIME, (0.0, ["wrong-keys"])),
+            (
+                "no stamp under its name",
+                of(told=lambda _s, t, a, g, _m: {"time": [], "acceleration": a, "angular_velocity": g}),
+                (0.0, ["wrong-return-type"]),
+            ),
+            (
+                "None under a name",
+                of(told=lambda _s, t, a, g, _m: {"time": t, "acceleration": None, "angular_velocity": g}),
+                (0.0, ["wrong-return-type"]),
+            ),
+            (
+                "nothing under all names",
+                of(told=lambda _s, t, a, g, _m: {"time": [], "acceleration": [], "angular_velocity": []}),
+                (0.0, []),
+            ),
             ("a shorter one", telling(lambda t, a, g, _m: (t, a, g[:-2])), (0.0, ["wrong-return-type"])),
             (
                 "magnitudes",

@@ -253,7 +253,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
     keys = _own_keys(numeric)
     series = {name: value for name, value in numeric.items() if value.size}
     extras = {name: value for name, value in series.items() if name not in keys.values()}
-    if not oddities and any(keys.get(key) != key for key in KEYS):
+    if not oddities and any(keys.get(key, key if key in members else "") != key for key in KEYS):
         oddities.append(
             ("wrong-keys", f"got the keys {', '.join(repr(name) for name in list(members)[:8]) or '(none)'}")
         )

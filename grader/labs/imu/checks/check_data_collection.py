@@ -60,7 +60,7 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
     sizes = {key: len(value) for key, value in present if value is not None}
     if not sizes:
         hint = Ours(
-            "The arrays are there, with no row in them: n_steps = duration_seconds / model.opt.timestep (Step 3)."
+            "The names are there, and no row: store one for each step, n_steps = duration_seconds / model.opt.timestep (Step 3)."
         )
         raise Lost("rows in every array", "none", hint=hint)
     if len(sizes) < len(KEYS):
