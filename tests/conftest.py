@@ -32,6 +32,11 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
 
 
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """As many as there are cores, and where boxes and clocks are waited for, one more."""
+    return (os.cpu_count() or 1) + (config.option.markexpr != "quick")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.stem not in FIRST)
 

@@ -61,7 +61,7 @@ class Ink:
         """Whether there is ink at these places; none above or below."""
         height, width = self.near.shape
         place = np.clip(np.rint(rows), -1, height).astype(np.intp) + 1
-        there: Mask = self._framed[place * width + np.rint(columns).astype(np.intp)]
+        there: Mask = self._framed.take(place * width + np.rint(columns).astype(np.intp))
         return there
 
     @cached_property
@@ -181,9 +181,10 @@ def _beyond_chance(seen: Mask, units: Array) -> Array:
     below = np.zeros((2 * rows + 2, columns), np.uint8)
     below[:rows] = seen
     sizes, starts = _HEIGHTS * rows, np.arange(rows)[:, None]
-    steps = np.rint(units * sizes[:, None, None]).astype(np.int32) * columns + np.arange(columns, dtype=np.int32)
-    found = np.take(below.ravel(), (starts * columns).astype(np.int32)[..., None, None] + steps)
-    share = found.sum(axis=3, dtype=np.int32) / columns
+    from_each_row = np.lib.stride_tricks.sliding_window_view(np.ascontiguousarray(below.T), rows, axis=1)
+    steps = np.rint(units * sizes[:, None, None]).astype(np.intp)
+    found = from_each_row[np.arange(columns), steps].sum(axis=2, dtype=np.uint8)  # (heights, k, starts), of few columns
+    share = np.moveaxis(found, 2, 0) / columns
     sums = np.concatenate([[0.0], np.cumsum(below.mean(axis=1))])
     ends = np.minimum(starts + np.ceil(sizes).astype(np.intp) + 1, len(below))
     chance = np.minimum((sums[ends] - sums[starts]) / (ends - starts), _DENSEST)[..., None]
