@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 
 from grader.engine import rubric
@@ -30,6 +30,9 @@ class Lasting:
 
     def worker(self) -> Worker:
         return self._box.worker()
+
+    def warm(self, modules: Sequence[str]) -> None:
+        self._box.warm(modules)
 
     def close(self) -> None:
         """It stays open for the next one."""

@@ -12,13 +12,14 @@ from unittest import mock
 
 import pytest
 
-from grader.engine import examination, lab_box, rubric
+from grader.engine import examination, lab_box, marking, rubric
 from grader.engine.lab_box import HARNESS
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
-from grader.intake import read_submission
+from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
+from grader.sandbox.box import Box
 from tests.examples import folders
 from tests.made_up import without_durations
 
@@ -44,8 +45,11 @@ def without_savings(folder: Path) -> Iterator[Marker]:
         assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
         (harness / name).write_text(own + text, encoding="utf-8")
     with mock.patch.object(lab_box, "HARNESS", harness):
-        box = lab_box.open_box(LAB, libraries=(), thorough=False)
-    with Marker(rubric.load(LAB), bundles.shipped(), box=box) as slow:
+        box = lab_box.open_box(LAB, thorough=False)
+    with (
+        mock.patch.object(marking, "libraries_of", return_value=()),
+        Marker(rubric.load(LAB), bundles.shipped(), box=box) as slow,
+    ):
         yield slow
 
 
@@ -68,3 +72,10 @@ def test_no_saving_changes_a_mark(marker: Marker, tmp_path: Path) -> None:
 )
 def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:
     assert lab_box.libraries_of(LAB, {"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
+
+
+def test_a_marker_has_them_imported_with_the_first_submission_that_can_mean_them(marker: Marker) -> None:
+    code = b"from scipy import signal\nimport matplotlib.animation\n"
+    with mock.patch.object(Box, "warm") as warm:
+        marker.mark(Submission("s", "s", {"imu_reader.py": code}, (), "ready", ""), only="sensor_access")
+    warm.assert_called_once_with(("scipy.signal", "matplotlib.animation"))

@@ -18,20 +18,17 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
 
 
-def open_box(
-    lab: Lab, rung: str | None = None, *, libraries: Sequence[str] | None = None, thorough: bool = True
-) -> Box:
+def open_box(lab: Lab, rung: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True) -> Box:
     """A box for many submissions, which warms up while the caller goes on.
 
     Parameters
     ----------
     rung : the best that this machine allows if None
-    libraries : imported once for all submissions, the lab's if None; any other is imported by the submission that wants it, with
-        the same marks
+    libraries : imported beforehand; a marker has those that a submission can mean imported with the first that does, for all that
+        follow, and any other is imported by the submission that wants it, with the same marks
     thorough : also use each part once beforehand, so that no submission pays for a first time
     """
-    warm = lab.libraries if libraries is None else tuple(libraries)
-    return Box(Contents(HARNESS, lab.folder / "box", warm=warm, thorough=thorough), rung=rung)
+    return Box(Contents(HARNESS, lab.folder / "box", warm=tuple(libraries), thorough=thorough), rung=rung)
 
 
 def open_box_for(lab: Lab, files: Mapping[str, bytes], rung: str | None = None) -> Box:

@@ -18,7 +18,7 @@ from grader.engine.evidence import Evidence, packed
 from grader.engine.examination import Examination, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.fingerprint import fingerprint
-from grader.engine.lab_box import open_box
+from grader.engine.lab_box import libraries_of, open_box
 from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
@@ -121,6 +121,7 @@ class Marker:
     def _student(
         self, files: Mapping[str, bytes], above: Mapping[str, int], waiting: Callable[[str], None] | None = None
     ) -> Conversation:
+        self._box.warm(libraries_of(self._lab, files))
         return self._lab.student(
             self._box,
             self._lab,

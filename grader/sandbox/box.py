@@ -14,7 +14,7 @@ import math
 import secrets
 import signal
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -104,6 +104,11 @@ class Box:
         self._workers = [*(known for known in self._workers if not known.closed), worker]
         return worker
 
+    def warm(self, modules: Sequence[str]) -> None:
+        """Workers that are made from now on find these modules imported, too."""
+        new = [name for name in modules if name not in self._contents.warm]
+        self._contents = replace(self._contents, warm=(*self._contents.warm, *new))
+
     def close(self) -> None:
         """End every worker and the zygote."""
         self._closed = True
@@ -139,7 +144,7 @@ class Box:
         if self._zygote is None:
             raise GraderError("the box has no zygote")
         self._zygote.await_ready()
-        return self._zygote.spawn(printed)
+        return self._zygote.spawn(printed, self._contents.warm)
 
     def _restart(self) -> None:
         if self._zygote is not None:

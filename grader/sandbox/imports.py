@@ -7,7 +7,7 @@ import contextlib
 import importlib.util
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from types import ModuleType
 
@@ -17,25 +17,26 @@ _NAMES = ("grader.harness", "grader.questions")
 """What the two packages are called while they are imported: as their sources call each other. A submission finds neither."""
 
 
-def load_harness(
-    folders: Sequence[str], search: Sequence[str], *, warm: Sequence[str] = (), thorough: bool = False
-) -> worker.Answer:
+def load_harness(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
     """Import the harness, and a lab's questions if there are any, let it warm up, and return its `answer`.
 
     Parameters
     ----------
     folders : of the harness, then of the questions
     search : `sys.path` from now on
-    warm : modules to be imported where they are
     """
     sys.path[:] = search
     harness, *questions = _imported(dict(zip(_NAMES, folders, strict=False)))
     harness.warm_up(thorough, *questions)
-    for name in warm:
-        with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
-            importlib.import_module(name)
     answer: worker.Answer = harness.answer
     return answer
+
+
+def import_where_they_are(modules: Iterable[str]) -> None:
+    """Import what is there of these."""
+    for name in modules:
+        with contextlib.suppress(Exception):  # then it fails for the student's code, as it would anywhere
+            importlib.import_module(name)
 
 
 _OWN_BUILTINS = dict(vars(builtins))

@@ -222,8 +222,8 @@ class Zygote:
             elif "failed" in message:
                 self._refused[message["failed"]] = message["reason"]
 
-    def spawn(self, printed: Printed) -> Boxed:
-        """Fork a worker.
+    def spawn(self, printed: Printed, warm: Sequence[str] = ()) -> Boxed:
+        """Fork a worker that finds these modules imported.
 
         Raises
         ------
@@ -238,7 +238,7 @@ class Zygote:
                 self._count += 1
                 number = self._count
                 ours.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)  # the kernel then tells the worker's pid
-                self._send(json.dumps({"spawn": number}).encode(), [theirs.fileno(), printed.fd])
+                self._send(json.dumps({"spawn": number, "warm": warm}).encode(), [theirs.fileno(), printed.fd])
                 self._await(self._spawned, number, _WORKER_WITHIN_S)
             if number in self._refused:
                 raise GraderError(f"no worker could be started: {self._refused.pop(number)}")

@@ -24,7 +24,8 @@ class Contents:
     readable
         Further paths that the box shows read-only.
     warm
-        Modules that are imported once for all workers. On the lowest rung each worker imports what it needs.
+        Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest rung each worker imports what it
+        needs.
     thorough
         Whether the harness also uses each part once before the first worker: it pays where many of them follow.
     """

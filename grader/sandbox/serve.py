@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -207,20 +207,28 @@ def _own_pid_namespace(walls: confine.Walls) -> int:
 
 def _warm_up(plan: Plan) -> Any:
     """Import everything once, freeze it, and return the harness's `answer`."""
-    gc.disable()  # nearly all of what imports make stays: to look for the rest takes a tenth of their time
     sys.path[:] = plan.search  # packages may lie where only the grader's own environment says
-    from .imports import load_harness  # noqa: PLC0415 - it pulls numpy, which must come after the walls
-
     copies = rootfs.copies(plan)
     folders = list(copies if plan.rung.own_root else copies.values())
-    harness = load_harness(folders, plan.search, warm=plan.warm, thorough=plan.thorough)
-    gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
-    gc.enable()
+    with _to_stay():
+        from .imports import import_where_they_are, load_harness  # noqa: PLC0415 - they pull numpy, which must come after the walls
+
+        harness = load_harness(folders, plan.search, thorough=plan.thorough)
+        import_where_they_are(plan.warm)
     gc.set_threshold(*_COLLECT)
-    tempfile.tempdir = None
     if plan.rung.own_namespaces:
         rootfs.freeze_cache()
     return harness
+
+
+@contextlib.contextmanager
+def _to_stay() -> Iterator[None]:
+    """Nearly all of what imports make stays: to look for the rest takes a tenth of their time."""
+    gc.disable()
+    yield
+    gc.freeze()  # so that a collection in a worker does not copy the zygote's pages
+    gc.enable()
+    tempfile.tempdir = None  # a worker finds its own
 
 
 # Workers --------------------------------------------------------------------------------------------------------------
@@ -242,6 +250,7 @@ class _Zygote:
         self._answer = answer
         self._own = _own_pid_namespace(walls)
         confine.filter_program(walls, 1)  # most workers are pid 1: they find it ready
+        self._warm = {*plan.warm}
         self._children: dict[int, _Child] = {}
         self._poll = select.poll()
         self._poll.register(control, select.POLLIN)
@@ -260,7 +269,9 @@ class _Zygote:
                     self._bury(self._children.pop(fd))
                     continue
                 message, fds = self._next()
-                work = self._spawn(json.loads(message)["spawn"], fds)
+                asked = json.loads(message)
+                self._import(asked["warm"])
+                work = self._spawn(asked["spawn"], fds)
                 if work is not None:
                     return work
 
@@ -272,6 +283,15 @@ class _Zygote:
         if not message:
             raise _GraderGoneError
         return message, list(fds)
+
+    def _import(self, modules: list[str]) -> None:
+        """Before the first worker that is to find them: from then on all do."""
+        from .imports import import_where_they_are  # noqa: PLC0415 - see _warm_up
+
+        if new := [name for name in modules if name not in self._warm]:
+            with _to_stay():
+                import_where_they_are(new)
+            self._warm.update(new)
 
     def _spawn(self, number: int, fds: list[int]) -> Callable[[], None] | None:
         """Fork a worker; return its work in the child, None here."""

@@ -302,6 +302,21 @@ def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box)
             assert run(again, "result = 1") == {"result": 1}
 
 
+def test_what_is_wanted_later_is_imported_for_all_that_follow(walled_box: Box) -> None:
+    there = "import sys; result = 'colorsys' in sys.modules"
+    with Box(Contents(HARNESS), rung=walled_box.rung.name) as box:
+        with box.worker() as before:
+            assert run(before, there) == {"result": False}
+        box.warm(["no_such_module", "colorsys"])
+        with box.worker() as first, box.worker() as second:
+            assert run(first, there) == run(second, there) == {"result": True}
+            os.kill(box._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
+            with pytest.raises(GraderError, match="the box is gone"):
+                run(second, "while True: pass")
+        with box.worker() as again:
+            assert run(again, there) == {"result": True}
+
+
 def test_a_zygote_that_is_killed_before_it_is_ready_comes_back(walled_box: Box, tmp_path: Path) -> None:
     slow = "import time\n\n\ndef warm_up(thorough):\n    time.sleep(0.3)\n\n\ndef answer(op, fields, arrays):\n    return {'op': op}, {}\n"
     (tmp_path / "__init__.py").write_text(slow)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Any, Protocol
@@ -184,6 +184,9 @@ class RecordingBox:
     def worker(self) -> RecordedWorker:
         return RecordedWorker(self.tape, self._box.worker())
 
+    def warm(self, modules: Sequence[str]) -> None:
+        self._box.warm(modules)
+
     def close(self) -> None:
         self._box.close()
 
@@ -196,6 +199,9 @@ class PlayingBox:
 
     def worker(self) -> PlayedWorker:
         return PlayedWorker(self.tape)
+
+    def warm(self, modules: Sequence[str]) -> None:
+        """There is nothing to import."""
 
     def close(self) -> None:
         """There is nothing to end."""
