@@ -151,6 +151,7 @@ class Bench:
 
         with (
             mock.patch.object(Box, "__init__", no_box),
+            mock.patch.object(Box, "warm"),
             mock.patch.object(Examination, "end", noting),
             mock.patch.object(Marker, "_evidence", evidence),
         ):
