@@ -135,11 +135,13 @@ class Killer(threading.Thread, Nobody):
             self.start()
 
     def run(self) -> None:
-        until(self._busy)
-        os.kill(self._pids[self._busy()[0]], 9)
+        until(self._has_killed)
 
-    def _busy(self) -> list[str]:
-        return [address for address, keys in self._client.processing().items() if keys]
+    def _has_killed(self) -> bool:
+        busy = [address for address, keys in self._client.processing().items() if keys]
+        if busy:
+            os.kill(self._pids[busy[0]], 9)
+        return bool(busy)
 
 
 @pytest.fixture(scope="module")
