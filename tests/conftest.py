@@ -33,8 +33,8 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """As many as there are cores, and where boxes and clocks are waited for, one more."""
-    return (os.cpu_count() or 1) + (config.option.markexpr != "quick")
+    """For two cores, however many a shared machine says that it has; where boxes and clocks are waited for, one more."""
+    return 2 if config.option.markexpr == "quick" else 3
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -222,7 +222,7 @@ class Zygote:
             elif "failed" in message:
                 self._refused[message["failed"]] = message["reason"]
 
-    def spawn(self, printed: Printed, warm: Sequence[str] = ()) -> Boxed:
+    def spawn(self, printed: Printed, warm: Sequence[str]) -> Boxed:
         """Fork a worker that finds these modules imported.
 
         Raises
