@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -90,6 +92,20 @@ def test_what_adds_nothing_or_takes_something_away_is_not_told(
     figure: Any, tmp_path: Path, change: Callable[[Any], Any]
 ) -> None:
     assert [each["event"] for each in _told(figure, tmp_path, change)] == ["saved"]
+
+
+def test_no_curve_gets_the_memory_of_one_that_was_saved_and_removed(figure: Any, tmp_path: Path) -> None:
+    """It would be taken for that one, and a figure for one that was only added to: now and then, as memory falls."""
+    recorder = Recorder()
+    figure.savefig(tmp_path / "imu_data.png")
+    recorder.note(figure, event="saved", target=str(tmp_path / "imu_data.png"), kind="png")
+    removed = weakref.ref(figure.axes[0].lines[0])
+    figure.axes[0].lines[0].remove()
+    gc.collect()
+    assert removed() is not None
+    recorder.note(figure, event="closed")
+    gc.collect()
+    assert removed() is None
 
 
 @pytest.mark.parametrize(("event", "told"), [("closed", 2), ("open", 2), ("cleared", 2), ("shown", 1)])

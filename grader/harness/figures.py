@@ -39,24 +39,29 @@ def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
     }
 
 
-def parts_of(figure: Any) -> frozenset[Any]:
-    """What is drawn and written on a figure, each by itself; nothing where the student's own artists do not tell."""
+def parts_of(figure: Any) -> dict[tuple[int, str], Any]:
+    """What is drawn and written on a figure, each by itself; nothing where the student's own artists do not tell.
+
+    Returns
+    -------
+    The artists by their identity. Who keeps it keeps them: the next artist may be made where a removed one was, and be taken for it.
+    """
     try:
-        return frozenset(_each_part(figure))
+        return {(id(artist), what): artist for artist, what in _each_part(figure)}
     except Exception:  # artists of the student's own making
-        return frozenset()
+        return {}
 
 
-def _each_part(figure: Any) -> Iterator[Any]:
+def _each_part(figure: Any) -> Iterator[tuple[Any, str]]:
     written = [*figure.texts]
     for axes in figure.get_axes()[:_MAX_AXES]:
         titles, labels = (axes.title, axes._left_title, axes._right_title), (axes.xaxis.label, axes.yaxis.label)
         written += [*titles, *labels, *axes.texts]
-        yield from ((id(artist), "drawn") for artist in (*axes.lines, *axes.collections, *axes.patches))
+        yield from ((artist, "drawn") for artist in (*axes.lines, *axes.collections, *axes.patches))
         if axes.get_legend() is not None:
-            yield id(axes), "legend"
-    yield from ((id(legend), "legend") for legend in figure.legends)
-    yield from ((id(text), text.get_text()) for text in written if text.get_text().strip())
+            yield axes, "legend"
+    yield from ((legend, "legend") for legend in figure.legends)
+    yield from ((text, text.get_text()) for text in written if text.get_text().strip())
 
 
 def _subfigures(figure: Any) -> Iterator[Any]:

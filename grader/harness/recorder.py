@@ -28,7 +28,7 @@ class Recorder:
         self._drawn: list[saved.Drawn] = []
         self._noted: dict[Any, bool] = {}
         """The figures so far, and whether there was anything on them."""
-        self._saved: dict[Any, tuple[frozenset[Any], list[saved.Drawn]]] = {}
+        self._saved: dict[Any, tuple[dict[tuple[int, str], Any], list[saved.Drawn]]] = {}
         """What was on a figure when it was saved, and the files that it was saved to like that."""
         self._packer = Packer()
         self._files: dict[str, bytes | None] = {}
@@ -105,13 +105,13 @@ class Recorder:
     def _remember(self, figure: Any, drawn: saved.Drawn) -> None:
         """Keep what was on a figure when it was saved."""
         parts = figures.parts_of(figure)
-        before, files = self._saved.get(figure, (frozenset(), []))
-        self._saved[figure] = (parts, [*files, drawn] if before == parts else [drawn])
+        before, files = self._saved.get(figure, ({}, []))
+        self._saved[figure] = (parts, [*files, drawn] if before.keys() == parts.keys() else [drawn])
 
     def _note_the_end(self, figure: Any) -> None:
         """Take the facts of a figure that was saved, and on which there is more now."""
-        parts, files = self._saved.pop(figure, (frozenset(), []))
-        if files and parts < figures.parts_of(figure):
+        parts, files = self._saved.pop(figure, ({}, []))
+        if files and parts.keys() < figures.parts_of(figure).keys():
             finished = self._described(figure, {"event": "finished"}, f"end_of_{files[0].facts.get('seen')}", None)
             for one in files:
                 one.finished = finished
