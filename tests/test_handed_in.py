@@ -62,6 +62,11 @@ def drawn(
     return Image.open(stream).convert("RGB")
 
 
+@pytest.fixture(scope="module")
+def figure(recording: dict[str, Any]) -> Any:
+    return drawn(recording)
+
+
 def content(picture: Any, form: str = "PNG") -> bytes:
     stream = io.BytesIO()
     picture.save(stream, form)
@@ -94,12 +99,12 @@ def test_the_sheets_figure_is_recognised_in_other_styles(recording: dict[str, An
     assert shown(content(drawn(recording, style))) == BOTH
 
 
-def test_the_sheets_figure_is_recognised_on_a_screenshot(recording: dict[str, Any]) -> None:
-    assert shown(content(in_a_window(drawn(recording)))) == BOTH
+def test_the_sheets_figure_is_recognised_on_a_screenshot(figure: Any) -> None:
+    assert shown(content(in_a_window(figure))) == BOTH
 
 
-def test_the_sheets_figure_is_recognised_in_the_bytes_of_a_jpeg(recording: dict[str, Any]) -> None:
-    assert shown(content(drawn(recording), "JPEG")) == BOTH
+def test_the_sheets_figure_is_recognised_in_the_bytes_of_a_jpeg(figure: Any) -> None:
+    assert shown(content(figure, "JPEG")) == BOTH
 
 
 @pytest.mark.parametrize("colours", [("k", "0.4", "0.7"), ("k", "k", "k")], ids=["greys", "strokes"])
@@ -154,11 +159,9 @@ def test_other_pictures_do_not_show_both_sensors(
     assert shown(content(other(recording))) != BOTH
 
 
-def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
-    recording: dict[str, Any], marker: Marker
-) -> None:
+def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(figure: Any, marker: Marker) -> None:
     files = {name: text.encode() for name, text in lab(plot="", compare="").items()}
-    picture = {"imu_data.png": content(drawn(recording))}
+    picture = {"imu_data.png": content(figure)}
     result = marker.mark(Submission("s", "s", files | picture, (), "ready", ""), only="visualization")
     checks = {check.id.partition(".")[2]: check for check in result.criteria[0].checks}
     earned = sum(check.points or 0.0 for name, check in checks.items() if name != "comparison_plot")
@@ -167,10 +170,10 @@ def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(
 
 
 def test_under_a_secret_it_earns_as_much_because_whoever_drew_it_did_not_know_it(
-    recording: dict[str, Any], hidden: Traces, opened: Opened
+    figure: Any, hidden: Traces, opened: Opened
 ) -> None:
     with opened(hidden) as marker:
-        marks = _marks(marker, lab(plot="", compare=""), content(drawn(recording)))
+        marks = _marks(marker, lab(plot="", compare=""), content(figure))
     assert sum(marks[name] or 0.0 for name in marks if name != "comparison_plot") == pytest.approx(8.0)
 
 
@@ -183,14 +186,14 @@ def _marked(marker: Marker, files: Mapping[str, str], picture: bytes) -> Result:
     return marker.mark(Submission("s", "s", handed, (), "ready", ""), only="visualization")
 
 
-def test_a_comparison_of_two_panels_of_any_name_is_not_the_plot(recording: dict[str, Any], marker: Marker) -> None:
+def test_a_comparison_of_two_panels_of_any_name_is_not_the_plot(figure: Any, marker: Marker) -> None:
     """Raw above and filtered below, saved as `before_after.png`: no code draws the data."""
     two = COMPARE.replace("fig, ax = plt.subplots(figsize=(10, 4))", "fig, (ax, low) = plt.subplots(2, 1)")
     two = two.replace("ax.plot(t, np.array(smooth)", "low.plot(t, np.array(smooth)")
     two = two.replace("ax.legend()", "ax.legend(), low.legend(), low.set_ylabel(ax.get_ylabel())")
     two = two.replace("filtered_imu.png", "before_after.png")
     assert two.count("low.plot") == two.count("low.legend") == two.count("before_after") == 1
-    marks = _marks(marker, lab(plot="", compare=two), content(drawn(recording)))
+    marks = _marks(marker, lab(plot="", compare=two), content(figure))
     assert marks["curves_match_data"] == pytest.approx(2.5)
 
 
@@ -227,23 +230,23 @@ def _notes_of(result: Result) -> list[str]:
 
 @pytest.mark.parametrize("plot", sorted({*OTHER_CODE} - {"the other sensor"}))
 def test_a_picture_of_both_sensors_beside_code_that_draws_less_is_told_to_whoever_looks(
-    recording: dict[str, Any], marker: Marker, plot: str
+    figure: Any, marker: Marker, plot: str
 ) -> None:
     assert OTHER_CODE[plot] != PLOT_LOOP
-    (note,) = _notes_of(_marked(marker, lab(plot=OTHER_CODE[plot]), content(drawn(recording))))
+    (note,) = _notes_of(_marked(marker, lab(plot=OTHER_CODE[plot]), content(figure)))
     missing = "acceleration and angular velocity" if plot == "zeros" else "angular velocity"
     assert f"; what the code draws shows no {missing}: " in note
 
 
 @pytest.mark.parametrize("plot", MAY_BE_ITS_OWN)
 def test_nothing_is_told_of_a_picture_that_the_code_itself_may_have_drawn(
-    recording: dict[str, Any], marker: Marker, plot: str
+    figure: Any, marker: Marker, plot: str
 ) -> None:
     assert MAY_BE_ITS_OWN[plot] != PLOT_LOOP
     files = lab(plot=MAY_BE_ITS_OWN[plot])
     if plot == "another file":
         files["imu_reader.py"] = files["imu_reader.py"].partition('if __name__ == "__main__":')[0] + BOTH_IN_A_SCRIPT
-    assert _notes_of(_marked(marker, files, content(drawn(recording)))) == []
+    assert _notes_of(_marked(marker, files, content(figure))) == []
 
 
 def test_nothing_is_told_of_the_picture_that_the_code_drew_and_another_one_costs_nothing(
@@ -258,20 +261,16 @@ def test_nothing_is_told_of_the_picture_that_the_code_drew_and_another_one_costs
     assert [check.points for check in own.criteria[0].checks] == [check.points for check in true.criteria[0].checks]
 
 
-def test_under_a_secret_the_picture_is_still_of_the_public_run(
-    recording: dict[str, Any], hidden: Traces, opened: Opened
-) -> None:
+def test_under_a_secret_the_picture_is_still_of_the_public_run(figure: Any, hidden: Traces, opened: Opened) -> None:
     with opened(hidden) as marker:
-        result = _marked(marker, lab(plot=OTHER_CODE["the other sensor"]), content(drawn(recording)))
+        result = _marked(marker, lab(plot=OTHER_CODE["the other sensor"]), content(figure))
         assert len(_notes_of(result)) == 1
 
 
 @pytest.mark.quick
-def test_no_sound_submission_pays_for_a_look_at_its_picture(
-    recording: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_sound_submission_pays_for_a_look_at_its_picture(figure: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten of the corpus, from their tapes, which have no answer about a picture."""
-    picture, looked = {"imu_data.png": content(drawn(recording))}, []
+    picture, looked = {"imu_data.png": content(figure)}, []
     monkeypatch.setattr(Student, "picture", lambda _, name: looked.append(name))
     for case in [case for case in taped() if case.part == "sound"][::16]:
         handed = handed_in(case)
