@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -32,6 +33,7 @@ from tests.tapes.player import player
 from tests.tapes.storing import taped
 
 BOTH = {0, 1}
+NOISE = Image.fromarray(np.random.default_rng(1).integers(0, 256, (600, 900, 3), np.uint8))
 
 
 @pytest.fixture(scope="module")
@@ -148,7 +150,7 @@ def _sines(recording: dict[str, Any]) -> Any:
         _sines,
         lambda recording: drawn(recording | {"angular_velocity": recording["acceleration"]}),
         lambda recording: drawn({key: values[:1] for key, values in recording.items()}),
-        lambda _: Image.fromarray(np.random.default_rng(1).integers(0, 256, (600, 900, 3), np.uint8)),
+        lambda _: NOISE,
         lambda _: Image.new("RGB", (900, 600), "white"),
     ],
     ids=["sines", "one sensor twice", "empty axes", "noise", "a blank sheet"],
@@ -157,6 +159,24 @@ def test_other_pictures_do_not_show_both_sensors(
     recording: dict[str, Any], other: Callable[[dict[str, Any]], Any]
 ) -> None:
     assert shown(content(other(recording))) != BOTH
+
+
+def test_the_sheets_figure_is_recognised_on_a_photograph(figure: Any) -> None:
+    """Of more colours than are kept: a desktop around a window."""
+    coarse = NOISE.resize((16, 12), Image.Resampling.BOX)
+    desktop = Image.blend(coarse.resize((1600, 1100), Image.Resampling.BICUBIC), NOISE.resize((1600, 1100)), 0.05)
+    desktop.paste(figure, (150, 120))
+    assert shown(content(desktop)) == BOTH
+
+
+def test_a_picture_of_any_colours_is_reduced_quickly(figure: Any) -> None:
+    """Noise took 27 times as long as a figure; its own reading and shrinking take 2 to 4 times as long."""
+    took = []
+    for picture in (figure, NOISE):
+        handed, begun = np.frombuffer(content(picture), np.uint8), time.process_time()
+        decode({}, {"bytes": handed})
+        took.append(time.process_time() - begun)
+    assert took[1] < 10 * took[0]
 
 
 def test_it_earns_half_of_the_criterion_and_a_person_is_asked_to_look(figure: Any, marker: Marker) -> None:

@@ -171,6 +171,7 @@ ADDED = {
         "import-missing",
         "return-missing",
         "other-parameters",
+        "global-for-parameter",
         "array-asked-for-truth",
     ],
 }

@@ -12,7 +12,7 @@ from grader.engine.results import CriterionResult
 from grader.intake import Submission
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
-from tests.corpus.pieces import COLLECT_LOOKUP, edit, lab
+from tests.corpus.pieces import COLLECT_LOOKUP, COMPARE, PLOT_LOOP, edit, lab
 from tests.tapes import Marking
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
@@ -26,6 +26,27 @@ class LowPassFilter:
     def update(self, measurement):
         return np.zeros(3)
 """
+
+
+LOAD = """
+
+def load():
+    model = mujoco.MjModel.from_xml_path(MODEL_PATH)
+    return model, mujoco.MjData(model)
+"""
+PLOT_FIRST = "imu_reader.plot_imu_data(imu_reader.simulate_and_collect(*imu_reader.load(), 1.0))\n"
+STOPPED_IN_PLOT = {
+    "an exception": ('imu_data["time"]', 'imu_data["times"]'),
+    "a loop without an end": ("    t = ", "    while True:\n        pass\n    t = "),
+    "a slip of the pen": ('imu_data["time"]', 'imu_data["time"'),
+}
+PLOTS_FIRST = {
+    "under a guard": COMPARE.replace("    compare()\n", f"    import imu_reader\n    {PLOT_FIRST}    compare()\n"),
+    "in main": COMPARE.replace("    compare()\n", "    main()\n").replace(
+        "if __name__", f"def main():\n    import imu_reader\n    {PLOT_FIRST}    compare()\n\n\nif __name__"
+    ),
+    "at module level": COMPARE.partition("if __name__")[0] + f"import imu_reader\n{PLOT_FIRST}compare()\n",
+}
 
 
 def _criterion(player: Marking, criterion: str, files: dict[str, str]) -> CriterionResult:
@@ -132,6 +153,19 @@ def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(player
             "ZeroDivisionError: division by zero; what the file defines counts"
         ],
     )
+
+
+@pytest.mark.parametrize("stopped", STOPPED_IN_PLOT)
+@pytest.mark.parametrize("where", PLOTS_FIRST)
+def test_a_plot_that_stops_the_script_costs_the_plot_and_not_what_is_drawn_after_it(
+    player: Marking, where: str, stopped: str
+) -> None:
+    before, after = STOPPED_IN_PLOT[stopped]
+    assert (PLOT_LOOP.count(before), PLOTS_FIRST[where].count(PLOT_FIRST)) == (1, 1)
+    files = lab(plot=PLOT_LOOP.replace(before, after), compare=PLOTS_FIRST[where])
+    files["imu_reader.py"] += LOAD
+    criterion = _criterion(player, "visualization", files)
+    assert [check.id for check in criterion.checks if check.points] == ["visualization.comparison_plot"]
 
 
 def test_biases_in_each_others_place_are_told_as_that(player: Marking) -> None:

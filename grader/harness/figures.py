@@ -44,7 +44,7 @@ def parts_of(figure: Any) -> dict[tuple[int, str], Any]:
 
     Returns
     -------
-    The artists by their identity. Who keeps it keeps them: the next artist may be made where a removed one was, and be taken for it.
+    The artists by identity. Who keeps it keeps them: the next artist may get the memory of one that went, and be taken for it.
     """
     try:
         return {(id(artist), what): artist for artist, what in _each_part(figure)}

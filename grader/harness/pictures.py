@@ -12,6 +12,7 @@ _MAX_PIXELS = 40_000_000
 _THUMBNAIL = 160
 _PREVIEW = 640
 _COLOURS = 256
+_MANY = 65_536  # colours: a figure has 20,000, as a JPEG 35,000
 _GROUNDS, _SHADES = 4, 16  # colours of paper and the like, told apart in steps
 
 
@@ -39,7 +40,7 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
                 preview = _on_white(picture, _PREVIEW)
                 small = preview.copy()
                 small.thumbnail((_THUMBNAIL, _THUMBNAIL))
-                few = preview.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
+                few = preview.quantize(_COLOURS, _reduction(preview))
     except Exception as error:  # any broken file, any codec
         return {"readable": False, "reason": type(error).__name__}, {}
     pixels = np.asarray(small).reshape(-1, 3)
@@ -50,6 +51,13 @@ def decode(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     palette[: len(known)] = known
     facts = {"readable": True, "size_px": size, "colours": len(colours), "ink": float(1 - flat)}
     return facts, {"preview": np.asarray(few, dtype=np.uint8), "palette": palette}
+
+
+def _reduction(picture: Any) -> Any:
+    """The one that keeps the colours of thin curves, whose time grows with the colours; photographs and noise get a quick one."""
+    from PIL import Image
+
+    return Image.Quantize.MEDIANCUT if picture.getcolors(_MANY) is None else Image.Quantize.MAXCOVERAGE
 
 
 def _on_white(picture: Any, longest: int) -> Any:

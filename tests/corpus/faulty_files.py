@@ -49,6 +49,7 @@ FILE_FAULTS = [
     Faulty("filter-with-mixed-indentation", "does-not-import", "filtering", edit(listy(), "filters.py", ("        self.alpha = alpha\n", "\tself.alpha = alpha\n"))),
     Faulty("noise-imports-what-is-not-there", "missing-package", "noise_model", edit(tidy(), "noisy_imu.py", ("import mujoco\n", "import mujoco\nimport pymavlink\n"), ("    def read(self):\n", "    def read(self):\n        pymavlink.wait()\n"))),
     Faulty("noise-forgets-numpy", "import-missing", "noise_model", edit(tidy(), "noisy_imu.py", ("import numpy as np\n", ""))),
+    Faulty("reader-of-the-programs-own-data", "global-for-parameter", "sensor_access", edit(verbatim(), "imu_reader.py", ("def get_imu_readings(model, data,", "def get_imu_readings(m, d,")), loses=("sensor_access.returns_two_vectors",)),
     Faulty("filter-asks-for-the-time-step", "other-parameters", "filtering", edit(tidy(), "filters.py", ("def update(self, measurement):", "def update(self, measurement, dt):"), ("low_pass.update(", "low_pass.update(dt=0.002, measurement="))),
     Faulty("filter-raises-at-import", "does-not-import", "filtering", edit(tidy(), "filters.py", ("class LowPassFilter:\n", "class LowPassFilter:\n    SETTINGS = open('settings.json').read()\n"))),
     Faulty("noise-loops-at-import", "never-returns", "noise_model", edit(tidy(), "noisy_imu.py", ("class NoisyIMU:\n", "class NoisyIMU:\n    while True:\n        pass\n"))),

@@ -203,4 +203,61 @@ NAMES = [
     Edit("guard-that-exits", below("recording", "if __name__ == '__main__':\n    import os\n    os._exit(3)")),
 ]  # fmt: skip
 
-EDITS: list[Edit] = [*IN_FUNCTIONS, *AT_MODULE_LEVEL, *PACKAGES, *NAMES]
+# ---------------------------------------------------------------- the globals of one program in place of what a function is given
+
+_READER, _RECORDER = "get_imu_readings(model, data, ", "simulate_and_collect(model, data, "
+_IDS = ("accel_sensor_id, gyro_sensor_id", "accel_id, gyro_id")
+_FALLBACK = """\
+    m, d = m or model, d or data
+    accel_adr = m.sensor_adr[accel_id if accel_sensor_id is None else accel_sensor_id]
+    gyro_adr = m.sensor_adr[gyro_id if gyro_sensor_id is None else gyro_sensor_id]
+
+    # Extract readings (each is 3D)
+    acceleration = d.sensordata[accel_adr:accel_adr+3].copy()
+    angular_velocity = d.sensordata[gyro_adr:gyro_adr+3].copy()
+"""
+
+
+def everywhere(*changes: tuple[str, str]) -> Steps:
+    """The steps with these passages exchanged wherever they stand; each must be there."""
+    steps = STEPS
+    for old, new in changes:
+        if not any(old in text for text in steps.values()):
+            raise ValueError(f"no step holds {old!r}")
+        steps = {name: text.replace(old, new) for name, text in steps.items()}
+    return dict(steps)
+
+
+def _between(step: str, first: str, last: str) -> str:
+    text = STEPS[step]
+    return text[text.index(first) : text.index(last)]
+
+
+GLOBALS = [
+    Edit("reader-of-the-globals", changed(reader=(_READER, "get_imu_readings(m, d, ")), {"sensor_access": 3}, ("sensor_access",)),
+    Edit("reader-of-the-global-data", changed(reader=(_READER, "get_imu_readings(model, d, ")), {"sensor_access": 3}, ("sensor_access",)),
+    Edit(
+        "reader-without-parameters",
+        everywhere(
+            (f"{_READER}{_IDS[0]}", "get_imu_readings("), (f"{_READER}{_IDS[1]}", "get_imu_readings("),
+            ("get_imu_readings(self.model, self.data, self.accel_id, self.gyro_id)", "get_imu_readings()"),
+            ("[accel_sensor_id]", "[accel_id]"), ("[gyro_sensor_id]", "[gyro_id]"),
+        ),
+        {"sensor_access": 6},
+        ("sensor_access",),
+    ),
+    Edit(
+        "reader-with-globals-by-default",
+        changed(reader=(_between("reader", "    # Get sensor data", "\n    return"), _FALLBACK))
+        | {"reader": changed(reader=(_between("reader", "    # Get sensor data", "\n    return"), _FALLBACK))["reader"].replace(f"{_READER}{_IDS[0]}", "get_imu_readings(m=None, d=None, accel_sensor_id=None, gyro_sensor_id=None")},
+    ),
+    Edit("recorder-of-the-globals", changed(recorder=(_RECORDER, "simulate_and_collect(m, d, ")), {"data_collection": 3}, ("data_collection",)),
+    Edit("recorder-of-the-global-data", changed(recorder=(_RECORDER, "simulate_and_collect(model, d, "))),
+    Edit("recorder-without-model-and-data", everywhere((_RECORDER, "simulate_and_collect(")), {"data_collection": 3}, ("data_collection",)),
+    Edit("noise-on-the-global-data", changed(noise=("(self.model, self.data, self.accel_id, self.gyro_id)", "(model, data, accel_id, gyro_id)"))),
+    Edit("noise-on-the-last-reading-printed", changed(noise=("        accel, gyro = get_imu_readings(self.model, self.data, self.accel_id, self.gyro_id)\n", "")), {"noise_model": 3}, ("noise_model",)),
+    Edit("plot-of-the-global", changed(plot=("plot_imu_data(imu_data)", "plot_imu_data(d)")), {"visualization": 2}, ("visualization",)),
+    Edit("plot-without-parameters", everywhere(("plot_imu_data(imu_data)", "plot_imu_data()")), {"visualization": 2}, ("visualization",)),
+]  # fmt: skip
+
+EDITS: list[Edit] = [*IN_FUNCTIONS, *AT_MODULE_LEVEL, *PACKAGES, *NAMES, *GLOBALS]

@@ -209,6 +209,13 @@ def _turned(accel_sensor_id: int, gyro_sensor_id: int, data: Any, model: Any) ->
     return sound(model, data, accel_sensor_id, gyro_sensor_id)
 
 
+_OWN = mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
+
+
+def _of_the_programs_own(_m: Any, d: Any, accel_sensor_id: int, gyro_sensor_id: int) -> Any:
+    return np.full(3, _OWN.time), np.zeros(3)
+
+
 CASES = [
     Case(name, check, lambda reader=reader: Made(get_imu_readings=reader), marked)  # type: ignore[misc]
     for check, rows in {
@@ -229,6 +236,7 @@ CASES = [
             ("five in one", altered(lambda x: np.append(x, [1, 2])), (0.0, ["wrong-length"])),
             ("raises", _raises(ValueError), "raised"),
             ("in another order", _turned, (0.0, ["other-parameters"])),
+            ("of the program's own data", _of_the_programs_own, (0.0, ["global-for-parameter"])),
         ],
         MATCHES: [
             ("sound", sound, None),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -36,9 +36,10 @@ class Plotted(Made):
 
     def __init__(
         self, drawing: Drawing, scripts: tuple[Drawing, ...] = (), pictures: Mapping[str, Picture | None] | None = None,
-        broken: tuple[str, ...] = (),
+        broken: tuple[str, ...] = (), behind: tuple[Drawing, ...] = (),
     ) -> None:  # fmt: skip
         super().__init__(plot_imu_data=None)
+        self._behind = behind
         self._drawing, self._scripts, self._pictures, self.broken = drawing, scripts, pictures or {}, set(broken)  # type: ignore[assignment, misc]
 
     def plot(self, *_: Any, **__: Any) -> Drawing:
@@ -46,6 +47,9 @@ class Plotted(Made):
 
     def scripts(self) -> Iterator[Drawing]:
         return iter(self._scripts)
+
+    def replace_broken(self, names: Sequence[str]) -> None:
+        self._scripts += self._behind
 
     def picture(self, name: str) -> Picture | None:
         return self._pictures.get(name)
@@ -172,6 +176,12 @@ def _both(**words: Any) -> Callable[[], Made]:
 
 def _raising(sheet: Sheet) -> Drawing:
     return replace(sheet.drawing(), fault=Fault("ValueError", "broken", "imu_reader.py", 7, "plt.plot(x)"))
+
+
+def _stopped_by_the_plot(*behind: Drawing) -> Callable[[], Made]:
+    """A script that the plot stops: what it draws behind that is seen beside a stand-in alone."""
+    stopped = _raising(Sheet())
+    return lambda: Plotted(stopped, (replace(stopped, figures=()),), behind=behind)
 
 
 def _broken_off() -> Student:
@@ -492,6 +502,7 @@ CASES = [
             ("saved by a script", drawn(_unsaved, scripts=(Sheet().drawing(),)), None),
             ("another plot saved by a script", drawn(_unsaved, scripts=(_compared(),)), (0.0, ["plot-not-saved"])),
             ("broken off", _broken_off, "raised"),
+            ("of a global", lambda: Plotted(replace(Sheet().drawing(), departs=("global imu_data",))), (0.0, ["global-for-parameter"])),
             ("by other parameters", lambda: Plotted(replace(Sheet().drawing(), departs=("imu_data", "title"))), (0.0, ["other-parameters"])),
             ("a second picture over the first", _saved_over((0,), (1,)), (0.5, ["picture-overwritten"])),
             ("a second picture over the first, under a name that is printed", _saved_over((1,), (0,), path=f"plots/\x07{'imu' * 30}.png"), (0.5, ["picture-overwritten"])),
@@ -685,6 +696,9 @@ CASES = [
             ("few samples, not saved", _scripts(_few(20, event="shown")), (0.0, ["comparison-missing"])),
             ("few samples, the same twice", _scripts(_few(20, other=np.array)), (0.0, ["comparison-missing"])),
             ("stopped before", _scripts(_STOPPED), (0.0, [])),
+            ("stopped by the plot, which is charged", _stopped_by_the_plot(_compared()), None),
+            ("stopped by the plot, and nothing behind it", _stopped_by_the_plot(), (0.0, ["comparison-missing"])),
+            ("stopped by the plot, and once more", _stopped_by_the_plot(_STOPPED), (0.0, [])),
             ("stopped before, a picture handed in", _scripts(_STOPPED, **_FILTERED), (0.5, ["comparison-missing"])),
         ],
     }.items()

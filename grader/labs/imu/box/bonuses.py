@@ -13,7 +13,7 @@ from grader.harness.calling import fitted
 from grader.harness.values import Packer, numbers
 
 from . import calls, live
-from .questions import Reply, examined, move_on, put_in_state, simulation_of
+from .questions import Reply, examined, move_on, put_in_state, scene
 
 _ROLL = re.compile(r"roll|phi", re.IGNORECASE)
 _PITCH = re.compile(r"pitch|theta", re.IGNORECASE)
@@ -110,8 +110,7 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     function = loading.find("read_all_imus", fields["path"])
     packer = Packer()
     answer: dict[str, Any] = {"calls": [], "later": None}
-    with examined(answer):
-        model, data = simulation_of(fields["model"])
+    with examined(answer), scene(fields["model"]) as (model, data):
         read, _ = fitted(function, calls.IMUS)
         for index, (qpos, qvel) in enumerate(zip(arrays["qpos"], arrays["qvel"], strict=True)):
             put_in_state(model, data, qpos, qvel)

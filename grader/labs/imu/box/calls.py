@@ -25,7 +25,7 @@ def _of_each_sensor(quantity: str, other: str) -> tuple[re.Pattern[str], re.Patt
     return _meaning(accel), _meaning(gyro)
 
 
-_MODEL, _DATA = Slot("model", _meaning(r"^m$|model")), Slot("data", _meaning(r"^d$|data"))
+MODEL, DATA = Slot("model", _meaning(r"^m$|model")), Slot("data", _meaning(r"^d$|data"))
 _ID_TYPES = (int, np.integer, NoneType)  # anything else that a parameter stands for by default is no id: a name, a list
 _SIZE = "std|sigma|noise|dev|var"
 _STDS = _of_each_sensor(_SIZE, "bias|offset|drift")
@@ -34,14 +34,14 @@ _DT = _meaning(r"^(dt|delta.*|time_?step|period|h)$")
 _BIASES = _of_each_sensor("bias|offset|drift|(?<![a-z])b(?![a-z])", _SIZE)
 
 READER = (
-    _MODEL,
-    _DATA,
+    MODEL,
+    DATA,
     Slot("accel_sensor_id", _meaning(r"^a(_|cc|$)"), free=True),  # follows_address charges a reader without them
     Slot("gyro_sensor_id", _meaning(r"^g(_|yr|$)"), free=True),
 )
 NOISY = (
-    _MODEL,
-    _DATA,
+    MODEL,
+    DATA,
     Slot("accel_id", _meaning(r"^a(_|cc|$)(?!.*(std|sigma|noise|dev|bias|offset))")),
     Slot("gyro_id", _meaning(r"^g(_|yr|$)(?!.*(std|sigma|noise|dev|bias|offset))")),
     Slot("accel_noise_std", _STDS[0], "option"),
@@ -63,8 +63,8 @@ UPDATE = (
     Slot("dt", _DT, "spare"),
 )
 COLLECTOR = (
-    _MODEL,
-    _DATA,
+    MODEL,
+    DATA,
     Slot("duration_seconds", _meaning(r"dur|sec|time|^t$"), free=True, anywhere=True),
     Slot("accel_id", _meaning("^acc"), "spare", _ID_TYPES, free=True),
     Slot("gyro_id", _meaning("^gyr"), "spare", _ID_TYPES, free=True),
@@ -72,7 +72,7 @@ COLLECTOR = (
 )
 TILT_FILTER = (Slot("dt", _DT), Slot("alpha", _ALPHA, "spare"))
 TILT_UPDATE = (Slot("accel", _meaning("^a")), Slot("gyro", _meaning("^(g|w|omega|rate)")), Slot("dt", _DT, "spare"))
-IMUS = (_MODEL, _DATA)
+IMUS = (MODEL, DATA)
 PLOTTER = (
     Slot("imu_data", _meaning("data|imu|record|result")),
     Slot("time", _meaning(r"^t$|time"), "spare"),

@@ -13,8 +13,8 @@ from grader.harness import loading, recorder
 from grader.harness.screen import Screen, open_figures, replaced
 from grader.harness.values import Packer
 
-from . import calls
-from .questions import Reply, examined, model_of, provide_ids
+from . import calls, own_globals
+from .questions import Reply, examined, model_of
 
 _MAX_EVENTS = 5000
 _SNAPSHOTS = 8
@@ -46,12 +46,13 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     data = mujoco.MjData(model)
     data.qvel[0] = fields["push"]
     ids = {"accel": fields["accel_id"], "gyro": fields["gyro_id"]}
-    provide_ids(ids)
+    own_globals.provide_ids(ids)
     watch = _Watch(data, fields["duration_s"])
     screen = Screen(watch.seen, watch.done)
     answer: dict[str, Any] = {"returned": False}
     recorder.RECORDER.take(loading.STATE.folder)
-    with examined(answer), screen.standing(), watch.counting_steps():
+    scene = own_globals.standing_for(model, data)
+    with examined(answer), scene, screen.standing(), watch.counting_steps():
         plot, _ = calls.collecting_by(function, model, fields["duration_s"], ids)
         value = plot(model, data, fields["duration_s"])
         screen.show_animations_left()

@@ -14,15 +14,14 @@ from grader.harness import loading, world
 from grader.harness.calling import way_of
 from grader.harness.values import Packer, numbers
 
-from . import calls
+from . import calls, own_globals
 from .questions import (
     Reply,
     changes_of,
     examined,
     parts_of,
-    provide_ids,
     put_in_state,
-    simulation_of,
+    scene,
     state_of,
     vectors_in,
 )
@@ -47,8 +46,7 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
     readings = np.full((len(arrays["qpos"]), fields["reads"], 6), np.nan)
     disturbance: list[list[float]] = []
-    with examined(answer):
-        model, data = simulation_of(fields["model"])
+    with examined(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _building(fields, model, data, answer)
         sensor = build(arrays)
@@ -84,8 +82,7 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": []}
     readings = np.full((len(fields["twins"]), fields["reads"], 6), np.nan)
-    with examined(answer):
-        model, data = simulation_of(fields["model"])
+    with examined(answer), scene(fields["model"]) as (model, data):
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _building(fields, model, data, answer)
         generators = [(generator, _state(generator)) for generator in _generators()]
@@ -164,7 +161,7 @@ def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, A
     kind = loading.find("NoisyIMU", fields["path"])
     way = way_of(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
-    provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
+    own_globals.provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
     names = ("accel_id", "gyro_id", "accel_noise_std", "gyro_noise_std")
     given = {"model": model, "data": data, **{name: fields[name] for name in names}}
 
@@ -216,8 +213,7 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"odd": None, "departs": [], "done": 0}
     readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
-    with examined(answer):
-        model, data = simulation_of(fields["model"])
+    with examined(answer), scene(fields["model"]) as (model, data):
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
         build, sensors = _building(fields, model, data, answer), []
         for rows in readings:

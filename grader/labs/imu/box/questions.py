@@ -5,13 +5,10 @@ An experiment answers with facts and arrays; an exception of the student's ends 
 
 from __future__ import annotations
 
-import dis
 import functools
-import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,12 +18,9 @@ from grader.harness.calling import fitted, way_of
 from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
 
-from . import calls
+from . import calls, own_globals
 
 Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
-_ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
-_GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
-_AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
 
 
 @contextmanager
@@ -78,9 +72,10 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"calls": [], "later": [], "departs": []}
     disturbance = []
-    with examined(answer):
-        model, data = simulation_of(fields["model"])
-        reading_of, answer["departs"] = fitted(reader, calls.READER)
+    with examined(answer), scene(fields["model"]) as (model, data):
+        own_globals.provide_ids_of(model)
+        reading_of, departs = fitted(reader, calls.READER)
+        answer["departs"] = [*departs, *own_globals.read_instead(reader, (calls.MODEL, calls.DATA))]
         for accel_id, gyro_id in arrays["pairs"]:
             for index in range(len(arrays["qpos"])):
                 put_in_state(model, data, arrays["qpos"][index], arrays["qvel"][index])
@@ -114,6 +109,14 @@ def simulation_of(xml: str) -> tuple[Any, Any]:
 
     model = model_of(xml)
     return model, mujoco.MjData(model)
+
+
+@contextmanager
+def scene(xml: str) -> Iterator[tuple[Any, Any]]:
+    """The same, which the submission's own globals stand for as well."""
+    model, data = simulation_of(xml)
+    with own_globals.standing_for(model, data):
+        yield model, data
 
 
 def put_in_state(model: Any, data: Any, qpos: Any, qvel: Any) -> None:
@@ -164,13 +167,14 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         data.qpos[:], data.qvel[:], data.time = arrays["qpos"], arrays["qvel"], fields["time_s"]
         mujoco.mj_forward(model, data)
     ids = {"accel": fields["accel_id"], "gyro": fields["gyro_id"]}
-    provide_ids(ids)
+    own_globals.provide_ids(ids)
     packer = Packer()
     answer: dict[str, Any] = {"value": None, "departs": []}
     before = _options(model)
     world.watch_next_run()
-    with examined(answer):
-        collect, answer["departs"] = calls.collecting_by(function, model, fields["duration_s"], ids)
+    with examined(answer), own_globals.standing_for(model, data):
+        collect, departs = calls.collecting_by(function, model, fields["duration_s"], ids)
+        answer["departs"] = [*departs, *own_globals.read_instead(function, (calls.MODEL,))]
         answer["value"] = packer.node(collect(model, data, fields["duration_s"]))
     answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
     return answer, packer.arrays | {f"first_{name}": value for name, value in world.watched_run().items()}
@@ -222,12 +226,13 @@ def _run_again(fields: dict[str, Any], arrays: dict[str, Any]) -> Iterator[tuple
     starts = {0: tuple(arrays[name] for name in ("qpos", "qvel", "force"))}
     changes = zip(*(arrays[name] for name in ("set_at", "set_qpos", "set_qvel", "set_force")), strict=True)
     starts |= {int(step): tuple(state) for step, *state in changes}
-    for step in range(fields["steps"]):
-        if step in starts:
-            data.qpos[:], data.qvel[:], force = starts[step]
-            data.qfrc_applied[:], data.xfrc_applied[:] = force[: model.nv], force[model.nv :].reshape(-1, 6)
-        mujoco.mj_step(model, data)
-        yield model, data
+    with own_globals.standing_for(model, data):
+        for step in range(fields["steps"]):
+            if step in starts:
+                data.qpos[:], data.qvel[:], force = starts[step]
+                data.qfrc_applied[:], data.xfrc_applied[:] = force[: model.nv], force[model.nv :].reshape(-1, 6)
+            mujoco.mj_step(model, data)
+            yield model, data
 
 
 def _six(reading: Any) -> np.ndarray:
@@ -249,43 +254,6 @@ def _options(model: Any) -> dict[str, np.ndarray]:
         "geom_friction": model.geom_friction,
     }
     return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
-
-
-def provide_ids(ids: dict[str, int]) -> None:
-    """Set the sensor ids that student code reads from module globals which nothing has set, or to a placeholder only."""
-    for module in list(loading.STATE.modules.values()):
-        for name in _unset_globals(module):
-            if _AN_ID.search(name) and _ACCELEROMETER.match(name):
-                setattr(module, name, ids["accel"])
-            elif _AN_ID.search(name) and _GYROSCOPE.match(name):
-                setattr(module, name, ids["gyro"])
-
-
-def _unset_globals(module: ModuleType) -> set[str]:
-    members = [m for m in list(vars(module).values()) if getattr(m, "__module__", None) == module.__name__]
-    functions = [m for m in members if isinstance(m, FunctionType)]
-    for owner in (m for m in members if isinstance(m, type)):
-        functions += [f for f in vars(owner).values() if isinstance(f, FunctionType)]
-    names = {name for function in functions for name in _names(function.__code__)}
-    set_later = {name for function in functions for name in _set_globals(function.__code__)}
-    values = vars(module)
-    return {name for name in names if values.get(name) is None or (name in set_later and _is_no_id(values[name]))}
-
-
-def _is_no_id(value: Any) -> bool:
-    """Whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
-    return isinstance(value, int | np.integer) and bool(value < 0)
-
-
-@functools.cache  # asked for every instance of a class
-def _set_globals(code: CodeType) -> set[str]:
-    return {str(step.argval) for step in dis.get_instructions(code) if step.opname == "STORE_GLOBAL"}
-
-
-@functools.cache
-def _names(code: CodeType) -> set[str]:
-    inner = {name for const in code.co_consts if isinstance(const, CodeType) for name in _names(const)}
-    return set(code.co_names) | inner
 
 
 # --- the filter ----------------------------------------------------------------------------------------------------------
@@ -395,9 +363,10 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     }
     with examined(answer):
         way = way_of(function, calls.PLOTTER)
-        answer["departs"] = list(way.departs)
         recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
-        way(function, calls.WRITTEN | given | {"imu_data": recorded})
+        with own_globals.recorded_as(recorded, function, calls.PLOTTER[:4]) as read_instead:
+            answer["departs"] = [*way.departs, *read_instead]
+            way(function, calls.WRITTEN | given | {"imu_data": recorded})
     seen, facts = recorder.RECORDER.take(loading.STATE.folder)
     return answer | seen, facts
 
@@ -410,12 +379,12 @@ def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str
     function = loading.find("simulate_and_collect", recorder["path"])
     model, data = simulation_of(recorder["model"])
     ids = {"accel": recorder["accel_id"], "gyro": recorder["gyro_id"]}
-    provide_ids(ids)
+    own_globals.provide_ids(ids)
     time, *rows = (arrays[key] for key in recorder["shows"])
     model.opt.timestep = time[0]
     collect, _ = calls.collecting_by(function, model, time[-1], ids)
     measured = {int(model.sensor_adr[id_]): of_sensor for id_, of_sensor in zip(ids.values(), rows, strict=True)}
-    with _measuring(time, measured):
+    with _measuring(time, measured), own_globals.standing_for(model, data):
         recorded = collect(model, data, time[-1])
     for name, value in series.items():
         with suppress(TypeError, KeyError, IndexError, ValueError, AttributeError):

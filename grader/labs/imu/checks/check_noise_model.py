@@ -251,7 +251,9 @@ def check_default_bias(student: Student, truth: Traces) -> None:
     if too_large is not None and not noisy:
         which, drawn, sheets = too_large
         wanted = f"a default {_NAMES[which]} bias as sensors have it, about {sheets:g} {SENSOR_UNITS[which]}"
-        raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL, belongs_to=_GIVEN_CHECK)
+        law = () if all(map(_bias_is_right, sensors)) else (_LAW_CHECK,)  # it charges what else is in the mean
+        elsewhere = (_GIVEN_CHECK, *law)
+        raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL, belongs_to=elsewhere)
 
 
 def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:

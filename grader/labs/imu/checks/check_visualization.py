@@ -12,6 +12,7 @@ from grader.engine.examination import check
 from grader.engine.figures import Figure
 from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
+from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
 from grader.labs.imu.checks.fitting import fits_in
@@ -22,6 +23,7 @@ from grader.labs.imu.checks.plot_runs import (
     best_of,
     candidates,
     cut_off,
+    drawing_of_data,
     drawing_or_fault,
     drawn_plot,
     finished,
@@ -290,10 +292,11 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
     drawn = unread = late = False
     few = 0
+    charged = _what_stops_the_plot(student, truth)
     broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
-        broken_off = broken_off or drawing.fault
+        broken_off = broken_off or (drawing.fault if drawing.fault != charged else None)
         unread = unread or (drawing.fault is not None and drawing.fault.type in _NO_PYTHON)
         seen = seen or next((_curves_in_words(figure) for figure in drawing.figures if _is_meant(figure)), "")
         pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
@@ -341,6 +344,19 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         fault=broken_off,
         belongs_to=_FILTER if unread else "",
     )
+
+
+def _what_stops_the_plot(student: Student, truth: Traces) -> Fault | None:
+    """The exception in `plot_imu_data`. Where it does not come to its end, which is charged, scripts go on after it."""
+    try:
+        fault = drawing_of_data(student, truth).fault
+    except (Missing, NoAnswer):
+        fault = None
+    else:
+        if fault is None:
+            return None
+    student.replace_broken(["plot_imu_data"])
+    return fault
 
 
 def _compared(student: Student, figure: Figure) -> list[comparing.Compared]:

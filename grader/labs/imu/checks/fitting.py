@@ -8,13 +8,16 @@ from grader.engine.findings import Lost, Size
 from grader.ground.text import printable
 from grader.labs.imu.student import Student
 
+_GLOBAL = "global "
+
 
 def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_to: str = "") -> None:
     """Charge what a definition needed in order to be of use at all: its name, an import, a return, or the sheet's parameters.
 
     Parameters
     ----------
-    departs : the sheet's names for the parameters by which it could not be called as the sheet does; nothing of the student's
+    departs : the sheet's names for the parameters by which it could not be called as the sheet does, and for those in whose place
+        it reads a ``global``; nothing of the student's
     """
     wanted, own = student.misspelt(name)
     if own:
@@ -39,6 +42,17 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             off=off,
             mistakes=["return-missing"],
             keeps=keeps,
+        )
+    if read := [name for name in departs if name.startswith(_GLOBAL)]:
+        these = " and ".join(name.removeprefix(_GLOBAL) for name in read)
+        got, off = f"a global in place of {these}", Size(f"a global in place of {these}")
+        raise Lost(
+            f"the {these} that {name} is given",
+            got,
+            off=off,
+            mistakes=["global-for-parameter"],
+            keeps=keeps,
+            belongs_to=belongs_to,
         )
     if odd := ", ".join(departs):
         got, off = f"others in place of, or beside, these: {odd}", Size(f"those that differ: {odd}")

@@ -1,0 +1,186 @@
+"""What a submission's functions read from the globals of its modules: the sensors' ids, and its own model and data.
+
+On the sheet one program holds all, and what it gives its functions is what its globals hold. So they hold it here, too.
+"""
+
+from __future__ import annotations
+
+import dis
+import functools
+import inspect
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+from grader.harness import loading
+from grader.harness.calling import Slot
+from grader.harness.screen import replaced
+
+_ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
+_GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)
+_AN_ID = re.compile(r"id(x|ent)?$|index$|sensor$", re.IGNORECASE)
+_SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for name in ("model", "data")}
+
+
+def provide_ids(ids: Mapping[str, int]) -> None:
+    """Set the sensor ids that student code reads from module globals which nothing has set, or to a placeholder only."""
+    for module in list(loading.STATE.modules.values()):
+        for name in _unset_globals(module):
+            if _AN_ID.search(name) and _ACCELEROMETER.match(name):
+                setattr(module, name, ids["accel"])
+            elif _AN_ID.search(name) and _GYROSCOPE.match(name):
+                setattr(module, name, ids["gyro"])
+
+
+def provide_ids_of(model: Any) -> None:
+    """The same for the IMU of the robot, where the model has it."""
+    import mujoco
+
+    names = loading.STATE.furniture.get("imu", ())
+    ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in names]
+    if ids and min(ids) >= 0:
+        provide_ids(dict(zip(("accel", "gyro"), ids, strict=True)))
+
+
+@contextmanager
+def standing_for(model: Any, data: Any) -> Iterator[None]:
+    """Let the globals that functions read as their model and their data be these for a while.
+
+    They are those that hold one, or that nothing has set. Where functions read several, nobody knows which of them is meant.
+    """
+    with ExitStack() as stack:
+        for name, given in (("model", model), ("data", data)):
+            places = [
+                place for module in list(loading.STATE.modules.values()) for place in _places(module, name, given)
+            ]
+            if len({id(held) for *_, held in places if held is not None}) <= 1:
+                for module, own, _ in places:
+                    stack.enter_context(replaced(module, {own: given}))
+        yield
+
+
+@contextmanager
+def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterator[list[str]]:
+    """Let the global that a plot reads as its recording be this one for a while.
+
+    Parameters
+    ----------
+    slots : the recording as a whole, and its parts: a function that uses a parameter for one of these needs no global
+
+    Returns
+    -------
+    that global, if there is a parameter that it is read instead of
+    """
+    modules = list(loading.STATE.modules.values())
+    owner = next((m for m in modules if vars(m) is getattr(function, "__globals__", None)), None)
+    own = _own_names(function, *slots) or _own_names(function)[:1]
+    if owner is None or _locals_read(function.__code__).intersection(own):
+        yield []
+        return
+    classes = {module.__name__ for module in modules}
+    read = [name for name in _globals_read(function.__code__, "LOAD_GLOBAL") if slots[0].meaning.search(name)]
+    meant = [name for name in read if _may_be_recorded(vars(owner).get(name), classes)]
+    with replaced(owner, dict.fromkeys(meant, recording) if len(meant) == 1 else {}):
+        yield [f"global {slots[0].name}"] if own and len(meant) == 1 else []
+
+
+def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
+    """Whether nothing is there yet, or what a recorder may have returned: one of its own classes, too."""
+    if isinstance(value, tuple | list):
+        return not any(isinstance(part, str) for part in value)
+    return value is None or isinstance(value, dict) or type(value).__module__ in classes
+
+
+def read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
+    """Which of model and data a function reads as globals, though it has a parameter for it, which it does not use.
+
+    Asked while the globals stand for these.
+    """
+    import mujoco
+
+    if not isinstance(function, FunctionType):
+        return []
+    kinds = {"model": mujoco.MjModel, "data": mujoco.MjData}
+    used, held = _locals_read(function.__code__), list(_values_read(function))
+    found = []
+    for slot in slots:
+        own = _own_names(function, slot)
+        if own and not used.intersection(own) and any(isinstance(value, kinds[slot.name]) for value in held):
+            found.append(f"global {slot.name}")
+    return found
+
+
+def _own_names(function: FunctionType, *slots: Slot) -> list[str]:
+    """The parameters that stand for any of these; without slots, those that need a value."""
+    parameters = inspect.signature(function).parameters.values()
+    return [p.name for p in parameters if (any(slot.suits(p) for slot in slots) if slots else p.default is p.empty)]
+
+
+def _places(module: ModuleType, name: str, given: Any) -> Iterator[tuple[ModuleType, str, Any]]:
+    """Where the functions of a module read a model, or data, with what is there."""
+    values = vars(module)
+    for own in {own for function in _functions(module) for own in _globals_read(function.__code__, "LOAD_GLOBAL")}:
+        held = values.get(own)
+        if isinstance(held, type(given)) or (held is None and _SCENE[name].match(own)):
+            yield module, own, held
+
+
+def _unset_globals(module: ModuleType) -> set[str]:
+    functions = _functions(module)
+    names = {name for function in functions for name in _names(function.__code__)}
+    set_later = {name for function in functions for name in _globals_read(function.__code__, "STORE_GLOBAL")}
+    values = vars(module)
+    return {name for name in names if values.get(name) is None or (name in set_later and _is_no_id(values[name]))}
+
+
+def _functions(module: ModuleType) -> list[FunctionType]:
+    """The functions of a module, and those of its classes."""
+    members = [m for m in list(vars(module).values()) if getattr(m, "__module__", None) == module.__name__]
+    functions = [m for m in members if isinstance(m, FunctionType)]
+    for owner in (m for m in members if isinstance(m, type)):
+        functions += [f for f in vars(owner).values() if isinstance(f, FunctionType)]
+    return functions
+
+
+def _values_read(function: FunctionType) -> Iterator[Any]:
+    """The values of all globals that a function reads, and those that the functions among them read."""
+    seen, waiting = {function}, [function]
+    while waiting:
+        this = waiting.pop()
+        for name in _globals_read(this.__code__, "LOAD_GLOBAL"):
+            value = this.__globals__.get(name)
+            yield value
+            if isinstance(value, FunctionType) and value not in seen:
+                seen.add(value)
+                waiting.append(value)
+
+
+def _is_no_id(value: Any) -> bool:
+    """Whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
+    return isinstance(value, int | np.integer) and bool(value < 0)
+
+
+@functools.cache  # asked for every instance of a class
+def _globals_read(code: CodeType, by: str) -> frozenset[str]:
+    """The globals that code, and what is defined in it, uses by such an instruction."""
+    inner = (name for const in code.co_consts if isinstance(const, CodeType) for name in _globals_read(const, by))
+    return frozenset({str(step.argval) for step in dis.get_instructions(code) if step.opname == by}.union(inner))
+
+
+def _locals_read(code: CodeType) -> set[str]:
+    """The variables of a function that it reads; Python 3.13 reads two at once."""
+    read = set(code.co_cellvars)
+    for step in dis.get_instructions(code):
+        if step.opname.startswith("LOAD_FAST"):
+            read.update(step.argval if isinstance(step.argval, tuple) else (step.argval,))
+    return read
+
+
+@functools.cache
+def _names(code: CodeType) -> set[str]:
+    inner = {name for const in code.co_consts if isinstance(const, CodeType) for name in _names(const)}
+    return set(code.co_names) | inner

@@ -1,0 +1,111 @@
+"""What functions read as globals stands for what they are given, and who passes over what it is given is told of."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
+
+import mujoco
+import pytest
+
+from grader.harness import loading
+from grader.labs.imu.box import calls, own_globals
+
+pytestmark = pytest.mark.quick
+EMPTY = "<mujoco/>"
+SCENE = (calls.MODEL, calls.DATA)
+
+
+class Program(ModuleType):
+    """A submission's only file, with a model and data of its own."""
+
+    def __init__(self, code: str) -> None:
+        super().__init__("program")
+        self.model = mujoco.MjModel.from_xml_string(EMPTY)
+        self.data = mujoco.MjData(self.model)
+        self.mujoco = mujoco
+        exec(code, vars(self))
+
+
+@pytest.fixture
+def given(monkeypatch: pytest.MonkeyPatch) -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_string(EMPTY)
+    monkeypatch.setattr(loading.STATE, "modules", {})
+    return model, mujoco.MjData(model)
+
+
+def _loaded(code: str) -> Program:
+    program = Program(code)
+    loading.STATE.modules["program.py"] = program
+    return program
+
+
+READS = {
+    "both": ("def f(m, d):\n    return model, data", "both"),
+    "in a method": ("class C:\n    def read(self):\n        return model, data\nf = lambda m, d: C().read()", "both"),
+    "in a function of the function": ("def f(m, d):\n    return [(lambda: model)(), data]", "both"),
+    "by another name": ("simulation = data\ndel data\ndef f(m, d):\n    return model, simulation", "both"),
+    "where nothing has set them": ("del model, data\ndef f(m, d):\n    return model, mj_data", "both"),
+    "an attribute of that name": ("class C:\n    data = None\ndef f(m, d):\n    return C.data, m", "neither"),
+    "what is no model": ("model = 'humanoid'\ndef f(m, d):\n    return model, d", "neither"),
+    "one of two": ("other = mujoco.MjData(model)\ndef f(m, d):\n    return model, data, other", "model"),
+}
+
+
+@pytest.mark.parametrize(("code", "meant"), READS.values(), ids=READS)
+def test_globals_that_functions_read_stand_for_what_is_given(given: tuple[Any, Any], code: str, meant: str) -> None:
+    program = _loaded(code)
+    before = dict(vars(program))
+    with own_globals.standing_for(*given):
+        got = {"model": given[0], "data": given[1]}
+        stands = [name for name, value in got.items() if any(each is value for each in vars(program).values())]
+    assert stands == {"both": ["model", "data"], "neither": [], "model": ["model"]}[meant]
+    assert vars(program) == before
+
+
+USES = {
+    "neither": ("def f(m, d):\n    return model.nq, data.time", ["global model", "global data"]),
+    "the model": ("def f(m, d):\n    return m.nq, data.time", ["global data"]),
+    "both": ("def f(m, d):\n    return m.nq, d.time", []),
+    "a global in their absence": ("def f(m=None, d=None):\n    return (m or model).nq, (d or data).time", []),
+    "them in a function of its own": ("def f(m, d):\n    return (lambda: (m.nq, d.time))(), data", []),
+    "neither, by a helper": ("def helper():\n    return data.time\ndef f(m, d):\n    return m.nq, helper()", ["global data"]),
+    "neither, by a helper that calls itself": ("def helper():\n    return helper or data\ndef f(m, d):\n    return m.nq, helper()", ["global data"]),
+    "no parameters": ("def f():\n    return model.nq, data.time", []),
+    "no model and no data": ("def f(m, d):\n    return 1.0", []),
+    "what is no function": ("f = max", []),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "told"), USES.values(), ids=USES)
+def test_who_reads_a_global_and_not_its_parameter_is_told_of(
+    given: tuple[Any, Any], code: str, told: list[str]
+) -> None:
+    program = _loaded(code)
+    with own_globals.standing_for(*given):
+        assert own_globals.read_instead(program.f, SCENE) == told
+
+
+PLOTS = {
+    "its parameter": ("imu_data = {}\ndef f(imu_data):\n    return imu_data", [], False),
+    "a global": ("imu_data = {}\ndef f(d):\n    return imu_data", ["global imu_data"], True),
+    "a global, and nothing is given": ("imu_data = {}\ndef f():\n    return imu_data", [], True),
+    "a global that nothing has set": ("def f():\n    return recorded", [], True),
+    "a global of a class of its own": ("class R: pass\nresult = R()\ndef f():\n    return result", [], True),
+    "one of two": ("imu_data, results = {}, {}\ndef f():\n    return imu_data, results", [], False),
+    "the words of a legend": ("DATA_NAMES = ('x', 'y')\ndef f(time, acceleration):\n    return DATA_NAMES", [], False),
+    "the parts": ("record = {}\ndef f(time, acceleration):\n    return time, record", [], False),
+    "a helper": ("def save_data(): pass\ndef f():\n    return save_data", [], False),
+}
+
+
+@pytest.mark.parametrize(("code", "told", "stands"), PLOTS.values(), ids=PLOTS)
+def test_the_recording_stands_for_the_global_that_a_plot_reads(
+    given: tuple[Any, Any], code: str, told: list[str], stands: bool
+) -> None:
+    program = _loaded(code)
+    before, recording = dict(vars(program)), {"time": [0.0]}
+    with own_globals.recorded_as(recording, program.f, calls.PLOTTER[:4]) as read_instead:
+        assert read_instead == told
+        assert any(value is recording for value in vars(program).values()) == stands
+    assert vars(program) == before
