@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import shlex
 from collections.abc import Iterator, Mapping
@@ -46,18 +47,23 @@ class Command:
         return " ".join([*(f"{name}={value}" for name, value in self.environment), shlex.join(self.words)])
 
 
+@functools.cache
+def handbook() -> Mapping[str, str]:
+    """Its pages, as the code says them today."""
+    return pages.pages(cli.app)
+
+
 def documents() -> dict[str, str]:
     """What is written for people who run commands, in the order in which they are likely to read it."""
-    handbook = pages.pages(cli.app)
-    names = ["README.md", *re.findall(r"\]\((\w+\.md)\)", handbook["README.md"])]
-    assert sorted(names) == sorted(name for name in handbook if name.endswith(".md"))
+    names = ["README.md", *re.findall(r"\]\((\w+\.md)\)", handbook()["README.md"])]
+    assert sorted(names) == sorted(name for name in handbook() if name.endswith(".md"))
     groups = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
     return {
         "README.md": (ROOT / "README.md").read_text(encoding="utf-8"),
         "the students' README.md": (Path(give.__file__).parent.parent / "labs" / "imu" / "starter" / "README.md.txt")
         .read_text(encoding="utf-8")
         .replace("{wheel}", wheel.name()),
-        **{f"handbook/{name}": handbook[name] for name in names},
+        **{f"handbook/{name}": handbook()[name] for name in names},
         "SECURITY.md": (ROOT / "SECURITY.md").read_text(encoding="utf-8"),
         "imugrade traces --help": f"```text\n{groups['traces'].help}\n```\n",
     }

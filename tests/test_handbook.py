@@ -15,9 +15,10 @@ from grader.engine.rubric import load, shipped
 from grader.handbook import flow, pages, rubric_keys
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
+from tests.documents import handbook
 
 SVG = "{http://www.w3.org/2000/svg}"
-MADE = pages.pages(cli.app)
+MADE = handbook()
 
 
 @pytest.mark.parametrize("name", sorted(MADE))

@@ -12,7 +12,7 @@ from io import BytesIO
 
 from tests.corpus.faulty_files import without
 from tests.corpus.pieces import edit, lab, listy, looping, tidy, verbatim
-from tests.corpus.writing import Files, Link, tarred, zipped
+from tests.corpus.writing import Files, Late, Link, tarred, zipped
 
 ALL = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
 
@@ -111,7 +111,7 @@ HAND_INS = [
     Broken("a-tar-by-name-only", {"s.tar.gz": b"\x1f\x8b" + b"nothing" * 30}, "file", UNREADABLE),
     Broken("zip-in-zip", {"s.zip": nested(1)}, "file", keeps=ALL),
     Broken("zip-in-zip-in-zip-in-zip", {"s.zip": nested(3)}, "file", ("empty", "unreadable")),
-    Broken("zip-bomb", {"s.zip": bomb()}, "file", ("graded", "unreadable")),
+    Broken("zip-bomb", Late({"s.zip": bomb}), "file", ("graded", "unreadable")),
     Broken("zip-that-climbs-out", {"s.zip": zipped({**tidy(), "../../outside.py": "print('outside')\n", "/tmp/absolute.py": "x = 1\n"})}, "file", keeps=ALL),
     Broken("links-to-the-system", {**tidy(), "passwd.txt": Link("/etc/passwd"), "everything": Link("/")}, keeps=ALL),
     Broken("reader-is-a-link", {**without(tidy(), "imu_reader.py"), "imu_reader.py": Link("/etc/hostname")}, keeps=("noise_model", "filtering"), costs="sensor_access"),

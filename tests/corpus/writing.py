@@ -6,7 +6,7 @@ import io
 import json
 import tarfile
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,23 @@ class Link:
 
 Content = str | bytes | Link
 Files = Mapping[str, Content]
+
+class Late(Mapping[str, Content]):
+    """Files of which some are made when they are asked for: bombs take seconds."""
+
+    def __init__(self, files: Mapping[str, Content | Callable[[], Content]]) -> None:
+        self._files = files
+
+    def __getitem__(self, name: str) -> Content:
+        content = self._files[name]
+        return content() if callable(content) else content
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._files)
+
+    def __len__(self) -> int:
+        return len(self._files)
+
 
 _STAMP = (2024, 5, 17, 12, 0, 0)  # archives with the same content are the same bytes
 

@@ -9,8 +9,8 @@ import zlib
 from functools import cache, partial
 
 from tests.corpus.pieces import lab
-from tests.corpus.writing import Files, notebook, zipped
-from tests.hostile.program import FILTER, NOISE, READER, Late, Program, but, first, in_function, in_method, last, sound
+from tests.corpus.writing import Files, Late, notebook, zipped
+from tests.hostile.program import FILTER, NOISE, READER, Program, but, first, in_function, in_method, last, sound
 
 LOOP = "while True:\n    pass"
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from tests.corpus.pieces import tidy
-from tests.corpus.writing import Content, Files
+from tests.corpus.writing import Files
 
 FAMILIES = ("forgery", "denial", "escape", "poison", "bytes")
 ALL = ("sensor_access", "data_collection", "visualization", "noise_model", "filtering")
@@ -41,23 +40,6 @@ class Program:
     as_: str = "folder"
     folder: str = "submission"
     hidden: bool = False
-
-
-class Late(Mapping[str, Content]):
-    """Files of which some are made when they are asked for: bombs take seconds."""
-
-    def __init__(self, files: Mapping[str, Content | Callable[[], Content]]) -> None:
-        self._files = files
-
-    def __getitem__(self, name: str) -> Content:
-        content = self._files[name]
-        return content() if callable(content) else content
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._files)
-
-    def __len__(self) -> int:
-        return len(self._files)
 
 
 def but(*lost: str) -> tuple[str, ...]:

@@ -15,10 +15,10 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from tests.corpus.writing import Files, notebook, zipped
+from tests.corpus.writing import Files, Late, notebook, zipped
 from tests.hostile.denying import NO_PLOT, bomb, picture_bomb
 from tests.hostile.picture import canned_picture
-from tests.hostile.program import FILTER, Late, Program, first, sound
+from tests.hostile.program import FILTER, Program, first, sound
 
 HUGE = 2**63 - 1
 

@@ -684,6 +684,12 @@ CASES = [
             ("where zero is taken for none", of(bias=_unless_zero), None),
             ("the other sensor first", of(read=_swapped), None),
             ("no numbers", NAN, (0.0, ["not-finite"])),
+            (
+                "its first component on all axes, whatever it is",
+                of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])),
+                (0.5, ["bias-shared"]),
+            ),
+            ("on a reading of long ago", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), (0.5, [])),
         ],
         WHITE: [
             ("sound", Sound, None),
