@@ -96,7 +96,7 @@ PLOT_FAULTS = [
     fault("cumulative-sum-drawn", "wrong-data-plotted", loop(('imu_data["angular_velocity"][:, k]', 'np.cumsum(imu_data["angular_velocity"][:, k])'))),
     fault("one-column-twice", "wrong-data-plotted", sheet(("imu_data['angular_velocity'][:, 2], label='Yaw rate'", "imu_data['angular_velocity'][:, 1], label='Yaw rate'"))),
     fault("one-curve-of-the-other-sensor", "wrong-data-plotted", sheet(("imu_data['angular_velocity'][:, 0]", "imu_data['acceleration'][:, 0]")), never=("one-panel",), **only("curves_match_data")),
-    fault("draws-its-own-recording", "wrong-data-plotted", sheet(("def plot_imu_data(imu_data)", "def plot_imu_data(recorded)")), **only("curves_match_data")),
+    fault("draws-its-own-recording", "global-for-parameter", sheet(("def plot_imu_data(imu_data)", "def plot_imu_data(recorded)")), **only("saves_image")),
     fault("first-hundred-samples-only", "", loop(('    t = imu_data["time"]\n', '    imu_data = {name: values[:100] for name, values in imu_data.items()}\n    t = imu_data["time"]\n')), **only("curves_match_data")),
     fault("minutes-under-seconds", "wrong-data-plotted", loop(('    t = imu_data["time"]\n', '    t = imu_data["time"] / 60\n')), also=("x-not-time",), **only("curves_match_data")),
     fault("z-only", "curves-missing", sheet(*[(f"    axes[{p}].plot(imu_data['time'], imu_data['{k}'][:, {i}], label='{label}')\n", "") for p, k, i, label in ((0, "acceleration", 0, "X"), (0, "acceleration", 1, "Y"), (1, "angular_velocity", 0, "Roll rate"), (1, "angular_velocity", 1, "Pitch rate"))])),
