@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 
-from . import ladder, wire
+from . import ladder, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
 from .plain import PlainProcess
 from .plan import Contents
@@ -70,6 +70,7 @@ class Box:
         self._zygote: Zygote | None = None
         self._closed = False
         _hide_this_process()
+        surroundings.compile_once([str(f) for f in (self._contents.harness, self._contents.questions) if f])
         if rung is None:
             self._zygote, self.why = ladder.climb(self._contents)
             self.rung = self._zygote.rung if self._zygote else UNWALLED

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import glob
+import importlib.util
 import os
+import py_compile
 import sys
 import sysconfig
 from collections.abc import Sequence
@@ -136,6 +138,20 @@ def decoy() -> str:
 def code() -> tuple[str, ...]:
     """The sandbox's modules that run in a box."""
     return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_BOX)
+
+
+def compile_once(folders: Sequence[str]) -> None:
+    """Compile the modules of these folders and the sandbox's own, as Python does where it imports them and may write.
+
+    What runs in a box may not, and nothing else imports them: where they were installed without, each box would compile them again.
+    """
+    for folder in (*map(Path, folders), _HERE):
+        if sys.dont_write_bytecode or not os.access(folder, os.W_OK):
+            continue
+        for module in folder.glob("*.py"):
+            if not os.path.exists(importlib.util.cache_from_source(str(module))):
+                with contextlib.suppress(OSError):
+                    py_compile.compile(str(module), quiet=2)
 
 
 def zygote() -> str:

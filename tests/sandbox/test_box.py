@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import numpy as np
 import pytest
 
 from grader.ground.errors import Crashed, GraderError, Malformed, TimedOut
+from grader.sandbox import surroundings
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
 from grader.sandbox.printed import PLACE_AT
@@ -332,3 +335,27 @@ def test_a_zygote_that_dies_whenever_it_starts_is_our_fault_and_each_time_anew(w
         for _ in range(2):
             with pytest.raises(GraderError, match="the box died twice: it did not start"):
                 broken.worker()
+
+
+@pytest.mark.parametrize(("may_write", "compiled"), [(True, 2), (False, 0)])
+def test_what_runs_in_a_box_is_compiled_once_where_python_may_write(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, may_write: bool, compiled: int
+) -> None:
+    """As wherever pip installs it; one that cannot be read as Python is the harness's own trouble."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", not may_write)
+    for name, code in (("one", "x = 1\n"), ("two", "y = 2\n"), ("broken", "def\n")):
+        (tmp_path / f"{name}.py").write_text(code, encoding="utf-8")
+    surroundings.compile_once([str(tmp_path)])
+    made = {path: path.stat().st_mtime_ns for path in tmp_path.glob("__pycache__/*.pyc")}
+    surroundings.compile_once([str(tmp_path)])
+    assert len(made) == compiled
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("__pycache__/*.pyc")} == made
+
+
+def test_the_harness_of_a_box_is_compiled(tmp_path: Path) -> None:
+    harness = Path(shutil.copytree(HARNESS, tmp_path / "harness", ignore=shutil.ignore_patterns("__pycache__")))
+    with Box(Contents(harness)) as box, box.worker() as worker:
+        worker.ask("echo", {}, {})
+    assert {path.name.partition(".")[0] for path in harness.glob("__pycache__/*.pyc")} == {
+        path.stem for path in harness.glob("*.py")
+    }
