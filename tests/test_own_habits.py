@@ -150,8 +150,8 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
             "(model, data, accel_sensor_id, gyro_sensor_id)": "(data, accel_sensor_id, gyro_sensor_id)",
             "get_imu_readings(model, data, accel_id": "get_imu_readings(data, accel_id",
         },
-        {"sensor_access.follows_address": 6.0},  # the model of another robot is not looked into
-        ("hard-coded-address",),
+        {READ: 3.0},  # the model that it reads as a global stands for the one that is given
+        OTHER,
     ),
     "the duration first": (
         READER,

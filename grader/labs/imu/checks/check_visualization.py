@@ -12,7 +12,6 @@ from grader.engine.examination import check
 from grader.engine.figures import Figure
 from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
 from grader.labs.imu.checks.fitting import fits_in
@@ -23,7 +22,6 @@ from grader.labs.imu.checks.plot_runs import (
     best_of,
     candidates,
     cut_off,
-    drawing_of_data,
     drawing_or_fault,
     drawn_plot,
     finished,
@@ -292,7 +290,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
     drawn = unread = late = False
     few = 0
-    charged = _what_stops_the_plot(student, truth)
+    charged = _what_stops_the_plot(student)
     broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
@@ -346,17 +344,13 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     )
 
 
-def _what_stops_the_plot(student: Student, truth: Traces) -> Fault | None:
+def _what_stops_the_plot(student: Student) -> Fault | None:
     """The exception in `plot_imu_data`. Where it does not come to its end, which is charged, scripts go on after it."""
-    try:
-        fault = drawing_of_data(student, truth).fault
-    except (Missing, NoAnswer):
-        fault = None
-    else:
-        if fault is None:
-            return None
+    drawing = student.answered("plot")
+    if drawing is not None and drawing.fault is None:
+        return None
     student.replace_broken(["plot_imu_data"])
-    return fault
+    return drawing and drawing.fault  # type: ignore[no-any-return]
 
 
 def _compared(student: Student, figure: Figure) -> list[comparing.Compared]:
