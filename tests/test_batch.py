@@ -75,8 +75,8 @@ def bounded(folder: Path, bounds: Bounds, *ids: str) -> dict[str, Outcome]:
 
 @pytest.mark.parametrize("id_", ["wait", "burn"])
 def test_a_marker_that_does_not_answer_is_ended_and_the_others_go_on(tmp_path: Path, id_: str) -> None:
-    outcomes = bounded(tmp_path, Bounds(wall_s=3.0), "a", id_, "b", "c")
-    assert outcomes.pop(id_) == Stopped("no end within 3 s")
+    outcomes = bounded(tmp_path, Bounds(wall_s=2.0), "a", id_, "b", "c")
+    assert outcomes.pop(id_) == Stopped("no end within 2 s")
     assert all(isinstance(outcome, Result) for outcome in outcomes.values())
     assert sorted(FakeMarker(tmp_path).marked()) == sorted(["a", "b", "c", id_, id_])
     assert all(gone(int(line.split()[-1])) for line in (tmp_path / "marked").read_text().splitlines())

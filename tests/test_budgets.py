@@ -209,5 +209,5 @@ def test_a_reply_of_many_curves_in_many_colours_is_looked_at_in_time() -> None:
     curves = [replace(one, inks=tuple(f"#{n:02x}{k:02x}80" for k in range(0, 256, 16))) for n in range(240)]
     figure = of_panels(*(panel("", curves[10 * n : 10 * n + 10]) for n in range(24)))
     pixels = rng.integers(0, 255, (640, 640, 3)).astype(np.uint8)
-    with cpu_within(20):
+    with cpu_within(10):
         looked_at(replace(figure, pixels=pixels, extent=(640.0, 640.0), dots=50.0), Patience())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 from grader.engine.lab import Lab
 
@@ -33,7 +34,12 @@ def checks_of(lab: Lab) -> Mapping[str, Check]:
     return {check.id: check for path in sources for check in _checks_in(path.read_text(encoding="utf-8"))}
 
 
-def _checks_in(source: str) -> Iterator[Check]:
+@cache
+def _checks_in(source: str) -> tuple[Check, ...]:
+    return tuple(_found(source))
+
+
+def _found(source: str) -> Iterator[Check]:
     for function in (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)):
         for call in function.decorator_list:
             if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "check":

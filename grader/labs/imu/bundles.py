@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from grader.labs.imu.robot import LAB_FILE, LAB_MODEL, Model, Robot, is_of, robo
 _UNFIT = 4  # the reference's exit code where a model cannot be graded
 
 
+@cache
 def shipped() -> Traces:
     """The public bundle that comes with the package."""
     return load(beside(__package__, "public.npz"))

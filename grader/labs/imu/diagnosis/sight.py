@@ -42,7 +42,7 @@ def together(sights: Iterable[Sight]) -> Sight:
 class Patience:
     """How many pixels are looked at for one answer: an honest one needs a million, and one that asks for more is not believed."""
 
-    def __init__(self, pixels: int = 60_000_000) -> None:
+    def __init__(self, pixels: int = 30_000_000) -> None:
         self._left = pixels
 
     def lasts_for(self, pixels: int) -> bool:
@@ -347,9 +347,12 @@ def _boxed(values: NDArray[Any], squares: NDArray[np.intp]) -> Array:
 def _widened(mask: Mask, reach: int) -> Mask:
     """Each pixel with those around it, first along the columns, then along the rows."""
     for _ in range(2):
-        padded = np.pad(mask, ((reach, reach), (0, 0)))
-        shifted = [padded[down : down + len(mask)] for down in range(2 * reach + 1)]
-        mask = np.logical_or.reduce(shifted).T
+        mask = np.ascontiguousarray(mask)
+        wide = mask.copy()
+        for off in range(1, reach + 1):
+            wide[off:] |= mask[:-off]
+            wide[:-off] |= mask[off:]
+        mask = wide.T
     return mask
 
 
