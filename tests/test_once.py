@@ -168,6 +168,21 @@ def test_a_plot_that_stops_the_script_costs_the_plot_and_not_what_is_drawn_after
     assert [check.id for check in criterion.checks if check.points] == ["visualization.comparison_plot"]
 
 
+@pytest.mark.parametrize(
+    ("slip", "why"),
+    [("print(raw_data)", "NameError"), ("raise SystemExit", "SystemExit"), ("while True: pass", "it had not ended")],
+)
+def test_a_statement_that_fails_below_a_main_guard_costs_nothing_and_is_told(
+    player: Marking, slip: str, why: str
+) -> None:
+    files = lab(compare=COMPARE.replace("    compare()\n", f"    {slip}\n    compare()\n"))
+    result = player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
+    (note,) = [note for note in result.notes if "stepped" in note]
+    line = files["filters.py"].split("\n").index(f"    {slip}") + 1
+    assert result.score == 100.0
+    assert note.startswith(f"filters.py, line {line} was stepped over when the file was run: {why}")
+
+
 def test_biases_in_each_others_place_are_told_as_that(player: Marking) -> None:
     change = ("accel + self.accel_bias", "accel + self.gyro_bias"), ("gyro + self.gyro_bias", "gyro + self.accel_bias")
     noise = _criterion(player, "noise_model", edit(lab(), "noisy_imu.py", *change))

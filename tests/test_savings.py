@@ -11,11 +11,14 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
+from matplotlib import artist
+from matplotlib.lines import Line2D
 
 from grader.engine import examination, lab_box, marking, rubric
 from grader.engine.lab_box import HARNESS
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
+from grader.harness import world
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -79,3 +82,10 @@ def test_a_marker_has_them_imported_with_the_first_submission_that_can_mean_them
     with mock.patch.object(Box, "warm") as warm:
         marker.mark(Submission("s", "s", {"imu_reader.py": code}, (), "ready", ""), only="sensor_access")
     warm.assert_called_once_with(("scipy.signal", "matplotlib.animation"))
+
+
+def test_a_student_s_own_artist_has_its_table_as_ever() -> None:
+    """What the imports are spared is spared while they last."""
+    with world._undocumented():
+        assert artist.kwdoc(Line2D) == ""
+    assert "linestyle" in artist.kwdoc(Line2D)

@@ -18,11 +18,16 @@ needs_a_timer = pytest.mark.skipif(
 
 
 def run(
-    text: str, *, wanted: tuple[str, ...] = (), skipped: dict[tuple[str, int], str] | None = None, flags: int = 0
+    text: str,
+    *,
+    wanted: tuple[str, ...] = (),
+    skipped: dict[tuple[str, int], str] | None = None,
+    flags: int = 0,
+    called: str = "lab",
 ) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """The names that the text leaves behind, and what was stepped over."""
     stepper = stepping.Stepper(skipped or {}, (0, 0), list(wanted))
-    names: dict[str, Any] = {"__name__": "lab"}
+    names: dict[str, Any] = {"__name__": called}
     units = stepping.units_of(ast.parse(text), faults.own_name("lab.py"), flags=flags)
     with stepping.limited(WITHIN_S):
         stepper.run(units, "lab.py", names, lambda node: None)
@@ -46,6 +51,51 @@ def test_what_follows_a_statement_that_raises_is_there(bad: str, kind: str, mess
     names, noted = run(f"a = 1\n{bad}\nb = 2\n")
     assert (names["a"], names["b"]) == (1, 2)
     assert told(noted) == [(2, "raised", kind, message)]
+
+
+GUARD = "if __name__ == '__main__':\n"
+
+
+@pytest.mark.parametrize("guard", [GUARD, "if '__main__' == __name__:\n"])
+def test_below_a_main_guard_a_program_goes_on_after_a_statement_that_raises(guard: str) -> None:
+    text = f'"""What it is."""\n{guard}    "how it is run"\n    a = 1\n    1 / 0\n    b = 2\n\nc = 3\n'
+    names, noted = run(text, called="__main__")
+    assert [names[name] for name in ("a", "b", "c", "__doc__")] == [1, 2, 3, "What it is."]
+    assert told(noted) == [(5, "raised", "ZeroDivisionError", "division by zero")]
+
+
+def test_below_a_main_guard_one_statement_alone_is_known_to_end_the_process() -> None:
+    text = f"c = 1\n{GUARD}    a = 1\n    import os; os._exit(1)\n    b = 2\nd = 4\n"
+    names, noted = run(text, called="__main__", skipped={("lab.py", (2 << 16) + 2): "it ends the process"})
+    assert [names[name] for name in "abcd"] == [1, 2, 1, 4]
+    assert told(noted) == [(4, "ended", "", "it ends the process")]
+
+
+@pytest.mark.parametrize(
+    ("guard", "called"),
+    [
+        (GUARD, "lab"),
+        ("if __name__ != '__main__':\n", "__main__"),
+        ("if __name__ == '__main__' and a:\n", "__main__"),
+        (GUARD.replace("if", "while"), "__main__"),
+        (f"if 1:\n    pass\nel{GUARD}", "__main__"),
+    ],
+)
+def test_what_stands_below_anything_else_is_one_statement(guard: str, called: str) -> None:
+    names, _ = run(f"a = 0\n{guard}    1 / 0\n    a = 2\n", called=called)
+    assert names["a"] == 0
+
+
+def test_what_is_imported_from_the_future_holds_below_a_main_guard() -> None:
+    text = f"from __future__ import annotations\n{GUARD}    def f(x: nothing) -> nothing: return 1\n"
+    names, noted = run(text, called="__main__")
+    assert (names["f"](0), noted) == (1, [])
+
+
+def test_a_main_guard_that_waits_is_run_as_a_whole() -> None:
+    text = f"import asyncio\n{GUARD}    x = await asyncio.sleep(0, 5)\n"
+    names, noted = run(text, called="__main__", flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
+    assert (names["x"], noted) == (5, [])
 
 
 def test_the_line_of_an_error_is_the_innermost_of_the_file() -> None:

@@ -12,6 +12,7 @@ import ast
 import builtins
 import contextlib
 import copy
+import itertools
 import json
 import os
 import signal
@@ -19,7 +20,8 @@ import time
 import types
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from inspect import CO_COROUTINE
+from typing import Any, TypeGuard
 
 from . import faults
 
@@ -28,6 +30,7 @@ _TICK_S = 0.25
 _IDLE_SHARE = 0.02  # of one processor: whoever uses less only waits
 _HINTS_AS_TEXT = __future__.annotations.compiler_flag
 _MAX_NOTED = 40  # statements of a submission that are told of
+_FUTURE = sum({int(getattr(__future__, name).compiler_flag) for name in __future__.all_feature_names})
 _IMPORTS = (ast.Import, ast.ImportFrom)
 DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
@@ -154,7 +157,7 @@ class Stepper:
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
         """Run these statements of a file among these names; `after` is called after each that has run."""
         names["__builtins__"] = vars(builtins)  # those that all modules share: the harness's are its own
-        for unit in units:
+        for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
             if isinstance(unit.node, Gap):
                 self._note(path, unit, "unread", unit.node.refused)
             elif why := self._skipped.get((path, unit.number)):
@@ -232,6 +235,25 @@ class Stepper:
         if hasattr(os, "pwrite") and len(said) <= room:
             with contextlib.suppress(OSError):
                 os.pwrite(self._fd, said.ljust(room), at)
+
+
+def _as_run(unit: Unit, names: dict[str, Any]) -> list[Unit]:
+    """The unit, or the statements below a main guard: a program runs these as it runs what stands beside the guard."""
+    node, flags = unit.node, unit.code.co_flags
+    if not _is_main_guard(node) or names.get("__name__") != "__main__" or flags & CO_COROUTINE:
+        return [unit]
+    numbered = enumerate(node.body, (unit.number + 1) << 16)  # as no other statement is
+    own = [(number, each) for number, each in numbered if not _is_text(each)]
+    return [Unit(number, each, _compiled(each, unit.code.co_filename, flags & _FUTURE)) for number, each in own]
+
+
+def _is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
+    if not isinstance(node, ast.If) or node.orelse or not isinstance(node.test, ast.Compare):
+        return False
+    sides = [node.test.left, *node.test.comparators]
+    names = [side.id for side in sides if isinstance(side, ast.Name)]
+    values = [side.value for side in sides if isinstance(side, ast.Constant)]
+    return (names, values) == (["__name__"], ["__main__"]) and isinstance(node.test.ops[0], ast.Eq)
 
 
 def _callables_on(trace: types.TracebackType | None, wanted: Collection[str]) -> set[str]:

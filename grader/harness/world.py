@@ -25,12 +25,26 @@ def import_libraries() -> None:
     """Import what every submission needs, pyplot's back end among it: pyplot would wait with that for the first figure."""
     import pdb  # noqa: F401 - see `desktop`
 
-    import matplotlib.pyplot as plt
+    with _undocumented():
+        import matplotlib.pyplot as plt
     import mujoco  # noqa: F401
     import PIL.Image  # noqa: F401
 
     plt.switch_backend("Agg")
     _share_wrappers()
+
+
+@contextlib.contextmanager
+def _undocumented() -> Iterator[None]:
+    """matplotlib writes what each kind of artist can be set to into docstrings, a fifth of the time of all imports together."""
+    from matplotlib import artist as artists
+
+    really = artists.kwdoc
+    artists.kwdoc = lambda artist: ""
+    try:
+        yield
+    finally:
+        artists.kwdoc = really
 
 
 def _share_wrappers() -> None:

@@ -699,6 +699,7 @@ CASES = [
             ("few samples, not saved", _scripts(_few(20, event="shown")), (0.0, ["comparison-missing"])),
             ("few samples, the same twice", _scripts(_few(20, other=np.array)), (0.0, ["comparison-missing"])),
             ("stopped before", _scripts(_STOPPED), (0.0, [])),
+            ("stepped over on the way", _scripts(replace(_compared(), fault=_STOPPED.fault)), None),
             ("stopped by the plot, which is charged", _stopped_by_the_plot(_compared()), None),
             ("stopped by the plot, and nothing behind it", _stopped_by_the_plot(), (0.0, ["comparison-missing"])),
             ("stopped by the plot, and once more", _stopped_by_the_plot(_STOPPED), (0.0, [])),

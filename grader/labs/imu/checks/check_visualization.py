@@ -12,6 +12,7 @@ from grader.engine.examination import check
 from grader.engine.figures import Figure
 from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
+from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
 from grader.labs.imu.checks.fitting import fits_in
@@ -301,6 +302,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
         saved = [of_it for figure, of_it in compared if figure.is_saved]
         if saved:
+            _tell_of(drawing.fault, student)
             _names_are_right(saved)
             _noise_is_shown(saved, student)
             return
@@ -342,6 +344,13 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         fault=broken_off,
         belongs_to=_FILTER if unread else "",
     )
+
+
+def _tell_of(fault: Fault | None, student: Student) -> None:
+    """What a program does at its top level and cannot do is stepped over; where its import has told of that, it is known."""
+    if fault is not None and fault.where and not any(note.startswith(f"{fault.where} ") for note in student.notes):
+        why = printable(fault.type or fault.message, 60)
+        student.note(f"{fault.where} was stepped over when the file was run: {why}; what it draws after it counts")
 
 
 def _what_stops_the_plot(student: Student) -> Fault | None:
