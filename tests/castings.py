@@ -27,7 +27,9 @@ def can_be_cast(files: Files) -> bool:
     except (SyntaxError, UnicodeDecodeError):
         return False
     defined = Counter(part.name for tree in trees for part in _flat(tree) if isinstance(part, _DEFINITIONS))
-    return max(defined.values(), default=0) == 1 and not any(map(_imports_otherwise, trees))
+    return max(defined.values(), default=0) == 1 and not any(
+        _imports_otherwise(t) or _forgets_an_import(t) for t in trees
+    )
 
 
 def at_module_level(files: Files) -> Files:
@@ -43,6 +45,7 @@ def as_notebook(files: Files) -> Files:
 
 CASTINGS: Mapping[str, Callable[[Files], Files]] = {"at module level": at_module_level, "as a notebook": as_notebook}
 
+_LIBRARIES = ("mujoco", "np", "plt")
 _DEFINITIONS = (ast.FunctionDef, ast.ClassDef)
 
 
@@ -111,6 +114,14 @@ def _body(function: ast.FunctionDef) -> list[ast.stmt]:
 
 def _is_own_import(part: ast.stmt) -> bool:
     return isinstance(part, ast.ImportFrom) and part.module in _OWN
+
+
+def _forgets_an_import(tree: ast.Module) -> bool:
+    """Whether a file uses a library that it does not import: beside the other two, in a notebook, it is there."""
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    there = {each.asname or each.name.partition(".")[0] for node in imports for each in node.names}
+    used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    return "*" not in there and bool(used.intersection(_LIBRARIES) - there)
 
 
 def _imports_otherwise(tree: ast.Module) -> bool:

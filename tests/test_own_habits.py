@@ -482,3 +482,12 @@ def test_what_a_class_has_beside_the_sheets_methods_is_there_in_its_place(
         path = next(path for path in (FILTER, NOISY) if old in files[path])
         files = _changed(files, path, {old: new})
     assert {check.partition(".")[0] for check in lost_by(marked(player, files))} == criteria
+
+
+@pytest.mark.parametrize(("name", "own"), MISSPELT)
+def test_a_misspelt_name_costs_as_much_in_one_file_and_in_a_notebook(name: str, own: str, player: Marking) -> None:
+    """What is asked for is at home there, as the files of the sheet were not handed in."""
+    code = SHEET.replace(name, own)
+    assert [lost_by(marked(player, files)) for files in ({"lab.py": code}, _notebook(code))] == [
+        {MISSPELT[name, own]: 3.0}
+    ] * 2

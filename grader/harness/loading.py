@@ -128,14 +128,17 @@ def _defined(path: str) -> set[str]:
     except (ValueError, SyntaxError, RecursionError):
         return set()
     names: set[str] = set()
+    nodes: list[ast.stmt] = []
     for text in texts:
         try:
-            names.update(name for node in ast.parse(text).body for name in stepping.bound(node))
+            parsed = ast.parse(text).body
+            names.update(name for node in parsed for name in stepping.bound(node))
+            nodes += parsed
         except SyntaxError:
             names.update(gaps.names_in(text))
         except (ValueError, RecursionError, MemoryError):
             continue
-    return names
+    return names.union(name for name, _ in spelling.slips(nodes, _at_home_in(path)))
 
 
 def find(name: str, path: str) -> Any:
@@ -278,13 +281,18 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
 
 def _put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Give a file's definitions that are misspelt their right names; where these have stand-ins, the slips stand for them too."""
-    at_home = [name for name, home in STATE.homes.items() if f"{home}.py" == path]
-    for name, own in spelling.slips([unit.node for unit in units], at_home):
+    for name, own in spelling.slips([unit.node for unit in units], _at_home_in(path)):
         if name in STATE.standins:
             names[own] = _in_place_of(names.get(own), name)
         elif own in names:
             names[name] = names[own]
             yield name, own
+
+
+def _at_home_in(path: str) -> list[str]:
+    """The wanted names that a file defines if anything does: those of its own, and those of files that were not handed in."""
+    homes = {name: f"{home}.py" for name, home in STATE.homes.items()}
+    return [name for name, home in homes.items() if home == path or home not in STATE.paths]
 
 
 def _lend(name: str) -> Any:
@@ -420,9 +428,11 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
     for number, source in enumerate(_cells(path), start=1):
         text, name = source.encode("utf-8", "replace"), f"{path}:cell {number}"
         cells[name] = _units_in(text, name, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT) or []
-    lending = _lending_to(path, [unit for units in cells.values() for unit in units], names)
+    every = [unit for units in cells.values() for unit in units]
+    lending = _lending_to(path, every, names)
     for name, units in cells.items():
         _run_units(units, name, names, lending)
+    STATE.misspelt.setdefault(path, [*_put_right(path, every, names)])
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:
