@@ -137,17 +137,18 @@ class Plotting(Conversation):
 
         What they drew while they were imported comes first: it saves the time of running them again.
         """
+        beside = sorted(self.broken)
         for path in self._runnable():
             for ask in (self._drawn_at_import, self._drawn_as_script, self._drawn_untouched):
-                drawing = self.once((ask.__name__, path, *sorted(self.broken)), partial(ask, path))
+                drawing = self.once((ask.__name__, path, *beside), partial(ask, path))
                 if drawing is not None:
                     yield drawing
         for path in self.further_scripts():
-            drawing = self.once(("script", path, *sorted(self.broken)), partial(self._run_script, path))
+            drawing = self.once(("script", path, *beside), partial(self._run_script, path))
             if drawing is not None:
                 yield drawing
         if any(_DATA_FILE.search(content) for path, content in self.files.items() if path.endswith(".py")):
-            yield from self.once(("scripts in turn", *sorted(self.broken)), self._drawn_in_turn)
+            yield from self.once(("scripts in turn", *beside), self._drawn_in_turn)
 
     def _runnable(self) -> list[str]:
         others = sorted(p for p in self.paths if p.endswith(".ipynb") and p not in self.used)

@@ -291,7 +291,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
     drawn = unread = late = False
     few = 0
-    charged = _what_stops_the_plot(student)
+    charged = _past_the_plot(student)
     broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
@@ -353,13 +353,12 @@ def _tell_of(fault: Fault | None, student: Student) -> None:
         student.note(f"{fault.where} was stepped over when the file was run: {why}; what it draws after it counts")
 
 
-def _what_stops_the_plot(student: Student) -> Fault | None:
-    """The exception in `plot_imu_data`. Where it does not come to its end, which is charged, scripts go on after it."""
+def _past_the_plot(student: Student) -> Fault | None:
+    """Let scripts go on where `plot_imu_data` does not come to its end, which is charged: beside a stand-in. What it raised."""
     drawing = student.answered("plot")
-    if drawing is not None and drawing.fault is None:
-        return None
-    student.replace_broken(["plot_imu_data"])
-    return drawing and drawing.fault  # type: ignore[no-any-return]
+    if drawing is None or drawing.fault is not None:
+        student.replace_broken(["plot_imu_data"])
+    return None if drawing is None else drawing.fault
 
 
 def _compared(student: Student, figure: Figure) -> list[comparing.Compared]:

@@ -40,7 +40,10 @@ def together(sights: Iterable[Sight]) -> Sight:
 
 
 class Patience:
-    """How many pixels are looked at for one answer: an honest one needs a million, and one that asks for more is not believed."""
+    """How many pixels are looked at for one answer; one that asks for more is not believed.
+
+    Most honest ones need half a million, the largest of the corpus 2.3 million.
+    """
 
     def __init__(self, pixels: int = 30_000_000) -> None:
         self._left = pixels
