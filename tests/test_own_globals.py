@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import pytest
 
-from grader.harness import loading
+from grader.harness import submission
 from grader.labs.imu.box import calls, own_globals
 
 pytestmark = pytest.mark.quick
@@ -30,13 +30,13 @@ class Program(ModuleType):
 @pytest.fixture
 def given(monkeypatch: pytest.MonkeyPatch) -> tuple[Any, Any]:
     model = mujoco.MjModel.from_xml_string(EMPTY)
-    monkeypatch.setattr(loading.STATE, "modules", {})
+    monkeypatch.setattr(submission.STATE, "modules", {})
     return model, mujoco.MjData(model)
 
 
 def _loaded(code: str) -> Program:
     program = Program(code)
-    loading.STATE.modules["program.py"] = program
+    submission.STATE.modules["program.py"] = program
     return program
 
 

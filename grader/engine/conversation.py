@@ -13,6 +13,7 @@ from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import Fault, Missing, Where
 from grader.engine.loaded import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
+from grader.engine.slips import Slip
 from grader.ground.errors import NoAnswer, TimedOut
 from grader.ground.text import printable
 from grader.sandbox.wire import Frame
@@ -20,6 +21,7 @@ from grader.sandbox.wire import Frame
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
 _MOST_BREAKPOINTS = 3
+_MOST_SLIPS = 8  # of a submission; each costs a process
 _DID = {"hints": "lost its type hints", "unread": "could not be read"}
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
 
@@ -34,7 +36,26 @@ class Conversation(Asking):
         return self.known_as(called, question.key, lambda: question.becomes(self._put(question)))
 
     def _put(self, question: Question[Any]) -> Frame:
-        return self.ask(question.op, {"path": self.place_of(question.about), **question.fields}, question.arrays)
+        return self.mending(
+            question.about, lambda place: self.ask(question.op, {**place, **question.fields}, question.arrays)
+        )
+
+    def mending(self, about: str, ask: Callable[[dict[str, str]], Frame]) -> Frame:
+        """Ask; and again where the function raised for a name that only one thing can be meant by, and that is mended now.
+
+        Parameters
+        ----------
+        about : a bonus is judged as it stands: there is no check to charge it
+        ask : is given the place of what it asks about
+        """
+        charged = any(about in part.names for part in self._lab.parts)
+        while True:
+            frame = ask({"path": self.place_of(about)})
+            slip = Slip.of(frame) if charged else None
+            if slip is None or slip in self.slips or len(self.slips) >= _MOST_SLIPS:
+                return frame
+            self.slips[slip] = about
+            self.end_session()
 
     def load(self, path: str) -> Loaded:
         if path in self.deadly:
@@ -98,6 +119,10 @@ class Conversation(Asking):
     def lent_to(self, name: str) -> tuple[str, ...]:
         """What the definition of `name` uses and its file does not import."""
         return tuple(lent for user, lent in self.load(self.place_of(name)).lent if user == name)
+
+    def slips_in(self, name: str) -> tuple[Slip, ...]:
+        """What the definition of `name` could not be run without, of all that it was asked until now."""
+        return tuple(slip for slip, about in self.slips.items() if about == name)
 
     def returns_nothing(self, name: str) -> bool:
         """Whether the definition of `name` keeps what it computes; it was let return that."""

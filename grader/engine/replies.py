@@ -93,6 +93,7 @@ def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rul
     try:
         if op not in _WITHOUT_FAULT:
             maybe(fault)(frame.fields.get("error"))
+            maybe(_slip)(frame.fields.get("slip"))
         {**_RULES, **rules}[op](answer)
     except Wrong as wrong:
         raise Malformed(f"what came back is no answer to {op!r}: {wrong}") from None
@@ -192,6 +193,7 @@ def every(*kinds: Callable[[Any], None]) -> Kind:
 
 short, long = text(_SHORT), text(_TEXT)
 fault = record(type=short, message=long, file=maybe(short), line=maybe(whole), text=maybe(long), name=maybe(short))
+_slip = record(path=long, function=whole, at=whole, kind=short, own=short, meant=short)
 _stepped_over = record(
     type=short,
     message=long,

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import loading, pictures, seeing, world
+from . import loading, pictures, seeing, slips, world
 from .guard import Guard
+from .submission import STATE
 
 Handler = Callable[[dict[str, Any], dict[str, Any]], tuple[dict[str, Any], dict[str, Any]]]
 _HANDLERS: dict[str, Handler] = {
@@ -36,7 +37,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
     """
     global _guard  # noqa: PLW0603 - there is one harness in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
-    loading.STATE.sheet_names = getattr(questions, "sheet_names", loading.STATE.sheet_names)
+    STATE.sheet_names = getattr(questions, "sheet_names", STATE.sheet_names)
     world.import_libraries()
     seeing.remember_classes()
     if thorough:
@@ -47,7 +48,8 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Answer one question of the grader; ChangedError where the harness was rewritten meanwhile."""
-    reply = _HANDLERS[op](fields, arrays)
+    reply, found = _HANDLERS[op](fields, arrays)
+    slip = slips.noticed()
     if _guard is not None:
         _guard.check()
-    return reply
+    return (reply if slip is None else {**reply, "slip": slip}), found

@@ -16,6 +16,11 @@ def own_name(path: str) -> str:
     return _OWN_PREFIX + path
 
 
+def path_of(own: str) -> str:
+    """The submission's path of a file name that `own_name` made."""
+    return own.removeprefix(_OWN_PREFIX)
+
+
 def is_own(name: str) -> bool:
     """Whether a file name is of a student's code."""
     return name.startswith(_OWN_PREFIX)

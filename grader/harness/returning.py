@@ -54,7 +54,7 @@ def _last(body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:
             names += [] if kind == "mapping" else [name for name in reversed(_targets(node)) if name not in names]
         elif isinstance(node, ast.Expr):
             if not names and (value := _by_itself(node.value, kind)) is not None:
-                return value
+                return _read(_copied(ast.unparse(value))) if kind == "value" else value
         elif not isinstance(node, ast.If | ast.Pass) or _returns(node):
             return None
         if len(names) >= (2 if kind == "pair" else 1):
@@ -63,11 +63,16 @@ def _last(body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:
 
 
 def _of_names(names: Sequence[str], body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:
-    """A copy of what was set last (what an object keeps is its own), or the only two in the order in which they were first set."""
+    """What was set last, or the only two in the order in which they were first set."""
     if kind == "value":
-        return _read(names[0] if names[0].isidentifier() else f"__import__('copy').copy({names[0]})")
+        return _read(_copied(names[0]))
     order = [name for node in body if isinstance(node, _Setting) for name in _targets(node)]
     return _read(", ".join(sorted(names, key=order.index))) if len(names) == 2 else None
+
+
+def _copied(written: str) -> str:
+    """A copy of what an object keeps: that is its own."""
+    return written if written.isidentifier() else f"__import__('copy').copy({written})"
 
 
 def _of_both(choice: ast.If, kind: Kind) -> ast.expr | None:

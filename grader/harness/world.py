@@ -73,7 +73,7 @@ def use_libraries() -> None:
         "<mujoco><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>"
     )
     mujoco.mj_step(model, mujoco.MjData(model))
-    PIL.Image.init()
+    PIL.Image.preinit()
 
 
 def furnish(furniture: Mapping[str, Any], *, run_magic: desktop.RunMagic) -> None:

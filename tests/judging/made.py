@@ -22,7 +22,7 @@ import yaml
 from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.loaded import Loaded
 from grader.engine.traces import Traces
-from grader.harness import loading, world
+from grader.harness import submission, world
 from grader.labs.imu import bundles
 from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.lab import LAB
@@ -91,8 +91,8 @@ def _as_in_the_box(parts: Mapping[str, Any]) -> Iterator[None]:
     own = {name: getattr(mujoco, name) for name in ("mj_step", "mj_step1", "mj_step2")}
     entropy = np.random.bit_generator
     with (
-        mock.patch.object(loading, "find", lambda name, _path: parts[name]),
-        mock.patch.object(loading.STATE, "folder", str(Path.cwd())),
+        mock.patch.object(submission, "find", lambda name, _path: parts[name]),
+        mock.patch.object(submission.STATE, "folder", str(Path.cwd())),
         mock.patch.object(entropy, "randbits", entropy.randbits),
     ):
         world._watch_steps()

@@ -109,6 +109,8 @@ def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None
     whole = numbers(node, arrays)
     if whole is not None and whole.shape == (6,):
         return whole[:3], whole[3:]
+    if whole is not None and whole.shape == (3,):
+        return whole, None  # the sheet's first
     if whole is not None and "key" in node:
         return (whole[0], whole[1]) if whole.ndim == 2 and len(whole) == 2 else None
     items = node.get("items", ())

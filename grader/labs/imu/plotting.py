@@ -24,6 +24,7 @@ from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot
 from grader.labs.imu.robot import robot_of
 from grader.sandbox.box import Box
+from grader.sandbox.wire import Frame
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
 _RETURNS = {
@@ -80,7 +81,7 @@ class Plotting(Conversation):
 
         If it raises, it is given what the submission's own recorder returns of such a run: an object of the submission's own, or a
         dictionary with labels and settings beside the numbers. If it raises again, it gets the sheet's recording: a key that is
-        misspelled where the data is recorded is no fault of the plot's.
+        misspelled where the data is recorded is no fault of the plot's. If it raises for all of them, it is mended.
 
         Parameters
         ----------
@@ -103,10 +104,10 @@ class Plotting(Conversation):
         own = self._plotted_as_recorded(data, sheet, ids)
         if own is not None and own.fault is None and (drawing.fault or not plots.lacking(own.figures, sheet)):
             return own
-        if drawing.fault is None or data.keys() == sheet.keys():
+        if drawing.fault is None:
             return drawing
-        as_on_sheet = self._plotted(sheet)
-        return drawing if as_on_sheet.fault else as_on_sheet
+        as_on_sheet = drawing if data.keys() == sheet.keys() else self._plotted(sheet)
+        return self._plotted(data, mended=True) if as_on_sheet.fault else as_on_sheet
 
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
@@ -126,11 +127,18 @@ class Plotting(Conversation):
         data: Mapping[str, Array],
         recorder: Mapping[str, Any] | None = None,
         shown: Mapping[str, Array] | None = None,
+        *,
+        mended: bool = False,
     ) -> Drawing:
         keys = {name: f"d{number}" for number, name in enumerate(data)}
-        fields = {"path": self.place_of("plot_imu_data"), "keys": keys, "recorder": recorder}
         arrays = {keys[name]: value for name, value in data.items()} | dict(shown or {})
-        return drawing_of(self.ask("plot", fields, arrays))
+
+        def ask(place: dict[str, str]) -> Frame:
+            return self.ask("plot", place | {"keys": keys, "recorder": recorder}, arrays)
+
+        if mended:
+            return drawing_of(self.mending("plot_imu_data", ask))
+        return drawing_of(ask({"path": self.place_of("plot_imu_data")}))
 
     def scripts(self) -> Iterator[Drawing]:
         """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import loading
+from grader.harness import submission
 from grader.harness.calling import fitted
 from grader.harness.values import Packer, numbers
 
@@ -34,7 +34,7 @@ def tilt(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     ``cases`` : per case ``output`` (array name, (n, 2) roll and pitch, fewer rows where it raised; NaN where an update gave no two
         numbers), ``odd`` (the first such value) and ``error``.
     """
-    kind = loading.find("ComplementaryFilter", fields["path"])
+    kind = submission.find("ComplementaryFilter", fields["path"])
     packer = Packer()
     return {"cases": [_tilt_case(kind, case, arrays, packer) for case in fields["cases"]]}, packer.arrays
 
@@ -84,7 +84,7 @@ def allan(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     fields : ``path``, ``sample_rate_hz``
     arrays : ``samples`` (n,) or (n, 3)
     """
-    function = loading.find("allan_deviation", fields["path"])
+    function = submission.find("allan_deviation", fields["path"])
     packer = Packer()
     answer: dict[str, Any] = {"value": None}
     with examined(answer):
@@ -107,7 +107,7 @@ def imus(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     -------
     ``calls`` : a node per state; ``later`` : the first state's answer, looked at again after the simulation moved on.
     """
-    function = loading.find("read_all_imus", fields["path"])
+    function = submission.find("read_all_imus", fields["path"])
     packer = Packer()
     answer: dict[str, Any] = {"calls": [], "later": None}
     with examined(answer), scene(fields["model"]) as (model, data):

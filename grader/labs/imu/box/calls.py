@@ -49,6 +49,15 @@ NOISY = (
     Slot("accel_bias", _BIASES[0], "option"),
     Slot("gyro_bias", _BIASES[1], "option"),
 )
+READ = (
+    Slot("model", MODEL.meaning, "spare"),
+    Slot("data", DATA.meaning, "spare"),
+    Slot("accel_id", _meaning(r"^acc.*(id|sensor)"), "spare"),
+    Slot("gyro_id", _meaning(r"^gyr.*(id|sensor)"), "spare"),
+    Slot("accel", _meaning(r"acc|^a$"), "spare"),
+    Slot("gyro", _meaning(r"gyr|ang|omega|rate|^[gw]$"), "spare"),
+    Slot("dt", _DT, "spare"),
+)
 _INITIAL = Slot("initial_value", _meaning(r"init|start|first|prev|state|value|^[xy]_?0$"), "option")
 FILTER = (Slot("alpha", _ALPHA, "option"), _INITIAL)
 _FILTER_IN_TIME = (
@@ -83,6 +92,12 @@ PLOTTER = (
 )
 WRITTEN = {"file_name": "imu_data.png", "title": "IMU data"}
 """Words for a plot that asks for them."""
+
+
+def readings(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
+    """What a `read` that asks for it is given: each sensor's present values, and the time since the last ones."""
+    start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
+    return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
 
 def collecting_by(

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import loading, recorder
+from grader.harness import recorder, submission
 from grader.harness.screen import Screen, open_figures, replaced
 from grader.harness.values import Packer
 
@@ -40,7 +40,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     import mujoco
 
     del arrays
-    function = loading.find("live_plot", fields["path"])
+    function = submission.find("live_plot", fields["path"])
     model = model_of(fields["model"])
     model.opt.timestep = fields["timestep"]
     data = mujoco.MjData(model)
@@ -50,7 +50,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     watch = _Watch(data, fields["duration_s"])
     screen = Screen(watch.seen, watch.done)
     answer: dict[str, Any] = {"returned": False}
-    recorder.RECORDER.take(loading.STATE.folder)
+    recorder.RECORDER.take(submission.STATE.folder)
     scene = own_globals.standing_for(model, data)
     with examined(answer), scene, screen.standing(), watch.counting_steps():
         plot, _ = calls.collecting_by(function, model, fields["duration_s"], ids)
@@ -58,7 +58,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         screen.show_animations_left()
         answer["returned"] = True
         del value  # an animation that was handed back lives until here
-    recorder.RECORDER.take(loading.STATE.folder, with_open=False)
+    recorder.RECORDER.take(submission.STATE.folder, with_open=False)
     return watch.reply(answer)
 
 
@@ -115,7 +115,7 @@ class _Watch:
             self._stepped += nstep * float(model.opt.timestep)
 
         with contextlib.ExitStack() as stack:
-            for owner in (mujoco, *loading.STATE.modules.values()):
+            for owner in (mujoco, *submission.STATE.modules.values()):
                 names = [name for name, value in list(vars(owner).items()) if value is really]
                 stack.enter_context(replaced(owner, dict.fromkeys(names, mj_step)))
             yield

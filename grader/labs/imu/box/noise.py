@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import loading, world
+from grader.harness import submission, world
 from grader.harness.calling import way_of
 from grader.harness.values import Packer, numbers
 
@@ -49,11 +49,11 @@ def noise(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     with examined(answer), scene(fields["model"]) as (model, data):
         put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _building(fields, model, data, answer)
-        sensor = build(arrays)
+        read = build(arrays)
         for state in range(len(readings)):
             still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             for index, row in enumerate(readings[state]):
-                _store(sensor.read(), row, answer, packer)
+                _store(read(), row, answer, packer)
                 if index == 0:
                     disturbance.append(still.changes())
                 still.again(row)
@@ -90,9 +90,9 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
             world.seed(_SEED)
             for generator, state in generators:
                 _rewind(generator, state)
-            sensor = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
+            read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
             for row in rows:
-                _store(sensor.read(), row, answer, packer)
+                _store(read(), row, answer, packer)
                 still.changes()
                 still.again(row)
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}
@@ -104,7 +104,7 @@ _SEED = 1234
 
 def _generators() -> Iterator[Any]:
     """The generators that the submission keeps in its modules and classes, which no new seed reaches."""
-    for module in list(loading.STATE.modules.values()):
+    for module in list(submission.STATE.modules.values()):
         owned = [m for m in vars(module).values() if isinstance(m, type) and m.__module__ == module.__name__]
         for value in [value for owner in (module, *owned) for value in vars(owner).values()]:
             if isinstance(value, np.random.Generator | np.random.RandomState | random.Random):
@@ -157,8 +157,8 @@ class _Still:
 
 
 def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, Any]) -> Callable[..., Any]:
-    """What builds a `NoisyIMU` from biases, with the standard deviations of these fields or others."""
-    kind = loading.find("NoisyIMU", fields["path"])
+    """What builds a `NoisyIMU` from biases, with the standard deviations of these fields or others, and gives what reads it."""
+    kind = submission.find("NoisyIMU", fields["path"])
     way = way_of(kind, calls.NOISY)
     answer["departs"] = list(way.departs)
     own_globals.provide_ids({"accel": fields["accel_id"], "gyro": fields["gyro_id"]})
@@ -167,7 +167,12 @@ def _building(fields: dict[str, Any], model: Any, data: Any, answer: dict[str, A
 
     def build(arrays: dict[str, Any], **stds: float) -> Any:
         biases = {name: arrays[name].copy() for name in ("accel_bias", "gyro_bias") if name in arrays}
-        return way(kind, given | stds | biases)
+        read = way(kind, given | stds | biases).read
+        reading = way_of(read, calls.READ)
+        if reading.as_promised:
+            return read
+        answer["departs"] = [*dict.fromkeys([*answer["departs"], *reading.departs])]
+        return lambda: reading(read, given | calls.readings(fields, model, data))
 
     return build
 
@@ -215,15 +220,15 @@ def default_bias(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     readings = np.full((fields["instances"], fields["reads"], 6), np.nan)
     with examined(answer), scene(fields["model"]) as (model, data):
         still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
-        build, sensors = _building(fields, model, data, answer), []
+        build, reads = _building(fields, model, data, answer), []
         for rows in readings:
-            sensors.append(build({}))
-            _store(sensors[-1].read(), rows[0], answer, packer)
+            reads.append(build({}))
+            _store(reads[-1](), rows[0], answer, packer)
             still.changes()
             still.again(rows[0])
-        for sensor, rows in zip(sensors, readings, strict=True):
+        for read, rows in zip(reads, readings, strict=True):
             for row in rows[1:]:
-                _store(sensor.read(), row, answer, packer)
+                _store(read(), row, answer, packer)
                 still.again(row)
             answer["done"] += 1
     return answer, packer.arrays | {"accel": readings[:, :, :3], "gyro": readings[:, :, 3:]}

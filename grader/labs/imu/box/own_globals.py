@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import loading
+from grader.harness import submission
 from grader.harness.calling import Slot
 from grader.harness.screen import replaced
 
@@ -28,7 +28,7 @@ _SCENE = {name: re.compile(rf"^(mj|mujoco|my|sim)?_?{name}$", re.IGNORECASE) for
 
 def provide_ids(ids: Mapping[str, int]) -> None:
     """Set the sensor ids that student code reads from module globals which nothing has set, or to a placeholder only."""
-    for module in list(loading.STATE.modules.values()):
+    for module in list(submission.STATE.modules.values()):
         for name in _unset_globals(module):
             if _AN_ID.search(name) and _ACCELEROMETER.match(name):
                 setattr(module, name, ids["accel"])
@@ -40,7 +40,7 @@ def provide_ids_of(model: Any) -> None:
     """The same for the IMU of the robot, where the model has it."""
     import mujoco
 
-    names = loading.STATE.furniture.get("imu", ())
+    names = submission.STATE.furniture.get("imu", ())
     ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in names]
     if ids and min(ids) >= 0:
         provide_ids(dict(zip(("accel", "gyro"), ids, strict=True)))
@@ -55,12 +55,36 @@ def standing_for(model: Any, data: Any) -> Iterator[None]:
     with ExitStack() as stack:
         for name, given in (("model", model), ("data", data)):
             places = [
-                place for module in list(loading.STATE.modules.values()) for place in _places(module, name, given)
+                place for module in list(submission.STATE.modules.values()) for place in _places(module, name, given)
             ]
             if len({id(held) for *_, held in places if held is not None}) <= 1:
                 for module, own, _ in places:
                     stack.enter_context(replaced(module, {own: given}))
         yield
+
+
+_MEASUREMENT = re.compile(
+    r"^((raw|noisy|clean|new)_)?(acc(el(eration)?)?|gyro|measurements?|readings?|samples?)(_(raw|noisy))?$",
+    re.IGNORECASE,
+)
+
+
+def measured_by(update: Any) -> tuple[Any, list[str]]:
+    """A filter's method for which the global that it reads as its measurement is what it is given; and that, if there is one."""
+    function = getattr(update, "__func__", update)
+    if not isinstance(function, FunctionType):
+        return update, []
+    values, read = function.__globals__, _globals_read(function.__code__, "LOAD_GLOBAL")
+    meant = [name for name in read if _MEASUREMENT.match(name) and np.shape(values.get(name, ())) in ((), (3,))]
+    if len(meant) != 1 or callable(values.get(meant[0])):
+        return update, []
+
+    @functools.wraps(update)
+    def measured(*given: Any, **named: Any) -> Any:
+        values[meant[0]] = next(iter((*given, *named.values())))
+        return update(*given, **named)
+
+    return measured, ["global measurement"]
 
 
 @contextmanager
@@ -75,7 +99,7 @@ def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterato
     -------
     that global, if there is a parameter that it is read instead of
     """
-    modules = list(loading.STATE.modules.values())
+    modules = list(submission.STATE.modules.values())
     owner = next((m for m in modules if vars(m) is getattr(function, "__globals__", None)), None)
     own = _own_names(function, *slots) or _own_names(function)[:1]
     if owner is None or _locals_read(function.__code__).intersection(own):
@@ -131,7 +155,7 @@ def _places(module: ModuleType, name: str, given: Any) -> Iterator[tuple[ModuleT
 
 def _unset_globals(module: ModuleType) -> set[str]:
     functions = _functions(module)
-    names = {name for function in functions for name in _names(function.__code__)}
+    names = {name for function in functions for name in _globals_read(function.__code__, "LOAD_GLOBAL")}
     set_later = {name for function in functions for name in _globals_read(function.__code__, "STORE_GLOBAL")}
     values = vars(module)
     return {name for name in names if values.get(name) is None or (name in set_later and _is_no_id(values[name]))}
@@ -178,9 +202,3 @@ def _locals_read(code: CodeType) -> set[str]:
         if step.opname.startswith("LOAD_FAST"):
             read.update(step.argval if isinstance(step.argval, tuple) else (step.argval,))
     return read
-
-
-@functools.cache
-def _names(code: CodeType) -> set[str]:
-    inner = {name for const in code.co_consts if isinstance(const, CodeType) for name in _names(const)}
-    return set(code.co_names) | inner

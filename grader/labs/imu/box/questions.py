@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import faults, loading, recorder, saved, world
+from grader.harness import faults, recorder, saved, slips, submission, world
 from grader.harness.calling import fitted, way_of
 from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
@@ -27,10 +27,11 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 def examined(answer: dict[str, Any]) -> Iterator[None]:
     """Catch whatever student code raises and note it in the answer."""
     try:
-        with world.at_home(loading.STATE.folder):
+        with world.at_home(submission.STATE.folder):
             yield
     except BaseException as raised:  # whatever student code raises, SystemExit included
         answer["error"] = faults.describe(raised)
+        slips.notice(raised)
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
@@ -68,7 +69,7 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     arrays ``disturbance`` (calls, 4): largest change of time, qpos, qvel and sensordata while reading, in each of these states
     and after that step.
     """
-    reader = loading.find("get_imu_readings", fields["path"])
+    reader = submission.find("get_imu_readings", fields["path"])
     packer = Packer()
     answer: dict[str, Any] = {"calls": [], "later": [], "departs": []}
     disturbance = []
@@ -156,7 +157,7 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     """
     import mujoco
 
-    function = loading.find("simulate_and_collect", fields["path"])
+    function = submission.find("simulate_and_collect", fields["path"])
     model = model_of(fields["model"])
     if fields["timestep"]:
         model.opt.timestep = fields["timestep"]
@@ -207,7 +208,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     -------
     array ``rows`` (steps, 6); fewer where it raised
     """
-    reader = loading.find("get_imu_readings", fields["path"])
+    reader = submission.find("get_imu_readings", fields["path"])
     answer: dict[str, Any] = {}
     rows: list[np.ndarray] = []
     with examined(answer):
@@ -272,7 +273,7 @@ def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     -------
     ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``, ``output_changed``.
     """
-    kind = loading.find("LowPassFilter", fields["path"])
+    kind = submission.find("LowPassFilter", fields["path"])
     packer = Packer()
     building = functools.cache(functools.partial(calls.filter_by, kind))
     cases = [_filter_case(building, case, arrays, packer) for case in fields["cases"]]
@@ -287,6 +288,7 @@ def _filter_case(
         "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False, "departs": [],
     }  # fmt: skip
     rows: list[np.ndarray] = []
+    kept: list[list[tuple[str, np.ndarray]]] = []
     initial = None if case["initial"] is None else np.array(arrays[case["initial"]])
     with examined(answer):
         options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
@@ -294,8 +296,9 @@ def _filter_case(
             options["initial_value"] = initial
         build, in_building = building()
         instance = build(options)
-        update, departs = fitted(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
-        answer["departs"] = [*in_building, *departs]
+        given, read_instead = own_globals.measured_by(instance.update)
+        update, departs = fitted(given, calls.UPDATE, {"dt": calls.BETWEEN_S})
+        answer["departs"] = [*in_building, *departs, *read_instead]
         beside = None
         if case["handling"] == "beside":
             other = build(options | {"alpha": 1 - case["alpha"]})
@@ -305,14 +308,31 @@ def _filter_case(
             value, row = _filtered(update, measurement, case["handling"], answer, packer)
             first = first if rows else value
             rows.append(row)
+            kept.append(_kept_in(instance) if answer["odd"] else [])
             if beside is not None:
                 beside(100.0 - 3.0 * measurement)
         if isinstance(first, np.ndarray) and first.size == rows[0].size:
             answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
         answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
     if rows:
-        answer["output"] = packer.keep(np.array(rows))
+        answer["output"] = packer.keep(_state_in(kept, signal, np.array(rows)))
     return answer
+
+
+def _kept_in(instance: Any) -> list[tuple[str, np.ndarray]]:
+    with suppress(TypeError):
+        return [(name, vector.copy()) for name, vector in vectors_in(vars(instance).items())]
+    return []
+
+
+def _state_in(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Where no update gave a vector: the one that the filter keeps, and that is not what it was given."""
+    if not np.isnan(rows).all() or len({tuple(name for name, _ in each) for each in kept}) != 1:
+        return rows
+    series = [np.array([vector for _, vector in each]) for each in zip(*kept, strict=True)]
+    own = [each for each in series if not np.array_equal(each, signal[: len(each)])] or series
+    moving = [each for each in own if np.ptp(each, axis=0).any()] or own
+    return moving[0] if all(np.array_equal(each, moving[0]) for each in moving) and moving else rows
 
 
 def _filtered(
@@ -323,7 +343,7 @@ def _filtered(
     try:
         row = numbers(value).copy().reshape(measurement.shape)
     except (TypeError, ValueError):
-        row = _vector_within(value)
+        row = _vector_within(value, measurement)
         answer["odd"] = answer["odd"] or packer.node(value)
     answer["input_changed"] = answer["input_changed"] or given.tolist() != measurement.tolist()
     if handling == "spoil_input":
@@ -333,10 +353,11 @@ def _filtered(
     return value, row
 
 
-def _vector_within(value: Any) -> np.ndarray:
-    """The first vector of what came in place of one, NaN where it holds none."""
+def _vector_within(value: Any, measurement: np.ndarray) -> np.ndarray:
+    """The first vector of what came in place of one that is not what was given; NaN where it holds none."""
     with suppress(TypeError):
-        return next((vector.copy() for _, vector in vectors_in(parts_of(value))), np.full(3, np.nan))
+        vectors = [vector.copy() for _, vector in vectors_in(parts_of(value))]
+        return next((v for v in vectors if not np.array_equal(v, measurement)), [*vectors, np.full(3, np.nan)][0])
     return np.full(3, np.nan)
 
 
@@ -353,10 +374,10 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         whose result is given, with the series of these names in the place of its own
     arrays : what is plotted; a number is an array of no dimension
     """
-    function = loading.find("plot_imu_data", fields["path"])
-    recorder.RECORDER.take(loading.STATE.folder)
-    for name in saved.written_pictures(loading.STATE.folder):
-        Path(loading.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
+    function = submission.find("plot_imu_data", fields["path"])
+    recorder.RECORDER.take(submission.STATE.folder)
+    for name in saved.written_pictures(submission.STATE.folder):
+        Path(submission.STATE.folder, name).unlink()  # what an import or a script drew is not what this call draws
     answer: dict[str, Any] = {"departs": []}
     given: Any = {
         name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
@@ -367,7 +388,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         with own_globals.recorded_as(recorded, function, calls.PLOTTER[:4]) as read_instead:
             answer["departs"] = [*way.departs, *read_instead]
             way(function, calls.WRITTEN | given | {"imu_data": recorded})
-    seen, facts = recorder.RECORDER.take(loading.STATE.folder)
+    seen, facts = recorder.RECORDER.take(submission.STATE.folder)
     return answer | seen, facts
 
 
@@ -376,7 +397,7 @@ def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str
 
     Where it alters what it reads, the series are put in the place of its own that have the same form.
     """
-    function = loading.find("simulate_and_collect", recorder["path"])
+    function = submission.find("simulate_and_collect", recorder["path"])
     model, data = simulation_of(recorder["model"])
     ids = {"accel": recorder["accel_id"], "gyro": recorder["gyro_id"]}
     own_globals.provide_ids(ids)
@@ -412,7 +433,7 @@ def _measuring(time: np.ndarray, measured: dict[int, np.ndarray]) -> Iterator[No
     really = {name: getattr(mujoco, name) for name in ("mj_step", "mj_forward")}
     instead = {"mj_step": mj_step, "mj_forward": mj_forward}
     with ExitStack() as stack:
-        for owner in (mujoco, *loading.STATE.modules.values()):
+        for owner in (mujoco, *submission.STATE.modules.values()):
             there = {
                 name: instead[own] for own, it in really.items() for name, v in list(vars(owner).items()) if v is it
             }

@@ -34,6 +34,13 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             mistakes=["import-missing"],
             keeps=keeps,
         )
+    if slips := student.slips_in(name):
+        meant = ", ".join(dict.fromkeys(printable(slip.meant, 60) for slip in slips))
+        written = ", ".join(
+            dict.fromkeys("no self" if slip.kind == "self" else printable(slip.own, 60) for slip in slips)
+        )
+        off, got = Size("a name that nothing has"), f"{written}, for which that was taken"
+        raise Lost(meant, got, off=off, mistakes=["unknown-name"], keeps=keeps, fault=slips[0].fault)
     if student.returns_nothing(name):
         off = Size("no return at the end")
         raise Lost(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grader.harness import faults, loading
+from grader.harness import faults, submission
 from grader.harness.values import Packer
 
 
@@ -13,7 +13,7 @@ def call(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     packer = Packer()
     answer: dict[str, Any] = {"value": None}
     try:
-        answer["value"] = packer.node(loading.find(fields["name"], fields["path"])(arrays["values"].copy()))
+        answer["value"] = packer.node(submission.find(fields["name"], fields["path"])(arrays["values"].copy()))
     except BaseException as raised:  # whatever student code raises
         answer["error"] = faults.describe(raised)
     return answer, packer.arrays

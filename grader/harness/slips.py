@@ -1,0 +1,255 @@
+"""A name for which a function raises, where one thing alone can be meant: a slip of the pen, a forgotten `self.` or `np.`.
+
+It is noticed when it is raised, by what is there to choose from at that moment, and mended when the file is loaded the next time,
+in that function alone. What never runs stays as it is. Whoever marks is told, as one fault.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import linecache
+import re
+import traceback
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from types import CodeType, FrameType, FunctionType, ModuleType
+from typing import Any, TypeAlias, TypeVar
+
+from . import faults
+from .submission import STATE
+
+Slip: TypeAlias = dict[str, Any]
+_Node = TypeVar("_Node", bound=ast.expr)
+_Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
+
+_CLOSE = 0.8
+"""Of the letters in common, as difflib counts: one in five may be lost, doubled, another or elsewhere. It has raised already."""
+_SHORTEST = 3
+_KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")
+_WITHOUT_SELF = re.compile(
+    r"^(\w+)\.(\w+)\(\) (?:takes \d+ positional arguments? but|got multiple values for argument)"
+)
+_LONGEST = 200
+
+
+def notice(raised: BaseException) -> None:
+    """Keep what must be meant by the name that this was raised for, if it is one; the first of a question counts."""
+    with suppress(BaseException):  # what the student's objects answer is their code
+        STATE.slip = STATE.slip or next(_slips(raised), None)
+
+
+def noticed() -> Slip | None:
+    """What was noticed since this was asked last."""
+    slip, STATE.slip = STATE.slip, None
+    return slip
+
+
+def _slips(raised: BaseException) -> Iterator[Slip]:
+    if isinstance(raised, TypeError) and (found := _WITHOUT_SELF.match(str(raised))):
+        yield from _without_self(*found.groups())
+    if isinstance(raised, AttributeError):
+        yield from _kept_by_nobody(raised)
+    own = [each for each in traceback.walk_tb(raised.__traceback__) if faults.is_own(each[0].f_code.co_filename)]
+    if not own:
+        return
+    file, line = own[-1][0].f_code.co_filename, own[-1][1]
+    function = _around(_tree(file), line)
+    if function is None:
+        return
+    frames = [frame for frame, at in own if frame.f_code.co_filename == file and _first_line(function) <= at]
+    for kind, name, meant in _meant(raised, _Scope(frames, function, line)):
+        yield _slip(file, function, kind, name, meant, at=line)
+
+
+class _Scope:
+    """What a line of a function sees: its own variables, and those of the expressions in it that have frames of their own."""
+
+    def __init__(self, frames: Sequence[FrameType], function: _Function, line: int) -> None:
+        self.function, self.line = function, line
+        self.locals = {name: value for frame in frames for name, value in frame.f_locals.items()}
+        self.globals, self.builtins = frames[-1].f_globals, frames[-1].f_builtins
+        codes = [frame.f_code for frame in frames if frame.f_code.co_name == function.name]
+        self.first = codes[-1].co_varnames[0] if codes and codes[-1].co_argcount else ""
+
+    def __getitem__(self, name: str) -> Any:
+        return self.locals.get(name, self.globals.get(name))
+
+    def there(self, kind: type[_Node]) -> list[_Node]:
+        """The expressions of one kind that the line reads."""
+        nodes = [each for each in ast.walk(self.function) if isinstance(each, kind)]
+        return [each for each in nodes if each.lineno <= self.line <= (each.end_lineno or 0) and not _is_set(each)]
+
+    def names(self) -> set[str]:
+        return {*self.locals, *self.globals, *(name for name in self.builtins if not name.startswith("_"))}
+
+
+def _meant(raised: BaseException, scope: _Scope) -> Iterator[tuple[str, str, str]]:
+    """What is wrong, as it is written, and what is meant by it."""
+    if isinstance(raised, NameError) and raised.name == "self":
+        yield "self", "self", "self"
+    elif isinstance(raised, NameError) and raised.name and (name := _name_meant(raised.name, scope)):
+        yield "expression", raised.name, name
+    elif found := _KEYWORD.search(str(raised)):
+        if (name := _nearest(found[1], _keywords())) and scope.there(ast.Call):
+            yield "keyword", found[1], name
+    elif isinstance(raised, AttributeError) and raised.name:
+        written = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
+        member = _member_meant(raised.name, raised.obj)
+        yield from (("expression", ast.unparse(each), ast.unparse(each.value) + member) for each in written if member)
+    elif isinstance(raised, KeyError) and isinstance(raised.args[0], str):
+        for each in scope.there(ast.Subscript):
+            key = isinstance(each.slice, ast.Constant) and each.slice.value == raised.args[0]
+            keys = _keys_of(scope[ast.unparse(each.value)]) if key else set()
+            if meant := _nearest(raised.args[0], keys):
+                yield "expression", ast.unparse(each), f"{ast.unparse(each.value)}[{meant!r}]"
+
+
+def _name_meant(name: str, scope: _Scope) -> str | None:
+    """A member of the object whose method it is, one of a library that is imported, or a name that is spelled nearly so."""
+    owner = scope.locals.get(scope.first)
+    if _is_own_object(owner) and name in dir(owner):
+        return f"{scope.first}.{name}"
+    libraries = {each: scope.globals.get(each) for each in STATE.furniture.get("libraries", ())}
+    holding = [
+        each for each, library in libraries.items() if isinstance(library, ModuleType) and hasattr(library, name)
+    ]
+    near = _nearest(name, scope.names())
+    candidates = [*(f"{each}.{name}" for each in holding), *([near] if near else [])]
+    return candidates[0] if len(candidates) == 1 else None
+
+
+def _member_meant(name: str, owner: Any) -> str:
+    """A key of a dictionary; what a panel sets where pyplot has a function, or the reverse; else what is spelled nearly so."""
+    if name in _keys_of(owner):
+        return f"[{name!r}]"
+    members = dir(owner)
+    other = name.removeprefix("set_") if name.startswith("set_") else f"set_{name}"
+    member = other if other in members else _nearest(name, members)
+    return f".{member}" if member else ""
+
+
+def _keys_of(value: Any) -> set[str]:
+    return {key for key in value if isinstance(key, str)} if isinstance(value, dict) else set()
+
+
+def _is_own_object(value: Any) -> bool:
+    return type(value).__module__ in {module.__name__ for module in STATE.modules.values()}
+
+
+def _kept_by_nobody(raised: AttributeError) -> Iterator[Slip]:
+    """An attribute that is set nowhere, where `__init__` has a variable of that name: the `self.` is forgotten there."""
+    made = getattr(type(raised.obj), "__init__", None)
+    if isinstance(made, FunctionType) and _is_own_object(raised.obj) and raised.name in made.__code__.co_varnames:
+        yield from _of_code(made.__code__, "kept", raised.name)
+
+
+def _without_self(kind: str, method: str) -> Iterator[Slip]:
+    """A method that speaks of `self`, and has no such parameter."""
+    for module in list(STATE.modules.values()):
+        own = vars(vars(module).get(kind, object)).get(method)
+        if isinstance(own, FunctionType) and "self" in own.__code__.co_names:
+            yield from _of_code(own.__code__, "self", "self")
+
+
+def _of_code(code: CodeType, kind: str, name: str) -> Iterator[Slip]:
+    function = _around(_tree(code.co_filename), code.co_firstlineno)
+    if function and faults.is_own(code.co_filename):
+        yield _slip(
+            code.co_filename, function, kind, name, f"self.{name}" if kind == "kept" else name, at=function.lineno
+        )
+
+
+def _slip(file: str, function: _Function, kind: str, own: str, meant: str, *, at: int) -> Slip:
+    if max(len(own), len(meant)) > _LONGEST:
+        raise ValueError("what is written there is too long to be told")
+    place = {"path": faults.path_of(file), "function": function.lineno, "at": at}
+    return {**place, "kind": kind, "own": own, "meant": meant}
+
+
+# --- what there is to choose from ----------------------------------------------------------------------------------------
+
+
+def _nearest(name: str, among: Iterable[str]) -> str | None:
+    """The one that is spelled nearly as this is; none where two are alike in that, or this is short."""
+    if len(name) < _SHORTEST:
+        return None
+    known = {each for each in among if each != name and not each.startswith("__")}
+    likeness = sorted(((_likeness(name, each), each) for each in known), reverse=True)[:2]
+    best = [each for each in likeness if each[0] >= _CLOSE and each[0] == likeness[0][0]]
+    return best[0][1] if len(best) == 1 else None
+
+
+def _likeness(one: str, other: str) -> float:
+    plain, others = (each.casefold().replace("_", "") for each in (one, other))
+    ratio = difflib.SequenceMatcher(None, plain, others).ratio()
+    return max(ratio, _CLOSE) if sorted(plain) == sorted(others) else ratio  # in another order
+
+
+def _keywords() -> set[str]:
+    """What a function of the submission's own may be given by name, and what curves and texts may be."""
+    from matplotlib.lines import Line2D
+    from matplotlib.text import Text
+
+    setters = {each.removeprefix("set_") for each in (*dir(Line2D), *dir(Text)) if each.startswith("set_")}
+    members = [each for module in STATE.modules.values() for each in vars(module).values()]
+    made = [vars(each).get("__init__") if isinstance(each, type) else each for each in members]
+    codes = [each.__code__ for each in made if isinstance(each, FunctionType)]
+    return setters.union(*(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount] for code in codes))
+
+
+# --- in the text ---------------------------------------------------------------------------------------------------------
+
+
+def _tree(file: str) -> ast.Module:
+    return ast.parse("".join(linecache.getlines(file)))
+
+
+def _around(tree: ast.Module, line: int) -> _Function | None:
+    """The innermost function that this line is in."""
+    functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
+    around = [each for each in functions if _first_line(each) <= line <= (each.end_lineno or 0)]
+    return max(around, key=lambda each: each.lineno, default=None)
+
+
+def _first_line(function: _Function) -> int:
+    return min([function.lineno, *(each.lineno for each in function.decorator_list)])
+
+
+def _is_set(node: ast.expr) -> bool:
+    return isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
+
+
+def mend(tree: ast.Module, path: str) -> None:
+    """Put right what was noticed in a file, where it was noticed."""
+    for slip in [each for each in STATE.slips if each["path"] == path]:
+        functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
+        for function in [each for each in functions if each.lineno == slip["function"]]:
+            _mend(function, slip["kind"], slip["own"], slip["meant"])
+            ast.fix_missing_locations(function)
+
+
+def _mend(function: _Function, kind: str, own: str, meant: str) -> None:
+    if kind == "self":
+        function.args.args.insert(0, ast.arg("self"))
+    elif kind == "kept":
+        function.body += ast.parse(f"{meant} = {own}").body
+    elif kind == "keyword":
+        for each in [each for each in ast.walk(function) if isinstance(each, ast.keyword) and each.arg == own]:
+            each.arg = meant
+    else:
+        _Instead(own, meant).visit(function)
+
+
+class _Instead(ast.NodeTransformer):
+    """Puts one expression where another is written."""
+
+    def __init__(self, own: str, meant: str) -> None:
+        self._own, self._meant = own, meant
+
+    def visit(self, node: ast.AST) -> ast.AST:
+        written = isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and not _is_set(node)
+        if written and ast.unparse(node) == self._own:
+            return ast.copy_location(ast.parse(self._meant, mode="eval").body, node)
+        visited: ast.AST = self.generic_visit(node)
+        return visited

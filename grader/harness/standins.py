@@ -1,0 +1,59 @@
+"""What takes the place of a submission's own parts: sound stand-ins that the grader sends, and the right names of misspelt ones."""
+
+from __future__ import annotations
+
+import builtins
+import types
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from . import compiling, spelling, stepping
+from .submission import STATE
+
+
+def define(sources: Mapping[str, str]) -> None:
+    """Make the stand-ins of these names from their source."""
+    space = types.ModuleType("standins")
+    vars(space)["__builtins__"] = vars(builtins)
+    for name, source in sources.items():
+        exec(compile(source, "<stand-in>", "exec"), vars(space))
+        STATE.standins[name] = vars(space)[name]
+
+
+def fill(path: str, names: dict[str, Any]) -> None:
+    """Put stand-ins where a file lacks a name: its definition failed, it was deleted again, or it should be there."""
+    lacking = [name for name in STATE.standins if name not in names]
+    own = compiling.defined(path) if lacking else set()
+    for name in lacking:
+        home = f"{STATE.homes.get(name)}.py"
+        if home == path or home not in STATE.paths or name in own:
+            names[name] = STATE.standins[name]
+
+
+def of_module(module: str) -> dict[str, Any]:
+    """The stand-ins of the names that are expected in this module."""
+    return {name: standin for name, standin in STATE.standins.items() if STATE.homes.get(name) == module}
+
+
+def in_place_of(own: Any, name: str) -> Any:
+    """The stand-in for a definition; for a class one with the methods that it has beside the sheet's: a script may call those."""
+    standin = STATE.standins[name]
+    if not (issubclass(type(own), type) and isinstance(standin, type)):
+        return standin
+    sheets = {part for kind in standin.__mro__ for part in vars(kind)}
+    methods = (types.FunctionType, classmethod, staticmethod)
+    members = [member for kind in reversed(type.mro(own)) for member in spelling.members_of(kind).items()]
+    beside = {part: value for part, value in members if isinstance(value, methods) and part not in sheets}
+    meant = (each for known in STATE.other_methods.values() for each in known.items())
+    beside |= {method: getattr(standin, n.partition(".")[2]) for n, method in meant if n.startswith(f"{name}.")}
+    return type(name, (standin,), beside)
+
+
+def put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Give a file's definitions that are misspelt their right names; where these have stand-ins, the slips stand for them too."""
+    for name, own in spelling.slips([unit.node for unit in units], STATE.at_home_in(path)):
+        if name in STATE.standins:
+            names[own] = in_place_of(names.get(own), name)
+        elif own in names:
+            names[name] = names[own]
+            yield name, own

@@ -1,0 +1,44 @@
+"""What a box knows of its one submission, beside the files in the scratch folder."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Callable
+from typing import Any
+
+from . import stepping
+
+
+class _State:
+    def __init__(self) -> None:
+        self.folder = ""
+        self.paths: list[str] = []
+        self.standins: dict[str, Any] = {}
+        self.modules: dict[str, types.ModuleType] = {}
+        self.unreadable: dict[str, dict[str, Any]] = {}
+        self.stepper: stepping.Stepper
+        self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
+        self.required: tuple[str, ...] = ()  # the modules that others import from
+        self.furniture: dict[str, Any] = {}
+        # by file: what is asked for, and which method, with the name that it has there; who uses what the file does not import; who
+        # lacks a return
+        self.misspelt: dict[str, list[tuple[str, str]]] = {}
+        self.other_methods: dict[str, dict[str, str]] = {}
+        self.lent: dict[str, list[tuple[str, str]]] = {}
+        self.unreturned: dict[str, dict[str, bool]] = {}
+        self.slips: list[dict[str, Any]] = []  # that are mended, and the one that was noticed since, see `slips`
+        self.slip: dict[str, Any] | None = None
+        self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
+
+    def at_home_in(self, path: str) -> list[str]:
+        """The wanted names that a file defines if anything does: those of its own, and those of files that were not handed in."""
+        homes = {name: f"{home}.py" for name, home in self.homes.items()}
+        return [name for name, home in homes.items() if home == path or home not in self.paths]
+
+
+STATE = _State()
+
+
+def find(name: str, path: str) -> Any:
+    """The object called `name` in the loaded file `path`; KeyError where the grader asks for what is not there."""
+    return vars(STATE.modules[path])[name]
