@@ -303,6 +303,40 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
 }  # fmt: skip
 
 
+READING = {
+    "both readings": ("accel, gyro", "*get_imu_readings(model, data, accel_id, gyro_id)"),
+    "the scene": ("model, data", "model, data"),
+    "the ids": ("accel_id, gyro_id", "accel_id, gyro_id"),
+    "a time step": ("dt", "0.002"),
+}
+"""What a `read` takes, and what the program gives it."""
+UNKNOWN: dict[str, tuple[str, dict[str, str], dict[str, float]]] = {
+    "a variable": (FILTER, {"self.alpha * measurement": "self.alpha * measurment"}, {RECURSION: 3.0}),
+    "self of an attribute": (FILTER, {"(1 - self.alpha)": "(1 - alpha)"}, {RECURSION: 3.0}),
+    "self of a method": (FILTER, {"def update(self, measurement)": "def update(measurement)"}, {RECURSION: 3.0}),
+    "self of __init__": (FILTER, {"def __init__(self, alpha": "def __init__(alpha"}, {RECURSION: 3.0}),
+    "an attribute": (FILTER, {"self.alpha = alpha": "self.aplha = alpha"}, {RECURSION: 3.0}),
+    "three attributes that are not kept": (
+        NOISY, {f"        self.{name} = {name}\n": f"        {name} = {name}\n" for name in ("model", "data", "accel_id")},
+        {NOISE: 3.0},
+    ),
+    "a function of NumPy": (NOISY, {"np.random.normal(0, self.gyro_noise_std": "np.random.norml(0, self.gyro_noise_std"}, {NOISE: 3.0}),
+    "NumPy before its function": (READER, {"    times = np.zeros(n_steps)": "    times = zeros(n_steps)"}, {RECORD: 3.0}),
+    "where no bias is given alone": (NOISY, {"np.random.normal(0, 0.01, 3)": "np.random.norml(0, 0.01, 3)"}, {NOISE: 3.0}),
+    "what is returned": (NOISY, {"return accel_noisy, gyro_noisy": "return accel_noisy, gyro_noisey"}, {NOISE: 3.0}),
+    "a member of the data": (READER, {"data.sensordata[gyro_adr": "data.sensor_data[gyro_adr"}, {READ: 3.0}),
+    "a function of MuJoCo": (READER, {"mujoco.mj_resetData(": "mujoco.mj_resetdata("}, {RECORD: 3.0}),
+    "a built-in function": (READER, {"for i in range(n_steps)": "for i in rang(n_steps)"}, {RECORD: 3.0}),
+    "a key": (READER, {"imu_data['angular_velocity'][:, 2]": "imu_data['angular_velocty'][:, 2]"}, {PLOT: 2.0}),
+    "a key as an attribute": (READER, {"imu_data['acceleration'][:, 0]": "imu_data.acceleration[:, 0]"}, {PLOT: 2.0}),
+    "a keyword": (READER, {"label='X'": "lable='X'"}, {PLOT: 2.0}),
+    "a function of pyplot of a panel": (READER, {"axes[1].set_xlabel(": "axes[1].xlabel(", "axes[0].set_ylabel(": "axes[0].ylabel("}, {PLOT: 2.0}),
+    "a function of a panel of pyplot": (READER, {"    plt.tight_layout()\n": "    plt.set_xlabel('Time (s)')\n    plt.tight_layout()\n"}, {PLOT: 2.0}),
+    "two in one line": (FILTER, {"self.alpha * measurement + (1 - self.alpha)": "alpha * measurment + (1 - self.alpha)"}, {RECURSION: 3.0}),
+    "beside a wrong weight": (FILTER, {"(1 - self.alpha) * self.value": "(1 + alpha) * self.value"}, {RECURSION: 6.0}),
+}  # fmt: skip
+
+
 def _chained() -> Files:
     """noisy_imu.py writes what it has read when it is run, and filters.py filters that."""
     files = _changed(
@@ -341,6 +375,14 @@ def _slips() -> Iterator[Slip]:
         yield Slip(f"another method: {name}", _changed(files, FILTER, used), {check: 3.0}, ("name-missing",))
     for (name, own), check in MISSPELT.items():
         yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
+    for name, (takes, reads) in READING.items():
+        own = {"def read(self)": f"def read(self, {takes})", "noisy_imu.read()": f"noisy_imu.read({reads})"}
+        files = _changed(verbatim(), NOISY, own)
+        files = _changed(files, FILTER, {"noisy_imu.read()": own["noisy_imu.read()"]})
+        yield Slip(f"read() is given {name}", files, {NOISE: 3.0}, OTHER)
+    for name, (path, changes, lost) in UNKNOWN.items():
+        named = ("gain-not-one",) if "weight" in name else ("unknown-name",)
+        yield Slip(f"unknown: {name}", _changed(verbatim(), path, changes), lost, named)
     yield Slip(
         "curves of one sensor in no panel",
         _changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),

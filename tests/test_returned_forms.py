@@ -31,7 +31,18 @@ NOISY = {
 FILTERED = {
     "beside the measurement": "self.value.copy(), measurement",
     "in a dictionary": '{"value": self.value.copy(), "alpha": self.alpha}',
+    "behind the measurement": "measurement, self.value.copy()",
+    "its length": "np.linalg.norm(self.value)",
+    "one axis": "self.value[2]",
+    "whether it was done": "True",
+    "in words": "str(self.value)",
+    "itself": "self",
 }
+KEEPING: dict[str, tuple[str, str]] = {
+    "beside the measurement": ("self.last, self.count = measurement, 1", "self.count"),
+    "beside what never changes": ("self.zero = np.zeros(3)", "self.alpha"),
+}
+"""What a filter keeps beside its state, and what it returns."""
 BOTH = "        'acceleration': accelerations,\n        'angular_velocity': angular_velocities\n"
 COLLECTED: dict[str, tuple[tuple[str, str], dict[str, float], tuple[str, ...]]] = {
     "no gyroscope": (
@@ -71,6 +82,12 @@ def _slips() -> Iterator[Slip]:
     for name, value in FILTERED.items():
         files = edit(verbatim(), "filters.py", ("return self.value.copy()", f"return {value}"))
         yield Slip(f"filter: {name}", files, {"filtering.follows_recursion": 3.0}, (FORM,))
+    for name, (line, value) in KEEPING.items():
+        files = edit(verbatim(), "filters.py", ("return self.value.copy()", f"{line}\n        return {value}"))
+        yield Slip(f"filter: kept {name}", files, {"filtering.follows_recursion": 3.0}, (FORM,))
+    alone = edit(verbatim(), "imu_reader.py", ("return acceleration, angular_velocity", "return acceleration"))
+    lost = {"sensor_access.returns_two_vectors": 3.0, "sensor_access.matches_truth": 3.0}
+    yield Slip("read: the accelerometer alone", alone, lost, (FORM,))
     for name, (change, lost, mistakes) in COLLECTED.items():
         files = edit(verbatim(), "imu_reader.py", change)
         yield Slip(f"record: {name}", files, {f"data_collection.{check}": p for check, p in lost.items()}, mistakes)

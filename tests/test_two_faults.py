@@ -16,14 +16,14 @@ RETURNED = "return acceleration, angular_velocity"
 EDITS: dict[str, tuple[str, str, str]] = {
     "the other's address": (READER, "gyro_adr = model.sensor_adr[gyro_sensor_id]", "gyro_adr = model.sensor_adr[accel_sensor_id]"),
     "in units of g": (READER, RETURNED, "return acceleration / 9.81, angular_velocity"),
-    "a reader that raises": (READER, "model.sensor_adr[accel_sensor_id]", "model.sensor_address[accel_sensor_id]"),
+    "a reader that raises": (READER, "model.sensor_adr[accel_sensor_id]", "model.sensor_adr[accel_sensor_id, 0]"),
     "no reset": (READER, "    mujoco.mj_resetData(model, data)\n", ""),
     "another key": (READER, "'time': times,", "'t': times,"),
     "no unit": (READER, "axes[0].set_ylabel('Acceleration (m/s²)')", "axes[0].set_ylabel('Acceleration')"),
     "a plot that raises": (READER, "axes[1].set_title(", "axes[2].set_title("),
     "no gyroscope's bias": (NOISY, " + self.gyro_bias", ""),
     "a variance": (NOISY, "np.random.normal(0, self.accel_noise_std, 3)", "np.random.normal(0, self.accel_noise_std**2, 3)"),
-    "noise that raises": (NOISY, "+ self.accel_bias", "+ self.acc_bias"),
+    "noise that raises": (NOISY, "+ self.accel_bias", "+ self.accel_bias[3]"),
     "a coefficient's other half": (FILTER, "self.alpha * measurement + (1 - self.alpha)", "(1 - self.alpha) * measurement + self.alpha"),
     "from zero": (FILTER, "self.value = measurement.copy()", "self.value = 0 * measurement"),
 }  # fmt: skip

@@ -144,6 +144,7 @@ for seconds in (0.8, 0.4):
     fault("recording-gives-nan", "not-finite", tidied(("    acceleration = np.empty((n_steps, 3))\n", "    acceleration = np.full((n_steps, 3), np.nan)\n"), (TIDY_STORE, "        _, angular_velocity[i] = get_imu_readings(model, data, accel_id, gyro_id)\n"))),
     fault("name-of-another-model", "sensor-not-found", tidied(('"torso_accelerometer")\n    gyro_id', '"imu_accelerometer")\n    gyro_id'), ('mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "torso_gyroscope")', 'mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, "imu_gyro")')), reason="mj_name2id answers -1, which reads the last sensor of the model"),
     fault("name-of-another-model-raises", "sensor-not-found", listed(('model.sensor("torso_accelerometer").id', 'model.sensor("torso_accel").id')), also=("raises",)),
+    fault("misspelt-in-recording", "unknown-name", sheet(("angular_velocities[i] = gyro", "angular_velocities[i] = gyr"))),
     fault("recording-raises", "raises", sheet(("    dt = model.opt.timestep\n", "    dt = model.timestep\n"))),
     fault("loop-without-end", "never-returns", looped(("while data.time < duration_seconds:", "while duration_seconds > 0:"))),
     fault("clock-never-moves", "never-returns", looped(("        rows.append(", "        data.time = 0.0\n        rows.append("))),
