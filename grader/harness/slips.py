@@ -75,6 +75,10 @@ class _Scope:
     def __getitem__(self, name: str) -> Any:
         return self.locals.get(name, self.globals.get(name))
 
+    def may_be(self, written: ast.expr, value: Any) -> bool:
+        """Whether an expression may have this value: what a variable has is known."""
+        return not isinstance(written, ast.Name) or self[written.id] is value
+
     def there(self, kind: type[_Node]) -> list[_Node]:
         """The expressions of one kind that the line reads."""
         nodes = [each for each in ast.walk(self.function) if isinstance(each, kind)]
@@ -94,7 +98,8 @@ def _meant(raised: BaseException, scope: _Scope) -> Iterator[tuple[str, str, str
         if (name := _nearest(found[1], _keywords())) and scope.there(ast.Call):
             yield "keyword", found[1], name
     elif isinstance(raised, AttributeError) and raised.name:
-        written = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
+        named = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
+        written = [each for each in named if scope.may_be(each.value, raised.obj)]
         member = _member_meant(raised.name, raised.obj)
         yield from (("expression", ast.unparse(each), ast.unparse(each.value) + member) for each in written if member)
     elif isinstance(raised, KeyError) and isinstance(raised.args[0], str):
