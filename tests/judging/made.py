@@ -21,6 +21,7 @@ import yaml
 
 from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.loaded import Loaded
+from grader.engine.slips import Slip
 from grader.engine.traces import Traces
 from grader.harness import submission, world
 from grader.labs.imu import bundles
@@ -53,7 +54,7 @@ class Made(Student):
     def __init__(self, **parts: Any) -> None:
         self.parts, self.robot = parts, robot_of(truth())
         self.files, self.notes, self.broken, self.drawn = {}, [], set(), ()  # type: ignore[assignment, misc]
-        self._answers, self._called, self._lab = {}, {}, LAB
+        self._answers, self._called, self._lab, self.slips = {}, {}, LAB, {}
         self._furniture = {"methods": ()}
         np.random.seed(0)  # as the harness seeds what it loads
 
@@ -123,16 +124,25 @@ def misfits(check: Check, student: Callable[[], Made], name: str, keeps: float) 
     misspelt = {"misspelt_as": ((f"another_{name}", "another"), (name, own))}
     lent = {"lent": ((name, "np"), (f"another_{name}", "os"), (name, second))}
     unreturned = {"unreturned": (f"{name}.method",)}
+    unknown = {"slips": dict.fromkeys((_slip("expression", "gian", "gain"), _slip("self", "self", "self")), name)}
     of_another = {"misspelt_as": (("another", own),), "lent": (("another", "np"),), "unreturned": ("another",)}
+    of_another |= {"slips": {_slip("keyword", "lable", "label"): "another"}}
     rows: list[tuple[str, Mapping[str, Any], list[str]]] = [
         ("a misspelt name", misspelt, ["name-missing"]),
         ("two imports that are missing", lent, ["import-missing"]),
         ("no return", unreturned, ["return-missing"]),
+        ("two names that nothing has", unknown, ["unknown-name"]),
         ("a misspelt name, and no import", misspelt | lent, ["name-missing"]),
+        ("no import, and a name that nothing has", lent | unknown, ["import-missing"]),
+        ("a name that nothing has, and no return", unknown | unreturned, ["unknown-name"]),
         ("no import, and no return", lent | unreturned, ["import-missing"]),
     ]
     cases = [Case(what, check, _mended(student, mends), (keeps, mistakes)) for what, mends, mistakes in rows]
     return [*cases, Case("another definition that was mended", check, _mended(student, of_another))]
+
+
+def _slip(kind: str, own: str, meant: str) -> Slip:
+    return Slip("filters.py", 1, 12, kind, own, meant)
 
 
 def _mended(student: Callable[[], Made], mends: Mapping[str, Any]) -> Callable[[], Student]:

@@ -448,7 +448,7 @@ CASES = FITTING + [
             ("a gain of another size", LARGER, (0.0, ["gain-not-one"])),
             ("a high-pass", HighPass, (0.0, ["high-pass"])),
             ("from zero", FROM_ZERO, None),
-            ("a number", NUMBER, WRONG_TYPE),
+            ("a number", NUMBER, (0.5, ["wrong-return-type"])),
             ("no numbers", NAN, (0.0, ["not-finite"])),
             ("raises", of(update=_raises), "raised"),
             ("nothing at first", NothingAtFirst, None),

@@ -74,17 +74,27 @@ def measured_by(update: Any) -> tuple[Any, list[str]]:
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
         return update, []
-    values, read = function.__globals__, _globals_read(function.__code__, "LOAD_GLOBAL")
-    meant = [name for name in read if _MEASUREMENT.match(name) and np.shape(values.get(name, ())) in ((), (3,))]
-    if len(meant) != 1 or callable(values.get(meant[0])):
+    owner = _module_of(function)
+    read = [name for name in _globals_read(function.__code__, "LOAD_GLOBAL") if _MEASUREMENT.match(name)]
+    meant = [name for name in read if _may_be_measured(getattr(owner, name, None))]
+    if owner is None or len(meant) != 1:
         return update, []
 
     @functools.wraps(update)
     def measured(*given: Any, **named: Any) -> Any:
-        values[meant[0]] = next(iter((*given, *named.values())))
-        return update(*given, **named)
+        with replaced(owner, {meant[0]: next(iter((*given, *named.values())))}):
+            return update(*given, **named)
 
     return measured, ["global measurement"]
+
+
+def _may_be_measured(value: Any) -> bool:
+    return not callable(value) and np.shape(value) in ((), (3,))
+
+
+def _module_of(function: Any) -> ModuleType | None:
+    modules = submission.STATE.modules.values()
+    return next((m for m in list(modules) if vars(m) is getattr(function, "__globals__", None)), None)
 
 
 @contextmanager
@@ -99,13 +109,12 @@ def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterato
     -------
     that global, if there is a parameter that it is read instead of
     """
-    modules = list(submission.STATE.modules.values())
-    owner = next((m for m in modules if vars(m) is getattr(function, "__globals__", None)), None)
+    owner = _module_of(function)
     own = _own_names(function, *slots) or _own_names(function)[:1]
     if owner is None or _locals_read(function.__code__).intersection(own):
         yield []
         return
-    classes = {module.__name__ for module in modules}
+    classes = {module.__name__ for module in submission.STATE.modules.values()}
     read = [name for name in _globals_read(function.__code__, "LOAD_GLOBAL") if slots[0].meaning.search(name)]
     meant = [name for name in read if _may_be_recorded(vars(owner).get(name), classes)]
     with replaced(owner, dict.fromkeys(meant, recording) if len(meant) == 1 else {}):
