@@ -86,6 +86,34 @@ MENDED: dict[str, tuple[str, list[tuple[str, str]], Any]] = {
         [("panel.title", "panel.set_title")], "ab",
     ),
 }  # fmt: skip
+MENDED |= {
+    "what is called and has to be indexed": (
+        "import numpy as np\ndef run():\n    addresses = np.array([4, 5])\n    return int(addresses(1))",
+        [("addresses(1)", "addresses[1]")], 5,
+    ),
+    "an attribute that is called and has to be indexed": (
+        "import numpy as np\nclass Model:\n    adr = np.array([4, 5])\ndef run():\n    model = Model()\n    return int(model.adr(1))",
+        [("model.adr(1)", "model.adr[1]")], 5,
+    ),
+    "a fraction of steps": ("def run():\n    n = 6 / 2\n    return [k for k in range(n)] + [n]", [("n", "int(n)")], [0, 1, 2, 3]),
+    "a division of steps": ("def run():\n    return len([0 for _ in range(6 / 2)])", [("6 / 2", "int(6 / 2)")], 3),
+    "a shape in two parts": (
+        "import numpy as np\ndef run():\n    return np.zeros(2, 3).shape", [("np.zeros(2, 3)", "np.zeros((2, 3))")], (2, 3),
+    ),
+    "what append returns": (
+        "def run():\n    rows = []\n    for k in range(3):\n        rows = rows.append(k)\n    return rows",
+        [("rows.append(k)", "[*rows, k]")], [0, 1, 2],
+    ),
+    "a method that is not called": (
+        "import numpy as np\ndef run():\n    given = np.ones(2)\n    value = given.copy\n    return (2 * value).tolist()",
+        [("given.copy", "given.copy()")], [2.0, 2.0],
+    ),
+    "a method that is not called, and asked for another": (
+        "import numpy as np\ndef run():\n    given = np.ones(2)\n    value = given.copy\n    return value.sum()",
+        [("given.copy", "given.copy()")], 2.0,
+    ),
+    "a fraction of rows": ("import numpy as np\ndef run():\n    n = 6 / 2\n    return np.zeros((n, 3)).shape", [("n", "int(n)")], (3, 3)),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "taken", "value"), MENDED.values(), ids=MENDED)
@@ -94,6 +122,11 @@ def test_it_runs_with_what_is_meant(text: str, taken: list[tuple[str, str]], val
 
 
 LEFT = {
+    "two fractions": "import numpy as np\ndef run():\n    n, m = 6 / 2, 3.0\n    return np.zeros((n, m))",
+    "a type that is none": "import numpy as np\ndef run():\n    return np.zeros(2, dtype='3 x')",
+    "an attribute of nothing": "def run():\n    rows = None\n    return rows.appendix(1)",
+    "one of two methods": "import numpy as np\ndef run():\n    a = np.ones(2)\n    b = a.copy, a.mean\n    return 2 * b[0]",
+    "what is called and is a number": "def run():\n    gain = 1\n    return gain(1)",
     "two that are alike": "def run():\n    rows1, rows2 = 1, 2\n    return rows3",
     "a short name": "def run():\n    dt = 1\n    return td",
     "one that nothing resembles": "def run():\n    total = 1\n    return measurement",

@@ -124,6 +124,10 @@ class Conversation(Asking):
         """What the definition of `name` could not be run without, of all that it was asked until now."""
         return tuple(slip for slip, about in self.slips.items() if about == name)
 
+    def completed_in(self, name: str) -> tuple[Fault, ...]:
+        """What Python refuses in the definition of `name`, or beside it, where what it expected was put there."""
+        return tuple(fault for about, fault in self.load(self.place_of(name)).completed if about == name)
+
     def returns_nothing(self, name: str) -> bool:
         """Whether the definition of `name` keeps what it computes; it was let return that."""
         return name in {each.partition(".")[0] for each in self.load(self.place_of(name)).unreturned}
@@ -149,6 +153,8 @@ class Conversation(Asking):
             self.note(
                 f"{printable(path, 120)} uses {names}, which it does not import: lent to it, so that the rest counts"
             )
+        for _, fault in loaded.completed:
+            self.note(f"{fault.where}: {fault.type}, {printable(fault.message, 200)}: mended, so that the rest counts")
         for name in loaded.unreturned:
             self.note(
                 f"{printable(path, 120)}: {printable(name, 60)} has no return at its end; what stands last there was taken"

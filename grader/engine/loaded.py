@@ -78,6 +78,7 @@ class Loaded:
     stepped_over : its statements that did not end well
     lent : which of these names uses something that the file does not import, and what
     misspelt : which of these names another one was taken for, and that name
+    completed : what Python expected and was put there, and of which of these names' definitions it is told
     unreturned : which of these functions, or methods of these classes, return nothing of what they have computed
     frame : the whole answer, for what else a lab reads in it
     """
@@ -88,12 +89,14 @@ class Loaded:
     lent: tuple[tuple[str, str], ...]
     misspelt: tuple[tuple[str, str], ...]
     unreturned: tuple[str, ...]
+    completed: tuple[tuple[str, Fault], ...]
     frame: Frame
 
     @property
     def was_mended(self) -> bool:
         """Whether anything in it had to be stepped over, or mended, before its definitions were there."""
-        return bool(self.unreadable or self.stepped_over or self.lent or self.misspelt or self.unreturned)
+        mends = (self.stepped_over, self.lent, self.misspelt, self.unreturned, self.completed)
+        return self.unreadable is not None or any(mends)
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
@@ -101,7 +104,8 @@ def loaded_from(frame: Frame, path: str) -> Loaded:
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     lent, misspelt = (tuple((name, other) for name, other in frame.fields[key]) for key in ("lent", "misspelt"))
     names, unreadable = frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"])
-    return Loaded(names, unreadable, own, lent, misspelt, tuple(frame.fields["unreturned"]), frame)
+    completed = tuple((name, fault) for name, facts in frame.fields["completed"] if (fault := Fault.of(facts)))
+    return Loaded(names, unreadable, own, lent, misspelt, tuple(frame.fields["unreturned"]), completed, frame)
 
 
 def overran(frame: Frame) -> list[SteppedOver]:

@@ -261,8 +261,17 @@ def _load(answer: Answer) -> None:
     answer.part("unreadable", maybe(fault))
     answer.part("lent", listed(listed(short, 2, 2), _NAMES))
     answer.part("misspelt", listed(listed(short, 2, 2), _NAMES))
+    answer.part("completed", listed(_completed, _NAMES))
     answer.part("unreturned", listed(short, _NAMES))
     _run_script(answer)
+
+
+def _completed(value: Any) -> None:
+    """The name of a definition, and what Python refuses there."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise Wrong("no name and what belongs to it")
+    short(value[0])
+    fault(value[1])
 
 
 def _run_script(answer: Answer) -> None:

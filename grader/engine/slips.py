@@ -16,7 +16,8 @@ class Slip:
     Attributes
     ----------
     path, function, at : the file, and the lines in it where the function begins and where the name stands
-    kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a missing ``self``
+    kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a missing ``self``;
+        of what is no name an ``index``, a ``whole`` number, a ``shape``, what was ``appended`` or ``called``
     own, meant : what is written there, and what was taken for it
     """
 
@@ -26,6 +27,10 @@ class Slip:
     kind: str
     own: str
     meant: str
+
+    @property
+    def is_of_a_name(self) -> bool:
+        return self.kind in ("expression", "keyword", "kept", "self")
 
     @property
     def fault(self) -> Fault:

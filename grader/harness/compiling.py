@@ -9,7 +9,7 @@ import linecache
 import re
 from pathlib import Path
 
-from . import faults, gaps, newer, notebooks, packages, returning, slips, spelling, stepping
+from . import completing, faults, gaps, newer, notebooks, packages, returning, slips, spelling, stepping
 from .submission import STATE
 
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -25,19 +25,40 @@ def units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit]
 
 
 def _compiled(source: bytes, path: str, flags: int) -> list[stepping.Unit]:
-    text = _decoded(source)
-    own = faults.own_name(path)
-    linecache.cache[own] = (len(text), None, text.splitlines(keepends=True), own)
+    text, own = _decoded(source), faults.own_name(path)
+    _remember(own, text)
     try:
-        tree = _parsed(text, own)
-        slips.mend(tree, path)
-        if _RELATIVE.search(text):
-            packages.without_dots(tree, path)  # let files that were written as a package import each other
-        lacked = returning.completed(tree, STATE.furniture.get("returns", {}))
-        STATE.unreturned.setdefault(path.partition(":cell ")[0], {}).update(lacked)
-        return stepping.units_of(tree, own, flags=flags)
+        return _units(text, path, flags)
     except SyntaxError as refused:
-        return gaps.units_around(text, own, STATE.stepper.wanted, refused, flags=flags)
+        found = completing.completed(text, refused, lambda tried: _read(tried, own, flags))
+        if found is None:
+            return gaps.units_around(text, own, STATE.stepper.wanted, refused, flags=flags)
+    completed, said = found
+    _remember(own, completed)
+    tree = _parsed(completed, own)
+    told = [(gaps.belongs_to(tree, each.lineno or 0, STATE.stepper.wanted), faults.describe(each)) for each in said]
+    STATE.completed.setdefault(path.partition(":cell ")[0], []).extend(told)
+    return _units(completed, path, flags)
+
+
+def _remember(own: str, text: str) -> None:
+    linecache.cache[own] = (len(text), None, text.splitlines(keepends=True), own)
+
+
+def _read(text: str, own: str, flags: int) -> None:
+    """Raise what Python refuses it for."""
+    stepping.units_of(_parsed(text, own), own, flags=flags)
+
+
+def _units(text: str, path: str, flags: int) -> list[stepping.Unit]:
+    own = faults.own_name(path)
+    tree = _parsed(text, own)
+    slips.mend(tree, path)
+    if _RELATIVE.search(text):
+        packages.without_dots(tree, path)  # let files that were written as a package import each other
+    lacked = returning.completed(tree, STATE.furniture.get("returns", {}))
+    STATE.unreturned.setdefault(path.partition(":cell ")[0], {}).update(lacked)
+    return stepping.units_of(tree, own, flags=flags)
 
 
 def _decoded(source: bytes) -> str:

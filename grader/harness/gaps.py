@@ -11,9 +11,11 @@ import ast
 import itertools
 import re
 from collections.abc import Collection, Iterator, Sequence
+from typing import TypeAlias
 
 from . import stepping
 
+_Definition: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 _MOST = 4  # slips; a merge that was not finished leaves three lines
 _LONGEST = 400_000  # characters of a file that is read again and again
 _BEGINS = re.compile(r"(?!(?:else|elif|except|finally)\b)[^\s#)\]}]")
@@ -42,6 +44,20 @@ def units_around(
 def names_in(text: str) -> list[str]:
     """What a text that Python refuses would define at its top level, by the beginnings of its lines."""
     return _DEFINES.findall(text)
+
+
+def belongs_to(tree: ast.Module, line: int, wanted: Collection[str]) -> str:
+    """The definition that a slip in this line is told of: where it stands in none, the one above, else below; empty if none is."""
+    nearest = _nearest([node for node in tree.body if isinstance(node, stepping.DEFINITIONS)], line, wanted)
+    return nearest.name if nearest else ""
+
+
+def _nearest(definitions: Sequence[_Definition], line: int, wanted: Collection[str]) -> _Definition | None:
+    """The last one that begins before a line, else the first."""
+    known = [node for node in definitions if node.name in wanted]
+    return max(
+        (node for node in known if node.lineno <= line), key=lambda node: node.lineno, default=next(iter(known), None)
+    )
 
 
 def _around_slips(
@@ -90,12 +106,9 @@ def _wanted_in(lines: str, wanted: Collection[str]) -> list[str]:
 
 def _leave_a_gap(tree: ast.Module, rows: range, error: SyntaxError, lost: Sequence[str], cost: Collection[str]) -> None:
     """Put a gap where the lines stood; or, where they cost one of these definitions, in its place."""
-    defined = [node for node in tree.body if isinstance(node, stepping.DEFINITIONS) and node.name in cost]
     line = rows.start + 1
-    if defined:
-        nearest = max(
-            (node for node in defined if node.lineno < line), key=lambda node: node.lineno, default=defined[0]
-        )
+    nearest = _nearest([node for node in tree.body if isinstance(node, stepping.DEFINITIONS)], line, cost)
+    if nearest:
         lost, line = [nearest.name], nearest.lineno
         tree.body.remove(nearest)
     at = next((n for n, node in enumerate(tree.body) if node.lineno > line), len(tree.body))

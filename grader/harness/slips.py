@@ -1,5 +1,6 @@
-"""A name for which a function raises, where one thing alone can be meant: a slip of the pen, a forgotten `self.` or `np.`.
+"""What a function raises for, where one thing alone can be meant: a slip of the pen in a name, a forgotten `self.` or `np.`.
 
+So can be an array that is called, a method that is not, a fraction of a step, a shape in two parts, what `append` returns.
 It is noticed when it is raised, by what is there to choose from at that moment, and mended when the file is loaded the next time,
 in that function alone. What never runs stays as it is. Whoever marks is told, as one fault.
 """
@@ -11,10 +12,12 @@ import difflib
 import linecache
 import re
 import traceback
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from types import CodeType, FrameType, FunctionType, ModuleType
 from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
 
 from . import faults
 from .submission import STATE
@@ -29,6 +32,9 @@ _SHORTEST = 3
 _KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")
 _WITHOUT_SELF = re.compile(
     r"^(\w+)\.(\w+)\(\) (?:takes \d+ positional arguments? but|got multiple values for argument)"
+)
+_FRACTION = re.compile(
+    r"'float' object cannot be interpreted as an integer|^expected a sequence of integers or a single integer"
 )
 _LONGEST = 200
 
@@ -72,12 +78,15 @@ class _Scope:
         codes = [frame.f_code for frame in frames if frame.f_code.co_name == function.name]
         self.first = codes[-1].co_varnames[0] if codes and codes[-1].co_argcount else ""
 
-    def __getitem__(self, name: str) -> Any:
-        return self.locals.get(name, self.globals.get(name))
-
     def may_be(self, written: ast.expr, value: Any) -> bool:
         """Whether an expression may have this value: what a variable has is known."""
-        return not isinstance(written, ast.Name) or self[written.id] is value
+        return not isinstance(written, ast.Name) or self.value_of(written) is value
+
+    def value_of(self, written: ast.expr) -> Any:
+        """What a variable has, or one of its attributes; None of anything else."""
+        if isinstance(written, ast.Attribute):
+            return getattr(self.value_of(written.value), written.attr, None)
+        return self.locals.get(written.id, self.globals.get(written.id)) if isinstance(written, ast.Name) else None
 
     def there(self, kind: type[_Node]) -> list[_Node]:
         """The expressions of one kind that the line reads."""
@@ -88,26 +97,109 @@ class _Scope:
         return {*self.locals, *self.globals, *(name for name in self.builtins if not name.startswith("_"))}
 
 
-def _meant(raised: BaseException, scope: _Scope) -> Iterator[tuple[str, str, str]]:
-    """What is wrong, as it is written, and what is meant by it."""
-    if isinstance(raised, NameError) and raised.name == "self":
+_Meant: TypeAlias = Iterator[tuple[str, str, str]]
+"""The kind of slip, what is written there, and what is meant by it."""
+
+
+def _name(raised: NameError, scope: _Scope) -> _Meant:
+    if raised.name == "self":
         yield "self", "self", "self"
-    elif isinstance(raised, NameError) and raised.name and (name := _name_meant(raised.name, scope)):
+    elif raised.name and (name := _name_meant(raised.name, scope)):
         yield "expression", raised.name, name
-    elif found := _KEYWORD.search(str(raised)):
-        if (name := _nearest(found[1], _keywords())) and scope.there(ast.Call):
-            yield "keyword", found[1], name
-    elif isinstance(raised, AttributeError) and raised.name:
-        named = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
-        written = [each for each in named if scope.may_be(each.value, raised.obj)]
-        member = _member_meant(raised.name, raised.obj)
-        yield from (("expression", ast.unparse(each), ast.unparse(each.value) + member) for each in written if member)
-    elif isinstance(raised, KeyError) and isinstance(raised.args[0], str):
-        for each in scope.there(ast.Subscript):
-            key = isinstance(each.slice, ast.Constant) and each.slice.value == raised.args[0]
-            keys = _keys_of(scope[ast.unparse(each.value)]) if key else set()
-            if meant := _nearest(raised.args[0], keys):
+
+
+def _member(raised: AttributeError, scope: _Scope) -> _Meant:
+    named = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
+    member = _member_meant(named[0].attr, raised.obj) if named else ""
+    for each in named:
+        if member and scope.may_be(each.value, raised.obj):
+            yield "expression", ast.unparse(each), ast.unparse(each.value) + member
+
+
+def _key(raised: KeyError, scope: _Scope) -> _Meant:
+    (key,) = raised.args
+    for each in scope.there(ast.Subscript):
+        if isinstance(key, str) and isinstance(each.slice, ast.Constant) and each.slice.value == key:
+            meant = _nearest(key, _keys_of(scope.value_of(each.value)))
+            if meant:
                 yield "expression", ast.unparse(each), f"{ast.unparse(each.value)}[{meant!r}]"
+
+
+def _keyword(raised: BaseException, scope: _Scope) -> _Meant:
+    found = _KEYWORD.search(str(raised))
+    if found and scope.there(ast.Call) and (name := _nearest(found[1], _keywords())):
+        yield "keyword", found[1], name
+
+
+def _index(raised: TypeError, scope: _Scope) -> _Meant:
+    """An array that is called."""
+    for each in scope.there(ast.Call) if "object is not callable" in str(raised) else ():
+        if len(each.args) == 1 and not each.keywords and isinstance(scope.value_of(each.func), np.ndarray):
+            yield "index", ast.unparse(each), f"{ast.unparse(each.func)}[{ast.unparse(each.args[0])}]"
+
+
+def _whole(raised: TypeError, scope: _Scope) -> _Meant:
+    """A fraction where a whole number is needed."""
+    if _FRACTION.search(str(raised)):
+        given = {ast.unparse(each) for call in scope.there(ast.Call) for each in _whole_wanted(call, scope)}
+        yield from (("whole", each, f"int({each})") for each in given if len(given) == 1)
+
+
+def _shape(raised: TypeError, scope: _Scope) -> _Meant:
+    """Rows and columns one after the other, where NumPy wants them together."""
+    for each in scope.there(ast.Call) if "as a data type" in str(raised) else ():
+        if len(each.args) == 2 and not each.keywords:
+            yield "shape", ast.unparse(each), f"{ast.unparse(each.func)}(({', '.join(map(ast.unparse, each.args))}))"
+
+
+def _appended(raised: AttributeError, scope: _Scope) -> _Meant:
+    """What `append` returns, put in the place of the list."""
+    for each in scope.there(ast.Call) if raised.obj is None and raised.name == "append" else ():
+        if isinstance(each.func, ast.Attribute) and len(each.args) == 1 and scope.value_of(each.func.value) is None:
+            yield "appended", ast.unparse(each), f"[*{ast.unparse(each.func.value)}, {ast.unparse(each.args[0])}]"
+
+
+def _called(raised: TypeError | AttributeError, scope: _Scope) -> _Meant:
+    """A method without the brackets that call it."""
+    if "'builtin_function_or_method'" in str(raised) or "'method'" in str(raised):
+        called = [each.func for each in ast.walk(scope.function) if isinstance(each, ast.Call)]
+        members = [each for each in ast.walk(scope.function) if isinstance(each, ast.Attribute) and each not in called]
+        given = {ast.unparse(each) for each in members if not _is_set(each) and _is_method(scope.value_of(each), each)}
+        yield from (("called", each, f"{each}()") for each in given if len(given) == 1)
+
+
+def _is_method(value: Any, written: ast.Attribute) -> bool:
+    """Whether it is one by the name that is written there, and not what was kept under another."""
+    return callable(value) and getattr(value, "__name__", "") == written.attr
+
+
+_MEANT: Sequence[tuple[type[BaseException], Callable[[Any, _Scope], _Meant]]] = (
+    (NameError, _name),
+    (AttributeError, _keyword),  # matplotlib raises it for those
+    (TypeError, _keyword),
+    (AttributeError, _member),
+    (KeyError, _key),
+    (TypeError, _index),
+    (TypeError, _whole),
+    (TypeError, _shape),
+    (AttributeError, _appended),
+    (TypeError, _called),
+    (AttributeError, _called),
+)
+
+
+def _meant(raised: BaseException, scope: _Scope) -> _Meant:
+    for kind, rule in _MEANT:
+        if isinstance(raised, kind):
+            yield from rule(raised, scope)
+
+
+def _whole_wanted(call: ast.Call, scope: _Scope) -> Iterator[ast.expr]:
+    """What a call is given that is no whole number, or may be none: a variable, or what a division gives."""
+    for each in [part for arg in call.args for part in (arg.elts if isinstance(arg, ast.Tuple) else [arg])]:
+        divided = isinstance(each, ast.BinOp) and isinstance(each.op, ast.Div | ast.FloorDiv | ast.Mult)
+        if divided or isinstance(scope.value_of(each), float):
+            yield each
 
 
 def _name_meant(name: str, scope: _Scope) -> str | None:
@@ -253,8 +345,7 @@ class _Instead(ast.NodeTransformer):
         self._own, self._meant = own, meant
 
     def visit(self, node: ast.AST) -> ast.AST:
-        written = isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and not _is_set(node)
-        if written and ast.unparse(node) == self._own:
+        if isinstance(node, ast.expr) and not _is_set(node) and ast.unparse(node) == self._own:
             return ast.copy_location(ast.parse(self._meant, mode="eval").body, node)
         visited: ast.AST = self.generic_visit(node)
         return visited

@@ -21,10 +21,11 @@ class _State:
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
         # by file: what is asked for, and which method, with the name that it has there; who uses what the file does not import; who
-        # lacks a return
+        # lacks a return; what Python expected there, with whom it belongs to
         self.misspelt: dict[str, list[tuple[str, str]]] = {}
         self.other_methods: dict[str, dict[str, str]] = {}
         self.lent: dict[str, list[tuple[str, str]]] = {}
+        self.completed: dict[str, list[tuple[str, dict[str, Any]]]] = {}
         self.unreturned: dict[str, dict[str, bool]] = {}
         self.slips: list[dict[str, Any]] = []  # that are mended, and the one that was noticed since, see `slips`
         self.slip: dict[str, Any] | None = None

@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
+from grader.engine.findings import Fault, Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.loaded import Loaded
 from grader.engine.slips import Slip
 from grader.engine.traces import Traces
@@ -45,11 +45,12 @@ def truth() -> Traces:
 
 
 class Made(Student):
-    """A student made of functions and classes, by the names that the lab asks for; `lent`, `misspelt_as`, `unreturned` as of `Loaded`."""
+    """A student made of functions and classes, by the names that the lab asks for; `lent` and the like as of `Loaded`."""
 
     lent: tuple[tuple[str, str], ...] = ()
     misspelt_as: tuple[tuple[str, str], ...] = ()
     unreturned: tuple[str, ...] = ()
+    completed: tuple[tuple[str, Fault], ...] = ()
 
     def __init__(self, **parts: Any) -> None:
         self.parts, self.robot = parts, robot_of(truth())
@@ -64,7 +65,9 @@ class Made(Student):
         return name
 
     def load(self, path: str) -> Loaded:
-        return Loaded(frozenset([path]), None, (), self.lent, self.misspelt_as, self.unreturned, Frame({}))
+        return Loaded(
+            frozenset([path]), None, (), self.lent, self.misspelt_as, self.unreturned, self.completed, Frame({})
+        )
 
     def once(self, key: Any, ask: Callable[[], Any]) -> Any:
         if key not in self._answers:
@@ -124,6 +127,7 @@ def misfits(check: Check, student: Callable[[], Made], name: str, keeps: float) 
     misspelt = {"misspelt_as": ((f"another_{name}", "another"), (name, own))}
     lent = {"lent": ((name, "np"), (f"another_{name}", "os"), (name, second))}
     unreturned = {"unreturned": (f"{name}.method",)}
+    refused = {"completed": ((name, Fault("SyntaxError", "expected ':'", "filters.py", 3, None)),)}
     unknown = {"slips": dict.fromkeys((_slip("expression", "gian", "gain"), _slip("self", "self", "self")), name)}
     of_another = {"misspelt_as": (("another", own),), "lent": (("another", "np"),), "unreturned": ("another",)}
     of_another |= {"slips": {_slip("keyword", "lable", "label"): "another"}}
@@ -133,6 +137,8 @@ def misfits(check: Check, student: Callable[[], Made], name: str, keeps: float) 
         ("no return", unreturned, ["return-missing"]),
         ("two names that nothing has", unknown, ["unknown-name"]),
         ("a misspelt name, and no import", misspelt | lent, ["name-missing"]),
+        ("a colon that is missing", refused, ["does-not-import"]),
+        ("a colon that is missing, and a misspelt name", refused | misspelt, ["does-not-import"]),
         ("no import, and a name that nothing has", lent | unknown, ["import-missing"]),
         ("a name that nothing has, and no return", unknown | unreturned, ["unknown-name"]),
         ("no import, and no return", lent | unreturned, ["import-missing"]),

@@ -19,6 +19,11 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
     departs : the sheet's names for the parameters by which it could not be called as the sheet does, and for those in whose place
         it reads a ``global``; nothing of the student's
     """
+    if refused := student.completed_in(name):
+        first = refused[0]
+        got = f"{first.type}: {printable(first.message, 200)} at {first.where}; what it expects was put there"
+        off = Size("text that Python refuses")
+        raise Lost("a file that Python can read", got, off=off, mistakes=["does-not-import"], keeps=keeps, fault=first)
     wanted, own = student.misspelt(name)
     if own:
         off = Size(f"a name that is not spelled as {wanted}")
@@ -39,8 +44,9 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
         written = ", ".join(
             dict.fromkeys("no self" if slip.kind == "self" else printable(slip.own, 60) for slip in slips)
         )
-        off, got = Size("a name that nothing has"), f"{written}, for which that was taken"
-        raise Lost(meant, got, off=off, mistakes=["unknown-name"], keeps=keeps, fault=slips[0].fault)
+        off, got = Size("what it stops at"), f"{written}, for which that was taken"
+        mistake = "unknown-name" if slips[0].is_of_a_name else "raises"
+        raise Lost(meant, got, off=off, mistakes=[mistake], keeps=keeps, fault=slips[0].fault)
     if student.returns_nothing(name):
         off = Size("no return at the end")
         raise Lost(
