@@ -99,7 +99,7 @@ def _slips() -> Iterator[Slip]:
     files = edit(tidy(), "filters.py", ("alpha=0.1, initial_value", "alpha, initial_value"))
     yield Slip("filter: alpha has no default", files, {"filtering.follows_recursion": 3.0}, ())
     yield Slip(
-        "read: a signature of its own, and a colon missing",
+        "read: a signature of its own, and no Python",
         _own_signature(),
         {f"sensor_access.{check}": points for check, points in READER.items()},
         ("does-not-import",),
@@ -175,7 +175,7 @@ def _own_signature() -> Files:
     files = edit(
         tidy(),
         "imu_reader.py",
-        (define, "def get_imu_readings(data, accel_sensor_id, gyro_sensor_id)"),
+        (define, "def get_imu_readings(data, accel_sensor_id, gyro_sensor_id) = =:"),
         ("get_imu_readings(model, data, accel_id, gyro_id)", "get_imu_readings(data, accel_id, gyro_id)"),
     )
     return edit(files, "noisy_imu.py", ("get_imu_readings(self.model, self.data", "get_imu_readings(self.data"))
