@@ -169,6 +169,7 @@ ADDED = {
         "missing-package",
         "not-written",
         "import-missing",
+        "unknown-name",
         "return-missing",
         "other-parameters",
         "global-for-parameter",

@@ -113,6 +113,12 @@ class Model:
     def lent_to(self, _name: str) -> tuple[str, ...]:
         return ()
 
+    def slips_in(self, _name: str) -> tuple[str, ...]:
+        return ()
+
+    def completed_in(self, _name: str) -> tuple[str, ...]:
+        return ()
+
     def returns_nothing(self, _name: str) -> bool:
         return False
 

@@ -121,7 +121,7 @@ FILTER_FAULTS = [
     fault("filter-returns-none", "return-missing", sheet((RETURN, ""))),
     fault("filter-returns-a-number", "wrong-return-type", increment(("return self.state.copy()", "return float(self.state[0])")), also=("axes-mixed",)),
     fault("filter-gives-nan", "not-finite", increment((STEP, "self.state = self.state + np.sqrt(-self.alpha) * (x - self.state)"))),
-    fault("filter-raises", "raises", sheet((RECURSION, "self.value[3] = self.alpha * measurement + (1 - self.alpha) * self.value"))),
+    fault("filter-raises", "raises", sheet((RECURSION, "self.value = self.alpha * measurement + (1 - self.alpha) * self.value.reshape(2, 2)"))),
     fault("self-left-out-of-the-recursion", "unknown-name", sheet((RECURSION, "self.value = alpha * measurement + (1 - alpha) * self.value"))),
     fault("update-without-self", "unknown-name", sheet(("def update(self, measurement)", "def update(measurement)"))),
     fault("truth-of-an-array", "array-asked-for-truth", sheet(("        if self.value is None:", "        if self.value == None:"))),

@@ -135,7 +135,7 @@ def plot_imu_data(imu_data):
     fault("gyroscope-filtered-beside-acceleration", "comparison-missing", compare(("accel, _ = imu.read()", "accel, gyro = imu.read()"), ("low_pass.update(accel)", "low_pass.update(gyro)")), **only("comparison_plot")),
     fault("a-new-filter-for-each-sample", "comparison-missing", compare(("low_pass.update(accel)", "LowPassFilter(alpha=0.1).update(accel)")), **only("comparison_plot")),
     fault("filter-that-lets-all-pass", "comparison-missing", compare(("LowPassFilter(alpha=0.1)", "LowPassFilter(alpha=1.0)")), **only("comparison_plot")),
-    fault("plot-raises", "raises", sheet(("axes[1].set_xlabel('Time (s)')", "axes[2].set_xlabel('Time (s)')"))),
+    fault("plot-raises", "raises", sheet(("axes[1].set_xlabel('Time (s)')", "axes[1].set_xlabel('Time (s)', fontsize='gigantic')"))),
     fault("label-of-pyplot-on-a-panel", "unknown-name", sheet(("axes[1].set_xlabel('Time (s)')", "axes[1].xlabel('Time (s)')"))),
     fault("plot-never-returns", "never-returns", loop((SAVE, SAVE + "    while plt.get_fignums():\n        pass\n"))),
     fault("plot-kills", "kills-its-process", pyplot(('    plt.savefig("imu_data.png")\n', '    import ctypes\n    ctypes.string_at(0)\n    plt.savefig("imu_data.png")\n'))),
