@@ -44,7 +44,7 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
         written = ", ".join(
             dict.fromkeys("no self" if slip.kind == "self" else printable(slip.own, 60) for slip in slips)
         )
-        off, got = Size("what it stops at"), f"{written}, for which that was taken"
+        off, got = Size("what it stops at"), f"{written} at {slips[0].fault.where}, for which that was taken"
         mistake = "unknown-name" if slips[0].is_of_a_name else "raises"
         raise Lost(meant, got, off=off, mistakes=[mistake], keeps=keeps, fault=slips[0].fault)
     if student.returns_nothing(name):
