@@ -49,12 +49,20 @@ class Conversation(Asking):
         ask : is given the place of what it asks about
         """
         charged = any(about in part.names for part in self._lab.parts)
+        before = dict(self.slips)
         while True:
             frame = ask({"path": self.place_of(about)})
             slip = Slip.of(frame) if charged else None
-            if slip is None or slip in self.slips or len(self.slips) >= _MOST_SLIPS:
+            if slip is None:
                 return frame
-            self.slips[slip] = about
+            if slip in self.slips or len(self.slips) >= _MOST_SLIPS:  # it does not help
+                self._mend_only(before)
+                return frame
+            self._mend_only(self.slips | {slip: about})
+
+    def _mend_only(self, slips: dict[Slip, str]) -> None:
+        if slips != self.slips:
+            self.slips = slips
             self.end_session()
 
     def load(self, path: str) -> Loaded:
