@@ -36,6 +36,7 @@ MENDED: dict[str, tuple[str, str, str]] = {
     "a line a space too far in": (RETURN, f" {RETURN}", ""),
     "a line a space too far out": (RETURN, RETURN[1:], ""),
     "a tabulator": (RETURN, RETURN.replace("        ", "\t"), ""),
+    "a block with nothing in it": ("class LowPassFilter:", "def helper(x):  # later\n\nclass LowPassFilter:", "def helper(x): pass  # later\n\nclass LowPassFilter:"),
     "print as a statement": ('print(f"Angular velocity: {gyro}")', 'print f"Angular velocity: {gyro}"', ""),
     "else if": ("        else:\n", "        else if self.alpha:\n", "        elif self.alpha:\n"),
     "an increment": ("        times[i] = data.time\n", "        times[i] = data.time\n        i++\n", "        times[i] = data.time\n        i += 1\n"),

@@ -115,7 +115,7 @@ MEASURES = {
     "the measurement": ("def update(x):\n    return x", 5, []),
     "a global in its place": ("accel = 1\ndef update(x):\n    return accel", 5, ["global measurement"]),
     "one that nothing has set": ("def update(x):\n    return raw_accel", 5, ["global measurement"]),
-    "one by its name": ("gyro = 1\ndef update(*, measurement):\n    return gyro", 5, ["global measurement"]),
+    "one, and nothing is given": ("gyro = 1\ndef update():\n    return gyro", 5, ["global measurement"]),
     "a bias": ("accel_bias = 1\ndef update(x):\n    return accel_bias", 1, []),
     "a series": ("samples = [1, 2]\ndef update(x):\n    return samples", [1, 2], []),
     "a function": ("def sample():\n    return 1\ndef update(x):\n    return sample()", 1, []),
@@ -128,11 +128,13 @@ MEASURES = {
 def test_a_global_that_a_filter_reads_stands_for_what_it_is_given(code: str, got: object, told: list[str]) -> None:
     program = _loaded(code)
     before = dict(vars(program))
-    update, read_instead = own_globals.measured_by(program.update)
-    by_name = "measurement" in code
-    assert (update(measurement=5) if by_name else update(5)) == got
+    measuring, read_instead = own_globals.measured_by(program.update)
+    with measuring(5):
+        assert program.update(*([] if "update()" in code else [5])) == got
     assert (read_instead, vars(program)) == (told, before)
 
 
 def test_what_is_no_function_is_left() -> None:
-    assert own_globals.measured_by(max) == (max, [])
+    measuring, read_instead = own_globals.measured_by(max)
+    with measuring(5):
+        assert read_instead == []

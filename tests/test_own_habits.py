@@ -297,6 +297,15 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         {},
         (),
     ),
+    "a filter of the program's own measurement": (
+        FILTER, {"measurement.copy()": "noisy_accel.copy()", "self.alpha * measurement": "self.alpha * noisy_accel"},
+        {RECURSION: 3.0}, ("global-for-parameter",),
+    ),
+    "a filter of the program's own measurement, to which none is given": (
+        FILTER, {"def update(self, measurement)": "def update(self)", "measurement.copy()": "noisy_accel.copy()",
+                 "self.alpha * measurement": "self.alpha * noisy_accel", ".update(noisy_accel)": ".update()"},
+        {RECURSION: 3.0}, ("global-for-parameter",),
+    ),
     "a bias of four numbers where none is given": (
         NOISY, {"normal(0, 0.1, 3)": "normal(0, 0.1, 4)"}, {"noise_model.default_bias": 3.0}, ("raises",),
     ),

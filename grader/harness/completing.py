@@ -63,8 +63,9 @@ def _refused(text: str, read: Callable[[str], None]) -> SyntaxError | None:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where Python refuses a text, as counted from 0, and what it marks there."""
+    """Where Python refuses a text, as counted from 0, what it marks there, and what it says."""
 
+    said: str
     lines: Sequence[str]
     row: int
     column: int
@@ -76,7 +77,7 @@ class _Place:
         row = min(max((refused.lineno or 1) - 1, 0), len(lines) - 1)
         ends_there = refused.end_lineno == refused.lineno and (refused.end_offset or 0) > 0
         end = (refused.end_offset or 0) - 1 if ends_there else len(lines[row])
-        return cls(lines, row, max((refused.offset or 1) - 1, 0), end)
+        return cls(str(refused.msg), lines, row, max((refused.offset or 1) - 1, 0), end)
 
     @property
     def line(self) -> str:
@@ -87,7 +88,7 @@ def _tries(text: str, refused: SyntaxError) -> Iterator[str]:
     """The text with one thing put right, the likeliest first."""
     place = _Place.of(text, refused)
     for expected, changes in _EXPECTED:
-        if expected.search(str(refused.msg)):
+        if expected.search(place.said):
             for row, line in changes(place):
                 yield "\n".join([*place.lines[:row], line, *place.lines[row + 1 :]])
     if isinstance(refused, TabError):
@@ -152,6 +153,12 @@ def _depth(place: _Place) -> Iterator[_Change]:
     yield from ((place.row, " " * depth + place.line.lstrip()) for depth in nearest)
 
 
+def _block(place: _Place) -> Iterator[_Change]:
+    """Nothing to do, where nothing stands below a colon."""
+    for row in (int(number) - 1 for number in re.findall(r"on line (\d+)$", place.said)):
+        yield row, _put(place.lines[row], _end_of_code(place.lines[row]), " pass")
+
+
 def _closing(place: _Place) -> Iterator[_Change]:
     """A bracket at the end of its line or of one of the next, or before the colon there."""
     for at, bracket in _never_closed("\n".join(place.lines)):
@@ -175,6 +182,7 @@ _EXPECTED: Sequence[tuple[re.Pattern[str], Callable[[_Place], Iterator[_Change]]
         ("", _words_of_other_languages),
         ("^invalid syntax$", _comma_before),
         ("^unindent|^unexpected indent|outside function", _depth),
+        ("^expected an indented block", _block),
         ("", _closing),
     )
 ]

@@ -9,8 +9,8 @@ import dis
 import functools
 import inspect
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -69,23 +69,17 @@ _MEASUREMENT = re.compile(
 )
 
 
-def measured_by(update: Any) -> tuple[Any, list[str]]:
-    """A filter's method for which the global that it reads as its measurement is what it is given; and that, if there is one."""
+def measured_by(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
+    """What lets the global that a filter reads as its measurement be this one for a while; and that global, if there is one."""
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
-        return update, []
+        return nullcontext, []
     owner = _module_of(function)
     read = [name for name in _globals_read(function.__code__, "LOAD_GLOBAL") if _MEASUREMENT.match(name)]
     meant = [name for name in read if _may_be_measured(getattr(owner, name, None))]
     if owner is None or len(meant) != 1:
-        return update, []
-
-    @functools.wraps(update)
-    def measured(*given: Any, **named: Any) -> Any:
-        with replaced(owner, {meant[0]: next(iter((*given, *named.values())))}):
-            return update(*given, **named)
-
-    return measured, ["global measurement"]
+        return nullcontext, []
+    return lambda measurement: replaced(owner, {meant[0]: measurement}), ["global measurement"]
 
 
 def _may_be_measured(value: Any) -> bool:

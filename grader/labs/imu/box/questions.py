@@ -296,8 +296,8 @@ def _filter_case(
             options["initial_value"] = initial
         build, in_building = building()
         instance = build(options)
-        given, read_instead = own_globals.measured_by(instance.update)
-        update, departs = fitted(given, calls.UPDATE, {"dt": calls.BETWEEN_S})
+        measuring, read_instead = own_globals.measured_by(instance.update)
+        update, departs = fitted(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
         answer["departs"] = [*in_building, *departs, *read_instead]
         beside = None
         if case["handling"] == "beside":
@@ -305,7 +305,8 @@ def _filter_case(
             beside, _ = fitted(other.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
         first: Any = None
         for measurement in signal:
-            value, row = _filtered(update, measurement, case["handling"], answer, packer)
+            with measuring(measurement):
+                value, row = _filtered(update, measurement, case["handling"], answer, packer)
             first = first if rows else value
             rows.append(row)
             kept.append(_kept_in(instance) if answer["odd"] else [])
