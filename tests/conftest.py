@@ -32,6 +32,7 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
 
 
+@pytest.hookimpl(optionalhook=True)  # mutants are tested without xdist
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """For two cores, however many a shared machine says that it has; where boxes and clocks are waited for, one more."""
     return 2 if config.option.markexpr == "quick" else 3

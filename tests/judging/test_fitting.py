@@ -1,4 +1,4 @@
-"""What is told of a definition that does not fit in as the sheet's does."""
+"""What is told of a definition that does not fit in as the sheet's does: as it can be shown, and cut, with its place."""
 
 from __future__ import annotations
 
@@ -7,16 +7,57 @@ from typing import Any
 
 import pytest
 
-from grader.engine.findings import Lost
+from grader.engine.findings import Fault, Lost, Where
+from grader.engine.slips import Slip
 from grader.ground.text import printable
 from grader.labs.imu.checks.fitting import fits_in
 
+pytestmark = pytest.mark.quick
+OWN, MEANT, SAID = "Low\x1bPass" + "s" * 80, "High\x1b" + "t" * 80, "it is \x1b" + "no" * 200
 
-@pytest.mark.quick
-def test_a_misspelt_name_is_told_as_it_can_be_shown_and_cut() -> None:
-    own = "Low\x1bPass" + "s" * 80
-    student: Any = SimpleNamespace(completed_in=lambda name: (), misspelt=lambda name: (name, own))
+
+def _lost(**answers: Any) -> Lost:
+    known: dict[str, Any] = {
+        "completed_in": (),
+        "slips_in": (),
+        "lent_to": (),
+        "misspelt": ("", ""),
+        "returns_nothing": False,
+    }
+    student: Any = SimpleNamespace(
+        **{name: lambda _, value=value: value for name, value in (known | answers).items()}  # type: ignore[misc]
+    )
     with pytest.raises(Lost) as lost:
         fits_in(student, "LowPassFilter", ())
-    assert lost.value.got == f"{printable(own, 60)}, which was taken for it"
-    assert "\x1b" not in lost.value.got
+    return lost.value
+
+
+def test_a_misspelt_name() -> None:
+    assert _lost(misspelt=("LowPassFilter", OWN)).got == f"{printable(OWN, 60)}, which was taken for it"
+    assert "\x1b" not in printable(OWN, 60)
+
+
+def test_what_python_refuses() -> None:
+    first, second = (
+        Fault("SyntaxError", SAID, "filters.py", 3, None),
+        Fault("IndentationError", "no", "filters.py", 9, None),
+    )
+    lost = _lost(completed_in=(first, second))
+    assert lost.got == f"SyntaxError: {printable(SAID, 200)} at filters.py, line 3; what it expects was put there"
+    assert lost.where == Where("filters.py", 3)
+
+
+def test_what_a_function_stops_at() -> None:
+    first, second = Slip("a.py", 1, 4, "index", OWN, MEANT), Slip("b.py", 2, 9, "expression", "gian", MEANT)
+    lost = _lost(slips_in=(first, second, first))
+    assert lost.expected == printable(MEANT, 60)
+    assert lost.got == f"{printable(OWN, 60)}, gian at a.py, line 4, for which that was taken"
+    assert (lost.mistakes, lost.where) == (("raises",), Where("a.py", 4))
+
+
+@pytest.mark.parametrize(
+    "kind", ["expression", "keyword", "kept", "self", "index", "whole", "shape", "appended", "called"]
+)
+def test_which_of_them_is_a_name(kind: str) -> None:
+    named = ("unknown-name",) if kind in ("expression", "keyword", "kept", "self") else ("raises",)
+    assert _lost(slips_in=(Slip("a.py", 1, 4, kind, "own", "meant"),)).mistakes == named
