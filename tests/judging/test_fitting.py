@@ -61,3 +61,22 @@ def test_what_a_function_stops_at() -> None:
 def test_which_of_them_is_a_name(kind: str) -> None:
     named = ("unknown-name",) if kind in ("expression", "keyword", "kept", "self") else ("raises",)
     assert _lost(slips_in=(Slip("a.py", 1, 4, kind, "own", "meant"),)).mistakes == named
+
+
+def test_two_globals_in_place_of_what_is_given() -> None:
+    student: Any = SimpleNamespace(
+        completed_in=lambda _: (),
+        slips_in=lambda _: (),
+        lent_to=lambda _: (),
+        misspelt=lambda _: ("", ""),
+        returns_nothing=lambda _: False,
+    )
+    with pytest.raises(Lost) as lost:
+        fits_in(
+            student, "get_imu_readings", ("global model", "global data"), belongs_to="sensor_access.follows_address"
+        )
+    assert (lost.value.got, lost.value.keeps) == ("a global in place of model and data", 0.5)
+    assert (lost.value.mistakes, lost.value.belongs_to) == (
+        ("global-for-parameter",),
+        ("sensor_access.follows_address",),
+    )
