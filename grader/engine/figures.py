@@ -124,6 +124,7 @@ class Axes:
     x_limits, y_limits : the values at its left and right, lower and upper border
     scales : of x and y, ``linear``, ``log`` or another
     own_ticks : whether the numbers along x are written by the code, and may be others than those that are drawn
+    own_height : whether the limits of y are set by the code, for whatever it draws
     """
 
     visible: bool
@@ -138,6 +139,7 @@ class Axes:
     y_limits: tuple[float, float]
     scales: tuple[str, str]
     own_ticks: bool
+    own_height: bool = False
 
 
 @dataclass(frozen=True, eq=False)

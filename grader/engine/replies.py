@@ -305,7 +305,7 @@ _placed = record(text=short, place=listed(number, 2, 2), colour=short)
 _AXES: dict[str, Callable[[Any], Any]] = {
     "visible": flag, "position": listed(number, 4, 4), "xlabel": short, "ylabel": short, "title": short,
     "legend": maybe(listed(_entry, 64)), "texts": listed(_placed, 64), "x_limits": listed(number, 2, 2),
-    "y_limits": listed(number, 2, 2), "scales": listed(short, 2, 2), "own_ticks": flag,
+    "y_limits": listed(number, 2, 2), "scales": listed(short, 2, 2), "own_ticks": flag, "own_height": flag,
 }  # fmt: skip
 _CURVE: dict[str, Callable[[Any], Any]] = {
     "label": short, "colour": short, "kind": short, "n": whole, "style": short, "marker": short, "stroke": short,

@@ -17,7 +17,8 @@ class Slip:
     ----------
     path, function, at : the file, and the lines in it where the function begins and where the name stands
     kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a missing ``self``;
-        of what is no name an ``index``, a ``whole`` number, a ``shape``, what was ``appended`` or ``called``
+        of what is no name an ``index``, a ``whole`` number, a ``shape``, what was ``appended`` or ``called``, and an array that is
+        ``asked`` whether it is true, or ``compared`` with nothing
     own, meant : what is written there, and what was taken for it
     """
 
@@ -29,8 +30,11 @@ class Slip:
     meant: str
 
     @property
-    def is_of_a_name(self) -> bool:
-        return self.kind in ("expression", "keyword", "kept", "self")
+    def mistake(self) -> str:
+        """What the catalogue calls it."""
+        if self.kind in ("asked", "compared"):
+            return "array-asked-for-truth"
+        return "unknown-name" if self.kind in ("expression", "keyword", "kept", "self") else "raises"
 
     @property
     def fault(self) -> Fault:

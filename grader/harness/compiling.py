@@ -9,7 +9,7 @@ import linecache
 import re
 from pathlib import Path
 
-from . import completing, faults, gaps, newer, notebooks, packages, returning, slips, spelling, stepping
+from . import completing, faults, gaps, mending, newer, notebooks, packages, returning, spelling, stepping
 from .submission import STATE
 
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
@@ -53,7 +53,7 @@ def _read(text: str, own: str, flags: int) -> None:
 def _units(text: str, path: str, flags: int) -> list[stepping.Unit]:
     own = faults.own_name(path)
     tree = _parsed(text, own)
-    slips.mend(tree, path)
+    mending.mend(tree, path)
     if _RELATIVE.search(text):
         packages.without_dots(tree, path)  # let files that were written as a package import each other
     lacked = returning.completed(tree, STATE.furniture.get("returns", {}))

@@ -95,6 +95,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "curves": _curves(axes, packer),
         "images": len(axes.images),
         "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
+        "own_height": not axes.get_autoscaley_on(),
         "own_ticks": type(axes.xaxis.get_major_formatter()) is not ScalarFormatter,
         "x_limits": [_bounded(v) for v in axes.get_xlim()],
         "y_limits": [_bounded(v) for v in axes.get_ylim()],

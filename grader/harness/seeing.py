@@ -17,6 +17,7 @@ _NEAR = 0.04  # difference of two colours, each channel 0 to 1, that nobody sees
 _ASKED = frozenset(
     [
         "get_alpha",
+        "get_autoscaley_on",
         "get_axes",
         "get_children",
         "get_clip_box",

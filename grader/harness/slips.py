@@ -1,6 +1,7 @@
 """What a function raises for, where one thing alone can be meant: a slip of the pen in a name, a forgotten `self.` or `np.`.
 
-So can be an array that is called, a method that is not, a fraction of a step, a shape in two parts, what `append` returns.
+So can be an array that is called or asked whether it is there, a method that is not called, a fraction of a step, a shape in two
+parts or an array in its place, what `append` returns.
 It is noticed when it is raised, by what is there to choose from at that moment, and mended when the file is loaded the next time,
 in that function alone. What never runs stays as it is. Whoever marks is told, as one fault.
 """
@@ -24,7 +25,7 @@ from .submission import STATE
 
 Slip: TypeAlias = dict[str, Any]
 _Node = TypeVar("_Node", bound=ast.expr)
-_Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
+Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 
 _CLOSE = 0.8
 """Of the letters in common, as difflib counts: one in five may be lost, doubled, another or elsewhere. It has raised already."""
@@ -34,8 +35,9 @@ _WITHOUT_SELF = re.compile(
     r"^(\w+)\.(\w+)\(\) (?:takes \d+ positional arguments? but|got multiple values for argument)"
 )
 _FRACTION = re.compile(
-    r"'float' object cannot be interpreted as an integer|^expected a sequence of integers or a single integer"
+    r"'(?:numpy\.)?float\d*' object cannot be interpreted as an integer|^expected a sequence of integers or a single integer"
 )
+_TRUTH = "truth value of an array"
 _LONGEST = 200
 
 
@@ -71,7 +73,7 @@ def _slips(raised: BaseException) -> Iterator[Slip]:
 class _Scope:
     """What a line of a function sees: its own variables, and those of the expressions in it that have frames of their own."""
 
-    def __init__(self, frames: Sequence[FrameType], function: _Function, line: int) -> None:
+    def __init__(self, frames: Sequence[FrameType], function: Function, line: int) -> None:
         self.function, self.line = function, line
         self.locals = {name: value for frame in frames for name, value in frame.f_locals.items()}
         self.globals, self.builtins = frames[-1].f_globals, frames[-1].f_builtins
@@ -91,7 +93,7 @@ class _Scope:
     def there(self, kind: type[_Node]) -> list[_Node]:
         """The expressions of one kind that the line reads."""
         nodes = [each for each in ast.walk(self.function) if isinstance(each, kind)]
-        return [each for each in nodes if each.lineno <= self.line <= (each.end_lineno or 0) and not _is_set(each)]
+        return [each for each in nodes if each.lineno <= self.line <= (each.end_lineno or 0) and not is_set(each)]
 
     def names(self) -> set[str]:
         return {*self.locals, *self.globals, *(name for name in self.builtins if not name.startswith("_"))}
@@ -152,6 +154,41 @@ def _shape(raised: TypeError, scope: _Scope) -> _Meant:
             yield "shape", ast.unparse(each), f"{ast.unparse(each.func)}(({', '.join(map(ast.unparse, each.args))}))"
 
 
+def _size(raised: TypeError, scope: _Scope) -> _Meant:
+    """An array of random numbers' size, where its shape is needed."""
+    for call in scope.there(ast.Call) if _FRACTION.search(str(raised)) else ():
+        for each in [*call.args[2:3], *(option.value for option in call.keywords if option.arg == "size")]:
+            if isinstance(scope.value_of(each), np.ndarray):
+                shape = ast.Attribute(each, "shape", ast.Load())
+                args = [shape if arg is each else arg for arg in call.args]
+                options = [ast.keyword(o.arg, shape if o.value is each else o.value) for o in call.keywords]
+                yield "shape", ast.unparse(call), ast.unparse(ast.Call(call.func, args, options))
+
+
+def _truth(raised: ValueError, scope: _Scope) -> _Meant:
+    """An array that is asked whether it is true, or the same as nothing, where nothing may be in its place."""
+    if _TRUTH not in str(raised):
+        return
+    for each in scope.there(ast.Compare):
+        if len(each.ops) == 1 and ast.unparse(each.comparators[0]) == "None":
+            sign = " is " if isinstance(each.ops[0], ast.Eq) else " is not "
+            yield "compared", ast.unparse(each), f"{ast.unparse(each.left)}{sign}None"
+    asked = [each for each in _asked_for_truth(scope.function) if each.lineno <= scope.line <= (each.end_lineno or 0)]
+    given = {ast.unparse(each) for each in asked if isinstance(scope.value_of(each), np.ndarray)}
+    yield from (("asked", each, f"{each} is not None") for each in given if len(given) == 1)
+
+
+def _asked_for_truth(function: Function) -> Iterator[ast.expr]:
+    """The expressions whose truth decides something."""
+    for each in ast.walk(function):
+        if isinstance(each, ast.If | ast.IfExp | ast.While):
+            yield each.test
+        elif isinstance(each, ast.BoolOp):
+            yield from each.values
+        elif isinstance(each, ast.UnaryOp) and isinstance(each.op, ast.Not):
+            yield each.operand
+
+
 def _appended(raised: AttributeError, scope: _Scope) -> _Meant:
     """What `append` returns, put in the place of the list."""
     for each in scope.there(ast.Call) if raised.obj is None and raised.name == "append" else ():
@@ -164,7 +201,7 @@ def _called(raised: TypeError | AttributeError, scope: _Scope) -> _Meant:
     if "'builtin_function_or_method'" in str(raised) or "'method'" in str(raised):
         called = [each.func for each in ast.walk(scope.function) if isinstance(each, ast.Call)]
         members = [each for each in ast.walk(scope.function) if isinstance(each, ast.Attribute) and each not in called]
-        given = {ast.unparse(each) for each in members if not _is_set(each) and _is_method(scope.value_of(each), each)}
+        given = {ast.unparse(each) for each in members if not is_set(each) and _is_method(scope.value_of(each), each)}
         yield from (("called", each, f"{each}()") for each in given if len(given) == 1)
 
 
@@ -180,8 +217,10 @@ _MEANT: Sequence[tuple[type[BaseException], Callable[[Any, _Scope], _Meant]]] = 
     (AttributeError, _member),
     (KeyError, _key),
     (TypeError, _index),
+    (TypeError, _size),
     (TypeError, _whole),
     (TypeError, _shape),
+    (ValueError, _truth),
     (AttributeError, _appended),
     (TypeError, _called),
     (AttributeError, _called),
@@ -208,11 +247,13 @@ def _name_meant(name: str, scope: _Scope) -> str | None:
     if _is_own_object(owner) and name in dir(owner):
         return f"{scope.first}.{name}"
     libraries = {each: scope.globals.get(each) for each in STATE.furniture.get("libraries", ())}
-    holding = [
-        each for each, library in libraries.items() if isinstance(library, ModuleType) and hasattr(library, name)
-    ]
+    holding = {
+        library: each
+        for each, library in libraries.items()
+        if isinstance(library, ModuleType) and hasattr(library, name)
+    }
     near = _nearest(name, scope.names())
-    candidates = [*(f"{each}.{name}" for each in holding), *([near] if near else [])]
+    candidates = [*(f"{each}.{name}" for each in holding.values()), *([near] if near else [])]
     return candidates[0] if len(candidates) == 1 else None
 
 
@@ -257,7 +298,7 @@ def _of_code(code: CodeType, kind: str, name: str) -> Iterator[Slip]:
         )
 
 
-def _slip(file: str, function: _Function, kind: str, own: str, meant: str, *, at: int) -> Slip:
+def _slip(file: str, function: Function, kind: str, own: str, meant: str, *, at: int) -> Slip:
     if max(len(own), len(meant)) > _LONGEST:
         raise ValueError("what is written there is too long to be told")
     place = {"path": faults.path_of(file), "function": function.lineno, "at": at}
@@ -302,50 +343,16 @@ def _tree(file: str) -> ast.Module:
     return ast.parse("".join(linecache.getlines(file)))
 
 
-def _around(tree: ast.Module, line: int) -> _Function | None:
+def _around(tree: ast.Module, line: int) -> Function | None:
     """The innermost function that this line is in."""
     functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
     around = [each for each in functions if _first_line(each) <= line <= (each.end_lineno or 0)]
     return max(around, key=lambda each: each.lineno, default=None)
 
 
-def _first_line(function: _Function) -> int:
+def _first_line(function: Function) -> int:
     return min([function.lineno, *(each.lineno for each in function.decorator_list)])
 
 
-def _is_set(node: ast.expr) -> bool:
+def is_set(node: ast.expr) -> bool:
     return isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
-
-
-def mend(tree: ast.Module, path: str) -> None:
-    """Put right what was noticed in a file, where it was noticed."""
-    for slip in [each for each in STATE.slips if each["path"] == path]:
-        functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
-        for function in [each for each in functions if each.lineno == slip["function"]]:
-            _mend(function, slip["kind"], slip["own"], slip["meant"])
-            ast.fix_missing_locations(function)
-
-
-def _mend(function: _Function, kind: str, own: str, meant: str) -> None:
-    if kind == "self":
-        function.args.args.insert(0, ast.arg("self"))
-    elif kind == "kept":
-        function.body += ast.parse(f"{meant} = {own}").body
-    elif kind == "keyword":
-        for each in [each for each in ast.walk(function) if isinstance(each, ast.keyword) and each.arg == own]:
-            each.arg = meant
-    else:
-        _Instead(own, meant).visit(function)
-
-
-class _Instead(ast.NodeTransformer):
-    """Puts one expression where another is written."""
-
-    def __init__(self, own: str, meant: str) -> None:
-        self._own, self._meant = own, meant
-
-    def visit(self, node: ast.AST) -> ast.AST:
-        if isinstance(node, ast.expr) and not _is_set(node) and ast.unparse(node) == self._own:
-            return ast.copy_location(ast.parse(self._meant, mode="eval").body, node)
-        visited: ast.AST = self.generic_visit(node)
-        return visited

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from . import desktop, earlier
+from . import absent, desktop, earlier
 
 _MAX_INPUTS = 100
 
@@ -28,9 +28,11 @@ def import_libraries() -> None:
     with _undocumented():
         import matplotlib.pyplot as plt
     import mujoco  # noqa: F401
+    import numpy.random  # noqa: F401
     import PIL.Image  # noqa: F401
 
     plt.switch_backend("Agg")
+    absent.stand_in()
     _share_wrappers()
 
 

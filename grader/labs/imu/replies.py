@@ -26,7 +26,7 @@ _PARAMETERS = frozenset({
     "model", "data", "accel_sensor_id", "gyro_sensor_id", "accel_id", "gyro_id", "duration_seconds", "accel_noise_std",
     "gyro_noise_std", "accel_bias", "gyro_bias", "alpha", "initial_value", "measurement", "dt", "imu_data", "time",
     "acceleration", "angular_velocity", "file_name", "title", "n_steps", "global model", "global data",
-    "global imu_data", "global measurement", "accel", "gyro",
+    "global imu_data", "global measurement", "accel", "gyro", "name for accel_sensor_id", "name for gyro_sensor_id",
 })  # fmt: skip
 
 

@@ -33,7 +33,7 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class FilterCase:
-    """One filter over one signal; see `box.questions.filter_cases` for the ways of handling."""
+    """One filter over one signal; see `box.filtering.filter_cases` for the ways of handling."""
 
     signal: Array
     alpha: float | None = None
@@ -132,6 +132,11 @@ class Student(Plotting):
                 arrays[initial] = case.initial
             rows.append({"input": f"s{number}", "alpha": case.alpha, "initial": initial, "handling": case.handling})
         return self.answer(Question("filter", "LowPassFilter", _filter_runs, {"cases": rows}, arrays), called)
+
+    def filter_alone(self, case: FilterCase) -> FilterRun:
+        """The same of one case, in a process in which there was no filter before."""
+        self.end_session()
+        return self.filter([case])[0]
 
 
 def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:

@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from . import bonuses, noise, questions
+from . import bonuses, filtering, noise, questions
 
 HANDLERS = {
     "read": questions.read,
@@ -17,7 +17,7 @@ HANDLERS = {
     "noise": noise.noise,
     "noise_twins": noise.noise_twins,
     "default_bias": noise.default_bias,
-    "filter": questions.filter_cases,
+    "filter": filtering.filter_cases,
     "plot": questions.plot,
     **bonuses.HANDLERS,
 }

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from types import NoneType
 from typing import Any
 
@@ -92,6 +93,37 @@ PLOTTER = (
 )
 WRITTEN = {"file_name": "imu_data.png", "title": "IMU data"}
 """Words for a plot that asks for them."""
+
+
+class Reader:
+    """A reader, to be called as the sheet does; one that stops at its first ids, and not at the names of these sensors, gets names.
+
+    Attributes
+    ----------
+    departs : what it departs in, known from its first reading on
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._read, self.departs = fitted(function, READER)
+        self._first, self._takes_names = True, False
+
+    def __call__(self, model: Any, data: Any, *ids: int) -> Any:
+        first, self._first = self._first, False
+        if self._takes_names:
+            return self._by_name(model, data, ids)
+        try:
+            return self._read(model, data, *ids)
+        except Exception:
+            if first:
+                with suppress(Exception):
+                    reading = self._by_name(model, data, ids)
+                    self._takes_names = True
+                    self.departs += [f"name for {slot.name}" for slot in READER if slot.free]
+                    return reading
+            raise
+
+    def _by_name(self, model: Any, data: Any, ids: Iterable[int]) -> Any:
+        return self._read(model, data, *(model.sensor(id_).name for id_ in ids))
 
 
 def readings(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:

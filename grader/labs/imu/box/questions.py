@@ -6,7 +6,7 @@ An experiment answers with facts and arrays; an exception of the student's ends 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from grader.harness import faults, recorder, saved, slips, submission, world
-from grader.harness.calling import fitted, way_of
+from grader.harness.calling import way_of
 from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
 
@@ -75,8 +75,9 @@ def read(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     disturbance = []
     with examined(answer), scene(fields["model"]) as (model, data):
         own_globals.provide_ids_of(model)
-        reading_of, departs = fitted(reader, calls.READER)
-        answer["departs"] = [*departs, *own_globals.read_instead(reader, (calls.MODEL, calls.DATA))]
+        reading_of = calls.Reader(reader)
+        reading_of.departs += own_globals.read_instead(reader, (calls.MODEL, calls.DATA))
+        answer["departs"] = reading_of.departs
         for accel_id, gyro_id in arrays["pairs"]:
             for index in range(len(arrays["qpos"])):
                 put_in_state(model, data, arrays["qpos"][index], arrays["qvel"][index])
@@ -212,7 +213,7 @@ def read_along(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {}
     rows: list[np.ndarray] = []
     with examined(answer):
-        reading_of, _ = fitted(reader, calls.READER)
+        reading_of = calls.Reader(reader)
         for model, data in _run_again(fields, arrays):
             rows.append(_six(reading_of(model, data, fields["accel_id"], fields["gyro_id"])))
     return answer, {"rows": np.array(rows).reshape(-1, 6)}
@@ -255,111 +256,6 @@ def _options(model: Any) -> dict[str, np.ndarray]:
         "geom_friction": model.geom_friction,
     }
     return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
-
-
-# --- the filter ----------------------------------------------------------------------------------------------------------
-
-
-def filter_cases(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
-    """Run filters over given measurements, each case by itself.
-
-    Parameters
-    ----------
-    fields : ``path`` and ``cases``, each with ``input`` (array name), ``alpha`` (or None: the default), ``initial`` (array name
-        or None), ``handling``: ``plain``; ``spoil_input``, ``spoil_output`` (the caller overwrites the array afterwards);
-        ``beside`` (a second instance with another alpha is fed other data in between).
-
-    Returns
-    -------
-    ``cases`` : per case ``output`` (array name) or None, ``odd`` (node), ``error``, ``input_changed``, ``output_changed``.
-    """
-    kind = submission.find("LowPassFilter", fields["path"])
-    packer = Packer()
-    building = functools.cache(functools.partial(calls.filter_by, kind))
-    cases = [_filter_case(building, case, arrays, packer) for case in fields["cases"]]
-    return {"cases": cases}, packer.arrays
-
-
-def _filter_case(
-    building: Callable[[], Any], case: dict[str, Any], arrays: dict[str, Any], packer: Packer
-) -> dict[str, Any]:
-    signal = np.array(arrays[case["input"]])
-    answer: dict[str, Any] = {
-        "output": None, "odd": None, "error": None, "input_changed": False, "output_changed": False, "departs": [],
-    }  # fmt: skip
-    rows: list[np.ndarray] = []
-    kept: list[list[tuple[str, np.ndarray]]] = []
-    initial = None if case["initial"] is None else np.array(arrays[case["initial"]])
-    with examined(answer):
-        options = {} if case["alpha"] is None else {"alpha": case["alpha"]}
-        if initial is not None:
-            options["initial_value"] = initial
-        build, in_building = building()
-        instance = build(options)
-        measuring, read_instead = own_globals.measured_by(instance.update)
-        update, departs = fitted(instance.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
-        answer["departs"] = [*in_building, *departs, *read_instead]
-        beside = None
-        if case["handling"] == "beside":
-            other = build(options | {"alpha": 1 - case["alpha"]})
-            beside, _ = fitted(other.update, calls.UPDATE, {"dt": calls.BETWEEN_S})
-        first: Any = None
-        for measurement in signal:
-            with measuring(measurement):
-                value, row = _filtered(update, measurement, case["handling"], answer, packer)
-            first = first if rows else value
-            rows.append(row)
-            kept.append(_kept_in(instance) if answer["odd"] else [])
-            if beside is not None:
-                beside(100.0 - 3.0 * measurement)
-        if isinstance(first, np.ndarray) and first.size == rows[0].size:
-            answer["output_changed"] = first.ravel().tolist() != rows[0].tolist()
-        answer["input_changed"] |= initial is not None and initial.tolist() != arrays[case["initial"]].tolist()
-    if rows:
-        answer["output"] = packer.keep(_state_in(kept, signal, np.array(rows)))
-    return answer
-
-
-def _kept_in(instance: Any) -> list[tuple[str, np.ndarray]]:
-    with suppress(TypeError):
-        return [(name, vector.copy()) for name, vector in vectors_in(vars(instance).items())]
-    return []
-
-
-def _state_in(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Where no update gave a vector: the one that the filter keeps, and that is not what it was given."""
-    if not np.isnan(rows).all() or len({tuple(name for name, _ in each) for each in kept}) != 1:
-        return rows
-    series = [np.array([vector for _, vector in each]) for each in zip(*kept, strict=True)]
-    own = [each for each in series if not np.array_equal(each, signal[: len(each)])] or series
-    moving = [each for each in own if np.ptp(each, axis=0).any()] or own
-    return moving[0] if all(np.array_equal(each, moving[0]) for each in moving) and moving else rows
-
-
-def _filtered(
-    update: Callable[[np.ndarray], Any], measurement: np.ndarray, handling: str, answer: dict[str, Any], packer: Packer
-) -> tuple[Any, np.ndarray]:
-    given = measurement.copy()
-    value = update(given)
-    try:
-        row = numbers(value).copy().reshape(measurement.shape)
-    except (TypeError, ValueError):
-        row = _vector_within(value, measurement)
-        answer["odd"] = answer["odd"] or packer.node(value)
-    answer["input_changed"] = answer["input_changed"] or given.tolist() != measurement.tolist()
-    if handling == "spoil_input":
-        given[:] = 1e3
-    if handling == "spoil_output" and isinstance(value, np.ndarray) and value.flags.writeable:
-        value[...] = 1e3
-    return value, row
-
-
-def _vector_within(value: Any, measurement: np.ndarray) -> np.ndarray:
-    """The first vector of what came in place of one that is not what was given; NaN where it holds none."""
-    with suppress(TypeError):
-        vectors = [vector.copy() for _, vector in vectors_in(parts_of(value))]
-        return next((v for v in vectors if not np.array_equal(v, measurement)), [*vectors, np.full(3, np.nan)][0])
-    return np.full(3, np.nan)
 
 
 # --- the plot ------------------------------------------------------------------------------------------------------------

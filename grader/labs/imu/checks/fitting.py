@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
 
-from grader.engine.findings import Lost, Size
+from grader.engine.findings import Fault, Lost, Size
 from grader.ground.text import printable
 from grader.labs.imu.student import Student
 
-_GLOBAL = "global "
+_GLOBAL, _NAME = "global ", "name for "
+
+
+@dataclass(frozen=True)
+class _Lack:
+    """What a definition lacks: what was expected, what came, what of it is off in short, and the name of the mistake."""
+
+    expected: str
+    got: str
+    off: str
+    mistake: str
+    fault: Fault | None = None
+    of_its_parameters: bool = False
 
 
 def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_to: str = "") -> None:
@@ -17,57 +30,57 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
     Parameters
     ----------
     departs : the sheet's names for the parameters by which it could not be called as the sheet does, and for those in whose place
-        it reads a ``global``; nothing of the student's
+        it reads a ``global``, or takes a ``name``; nothing of the student's
+    belongs_to : of what it departs by
     """
-    if refused := student.completed_in(name):
-        first = refused[0]
+    for lack in _lacks(student, name, departs):
+        raise Lost(
+            lack.expected,
+            lack.got,
+            off=Size(lack.off),
+            mistakes=[lack.mistake],
+            keeps=keeps,
+            fault=lack.fault,
+            belongs_to=belongs_to if lack.of_its_parameters else "",
+        )
+
+
+def _lacks(student: Student, name: str, departs: Collection[str]) -> Iterator[_Lack]:
+    """What stands first in the way comes first."""
+    for first in student.completed_in(name)[:1]:
         got = f"{first.type}: {printable(first.message, 200)} at {first.where}; what it expects was put there"
-        off = Size("text that Python refuses")
-        raise Lost("a file that Python can read", got, off=off, mistakes=["does-not-import"], keeps=keeps, fault=first)
+        yield _Lack("a file that Python can read", got, "text that Python refuses", "does-not-import", first)
     wanted, own = student.misspelt(name)
     if own:
-        off = Size(f"a name that is not spelled as {wanted}")
-        raise Lost(
-            wanted, f"{printable(own, 60)}, which was taken for it", off=off, mistakes=["name-missing"], keeps=keeps
-        )
+        taken = f"{printable(own, 60)}, which was taken for it"
+        yield _Lack(wanted, taken, f"a name that is not spelled as {wanted}", "name-missing")
     if lent := ", ".join(student.lent_to(name)):
-        off = Size(f"no import of {lent}")
-        raise Lost(
-            "a file that imports what it uses",
-            f"{lent} without an import",
-            off=off,
-            mistakes=["import-missing"],
-            keeps=keeps,
-        )
+        got, off = f"{lent} without an import", f"no import of {lent}"
+        yield _Lack("a file that imports what it uses", got, off, "import-missing")
     if slips := student.slips_in(name):
-        meant = ", ".join(dict.fromkeys(printable(slip.meant, 60) for slip in slips))
-        written = ", ".join(
-            dict.fromkeys("no self" if slip.kind == "self" else printable(slip.own, 60) for slip in slips)
-        )
-        off, got = Size("what it stops at"), f"{written} at {slips[0].fault.where}, for which that was taken"
-        mistake = "unknown-name" if slips[0].is_of_a_name else "raises"
-        raise Lost(meant, got, off=off, mistakes=[mistake], keeps=keeps, fault=slips[0].fault)
+        meant = _each_once(slip.meant for slip in slips)
+        written = _each_once("no self" if slip.kind == "self" else slip.own for slip in slips)
+        got = f"{written} at {slips[0].fault.where}, for which that was taken"
+        yield _Lack(meant, got, "what it stops at", slips[0].mistake, slips[0].fault)
     if student.returns_nothing(name):
-        off = Size("no return at the end")
-        raise Lost(
-            "a return at the end",
-            "none: what stands last was taken",
-            off=off,
-            mistakes=["return-missing"],
-            keeps=keeps,
+        got = "none: what stands last was taken"
+        yield _Lack("a return at the end", got, "no return at the end", "return-missing")
+    if read := " and ".join(each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)):
+        got = f"a global in place of {read}"
+        yield _Lack(f"the {read} that {name} is given", got, got, "global-for-parameter", of_its_parameters=True)
+    if any(each.startswith(_NAME) for each in departs):
+        got, off = (
+            "names: it stops at ids, and was called with the names of the sensors",
+            "names of sensors in place of ids",
         )
-    if read := [name for name in departs if name.startswith(_GLOBAL)]:
-        these = " and ".join(name.removeprefix(_GLOBAL) for name in read)
-        got, off = f"a global in place of {these}", Size(f"a global in place of {these}")
-        raise Lost(
-            f"the {these} that {name} is given",
-            got,
-            off=off,
-            mistakes=["global-for-parameter"],
-            keeps=keeps,
-            belongs_to=belongs_to,
+        yield _Lack(
+            "the ids of both sensors, as mj_name2id gives them", got, off, "other-parameters", of_its_parameters=True
         )
     if odd := ", ".join(departs):
-        got, off = f"others in place of, or beside, these: {odd}", Size(f"those that differ: {odd}")
         expected = "the sheet's parameters, under its names and in its order"
-        raise Lost(expected, got, off=off, mistakes=["other-parameters"], keeps=keeps, belongs_to=belongs_to)
+        got, off = f"others in place of, or beside, these: {odd}", f"those that differ: {odd}"
+        yield _Lack(expected, got, off, "other-parameters", of_its_parameters=True)
+
+
+def _each_once(texts: Iterable[str]) -> str:
+    return ", ".join(dict.fromkeys(printable(text, 60) for text in texts))
