@@ -167,6 +167,7 @@ class Readings:
 
 # --- a collected time series ---------------------------------------------------------------------------------------------
 
+_FEWEST = 3  # rows of which the last one is said to be alone
 KEYS = ("time", "acceleration", "angular_velocity")
 SENSORS, SENSOR_UNITS = KEYS[1:], ("m/s²", "rad/s")
 
@@ -184,6 +185,7 @@ class Collection:
     changed : names of model fields that differ afterwards
     first_step : what the box says of the state before the first step: a hint, to be run again before it is believed
     absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
+    last_alone : whether the last row alone was filled, which stands for all of them then
     departs : as of `Readings`
     """
 
@@ -197,6 +199,7 @@ class Collection:
     fault: Fault | None = None
     first_step: Mapping[str, Array] = field(default_factory=dict)
     absent: str = ""
+    last_alone: bool = False
     departs: tuple[str, ...] = ()
 
     @property
@@ -221,6 +224,13 @@ class Collection:
         if gyro is None and accel is not None:
             return replace(self, angular_velocity=np.full_like(accel, np.nan), absent=KEYS[2])
         return self
+
+    def with_last_for_all(self) -> Collection:
+        """The same with the last row in the place of all of them, where it alone was filled: it tells the run as those would."""
+        if any(rows is None or len(rows) < _FEWEST or rows[:-1].any() or not rows[-1].any() for rows in self.sensors):
+            return self
+        accel, gyro = (np.repeat(rows[-1:], len(rows), axis=0) for rows in self.sensors if rows is not None)
+        return replace(self, acceleration=accel, angular_velocity=gyro, last_alone=True)
 
     def rows(self, first: int, end: int | None = None) -> Collection:
         """A part of the same run."""

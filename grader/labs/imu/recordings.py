@@ -37,7 +37,7 @@ def after_push(student: Student, truth: Traces) -> Collection:
     scalars = truth["push"].scalars
     series = student.simulate(duration_s=float(scalars["duration_s"]), ids=torso_ids(truth), called="push")
     raised(series.fault, "collecting data")
-    return series.with_gap()
+    return series.with_last_for_all().with_gap()
 
 
 def after_dirt(student: Student, truth: Traces) -> Collection:
@@ -51,7 +51,7 @@ def after_dirt(student: Student, truth: Traces) -> Collection:
         dirty=dirty,
     )
     raised(series.fault, "collecting data with another time step, from a state that was left by an earlier run")
-    return series.with_gap()
+    return series.with_last_for_all().with_gap()
 
 
 def torso_ids(truth: Traces) -> tuple[int, int]:
@@ -115,7 +115,7 @@ def _leaning(student: Student, truth: Traces) -> Collection:
     """The push under a gravity that leans by what is drawn with the scenario: nobody has recorded this run."""
     sideways = np.asarray(truth["push_dirty"]["dirty_qvel"][:2])
     gravity = np.array([*(_LEAN * sideways / np.linalg.norm(sideways)), -9.81 - _LEAN])
-    return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity)
+    return student.simulate(duration_s=_LEANING_S, ids=torso_ids(truth), gravity=gravity).with_last_for_all()
 
 
 def _beside_ours(student: Student, truth: Traces, series: Collection) -> tuple[Array, Array] | None:

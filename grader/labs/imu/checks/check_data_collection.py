@@ -38,6 +38,10 @@ from grader.labs.imu.student import Student
 
 _BUT_FOR_ONE = 0.75
 """Of the rows' points, where the last one alone was never filled."""
+_IN_THE_LOOP = Ours(
+    "The last row alone is there: let the lines that read and store stand as far in as mj_step does, so that they belong to the "
+    "loop (Step 3)."
+)
 _ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
 _NAMED, _ROWS, _COUNT, _PUSH = (
     "data_collection.returns_named_arrays",
@@ -99,7 +103,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
     n, worlds = off[-1]
     story, pushed_worlds = story_of(student, truth, "push", pushed(student, truth))
     at_once = story is not None and _ends_at_once(pushed(student, truth), pushed_worlds, story)
-    elsewhere = at_once or _are_too_many(student, truth)
+    elsewhere = at_once or _is_last_alone(pushed(student, truth), story) or _are_too_many(student, truth)
     raise Lost(
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
@@ -119,6 +123,11 @@ def _both_runs(student: Student, truth: Traces) -> list[tuple[Collection, Worlds
 def _ends_at_once(series: Collection, worlds: Worlds, story: Story) -> bool:
     """Whether the first rows are all that there is, too few to tell how they go on: matches_truth charges that."""
     return story.skip == 1 and series.filled_rows < min(diagnosis.FEWEST_ROWS, worlds.steps // 2)
+
+
+def _is_last_alone(series: Collection, story: Story | None) -> bool:
+    """Whether the reading after the last step is all that there is: matches_truth charges that, too."""
+    return story is not None and story.skip > 1 and length(series) == 1
 
 
 def _are_too_many(student: Student, truth: Traces) -> bool:
@@ -173,8 +182,13 @@ def check_time_axis(student: Student, truth: Traces) -> None:
 
 
 def _charging(series: Collection, worlds: Worlds) -> str:
-    """The check that charges the same: of right stamps that are too few or too many, or of those that every push resets."""
+    """The check that charges the same: of right stamps that are too few or too many, or of those that every push resets.
+
+    So are those of rows that were never filled.
+    """
     assert series.time is not None
+    if series.last_alone and not series.time[:-1].any():
+        return _ROWS
     rows = {len(sensor) for sensor in (series.acceleration, series.angular_velocity) if sensor is not None}
     if rows and len(series.time) not in rows and _each_of_a_step(series.time, worlds):
         return _NAMED
@@ -245,12 +259,18 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
         row_faults.unexplained(series, worlds)
     if _ends_at_once(series, worlds, story):
         row_faults.broken_off(filled, worlds)
+    if _is_last_alone(series, story):
+        raise Lost(
+            f"{worlds.steps} rows", "one, of the last step", off=Size("one row, of the last step"), hint=_IN_THE_LOOP
+        )
     if story.altered:
         row_faults.altered(story, worlds, series)
     row_faults.of_other_sensors(story)
     run_starts.in_another_model(story, worlds, series, np.asarray(truth["reading_lab"].scalars["gravity"], float))
     if all_alike(series) and not one_row_follows(student, truth):
         row_faults.standing_still(n, series)
+    if series.last_alone:
+        raise Lost(f"{n} filled rows", "one, which is the last", mistakes=["rows-left-zero"], hint=_IN_THE_LOOP)
     if story.aliased:
         raise Lost(
             "rows that differ from step to step", f"{n} rows, all equal to the last sample", mistakes=["aliased-rows"]

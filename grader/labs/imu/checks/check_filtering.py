@@ -164,7 +164,7 @@ def _is_low_pass(student: Student, truth: Traces) -> bool:
 def filters(student: Student, truth: Traces) -> None:
     """What comes out depends on the measurements, and on more than the present one."""
     runs = [(signal, output(run)) for _, signal, run in plain(student, truth)]
-    if all(diagnosis.has_no_memory(x, y) for x, y in runs):
+    if all(diagnosis.has_no_memory(x, y) for x, y in runs) and not _keeps_the_first(student, truth):
         raise Skipped(
             "a filter that keeps something of the measurements before: each output comes from one measurement alone"
         )
@@ -175,6 +175,11 @@ def filters(student: Student, truth: Traces) -> None:
     _, run = asked(student, truth).slow
     if diagnosis.share_of_signal(output_of_signal(run), SLOW_PERIOD) < _LEAST_SHARE and not _is_rounded(student, truth):
         raise Skipped("a filter whose output follows the measurements: a slow motion is not seen in what comes out")
+
+
+def _keeps_the_first(student: Student, truth: Traces) -> bool:
+    """Whether what is returned is never kept: it is smoothed, and never gets away from the first measurement."""
+    return all(diagnosis.keeps_the_first(alpha, signal, output(run)) for alpha, signal, run in plain(student, truth))
 
 
 def lets_constants_through(student: Student, truth: Traces) -> None:
@@ -305,6 +310,12 @@ def check_instances_independent(student: Student, truth: Traces) -> None:
     alone = output(cases.alone)
     if not np.ptp(alone, axis=0).any() and not same(alone[0], cases.plain[0][1][0], outputs.ATOL):
         raise Skipped("an output that depends on the measurements")
+    if fault := cases.stumbles:
+        got = f"{fault.type}{f' at {fault.where}' if fault.where else ''}: {printable(fault.message, 200)}"
+        off = Size("no output where another filter was before")
+        raise Lost(
+            "the same output after a first filter as alone", got, mistakes=["shared-state"], fault=fault, off=off
+        )
     if _shares_state(student, truth):
         settled = outputs.settles(output(cases.again) - alone)
         aliased = [] if outputs.settles(output(cases.spoilt_output) - alone) else ["aliased-output"]
@@ -357,7 +368,7 @@ def _is_limited(runs: list[tuple[float, Array, Array]]) -> bool:
 
 def _shares_state(student: Student, truth: Traces) -> bool:
     cases = asked(student, truth)
-    return not same(output(cases.beside), output(cases.alone), outputs.ATOL)
+    return cases.stumbles is not None or not same(output(cases.beside), output(cases.alone), outputs.ATOL)
 
 
 def _off(got: Array, wanted: Array) -> Size:

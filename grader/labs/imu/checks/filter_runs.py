@@ -23,7 +23,13 @@ SLOW_PERIOD = 200  # samples; the sheet's filter with alpha 0.2 lags by 4 of the
 
 @dataclass(frozen=True)
 class Cases:
-    """Each case as its signal and the run, or the run alone; `needs_alpha` is what it raises where alpha alone is not given."""
+    """Each case as its signal and the run, or the run alone.
+
+    Attributes
+    ----------
+    needs_alpha : what it raises where alpha alone is not given
+    stumbles : what it raises where another filter was before; each case is of a process of its own then
+    """
 
     plain: list[tuple[float, Array, FilterRun]]
     noise: tuple[Array, FilterRun]
@@ -39,6 +45,7 @@ class Cases:
     again: FilterRun
     nothing_at_first: bool
     needs_alpha: Fault | None
+    stumbles: Fault | None
 
     @property
     def every(self) -> list[FilterRun]:
@@ -68,7 +75,9 @@ def asked(student: Student, truth: Traces) -> Cases:
             for handling in ("plain", "beside", "spoil_input", "spoil_output", "plain")
         ),
     ]
-    runs = student.filter(cases, called="filter")
+    first, second, *others = student.filter(cases, called="filter")
+    stumbles = None if first.fault else second.fault
+    runs = [first, *map(student.filter_alone, cases[1:])] if stumbles else [first, second, *others]
     series = [_from_first_vector(case.signal, run) for case, run in zip(cases, runs, strict=True)]
     with_alpha = [(alpha, *pair) for alpha, pair in zip((*alphas, _DEFAULT_ALPHA), series, strict=False)]
     of_noise, of_slow, of_constant, from_initial, alone, beside, spoilt_input, spoilt_output, again = series[
@@ -90,6 +99,7 @@ def asked(student: Student, truth: Traces) -> Cases:
         again=again[1],
         nothing_at_first=len(series[0][0]) < len(signal),
         needs_alpha=needs_alpha,
+        stumbles=stumbles,
     )
 
 

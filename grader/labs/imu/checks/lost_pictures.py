@@ -30,7 +30,6 @@ def some_overwritten(drawn: list[Plot]) -> None:
             "each figure in a picture file of its own",
             f"{printable(path or handed_in.PICTURE, 60)}, saved a second time, without the {missing}",
             mistakes=["picture-overwritten"],
-            keeps=0.5,
         )
 
 

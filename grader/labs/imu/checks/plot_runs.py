@@ -94,7 +94,9 @@ class Plot:
 
     @property
     def is_cropped(self) -> bool:
-        """Whether no panel shows a channel to its last point: limits that matplotlib chooses never leave one out."""
+        """Whether no panel shows a channel to its last point, or might not with other data: matplotlib's limits leave none out."""
+        if any(panel.axes.own_height for panel in self.panels):
+            return True
         drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
         return bool(self.drawn - {shown.channel for panel, shown in drawn if not panel.leaves_out(shown.curve)})
 
@@ -204,7 +206,7 @@ def cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, Sight]
 
 
 def has_curves(figure: Figure) -> bool:
-    return any(curve.n > 3 for axes in figure.visible_axes for curve in axes.curves)
+    return any(curve.n > 2 for axes in figure.visible_axes for curve in axes.curves)
 
 
 def sensors_in_words(sensors: Iterable[int]) -> str:

@@ -58,6 +58,11 @@ def has_no_memory(x: Array, y: Array) -> bool:
     return bool(np.ptp(y[1:], axis=0).any()) and same(centred_y, gains * centred_x, ATOL)
 
 
+def keeps_the_first(alpha: float, x: Array, y: Array) -> bool:
+    """Whether every output is the sheet's from the first measurement, whichever of the two has the weight alpha; x, y (n, 3)."""
+    return any(same(y, weight * x + (1 - weight) * x[0], ATOL) for weight in (alpha, 1 - alpha))
+
+
 Run = tuple[float, Array, Array]
 """alpha, input (n, 3), output (n, 3)"""
 

@@ -155,7 +155,7 @@ def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
 
 def is_reference(curve: Curve) -> bool:
     """Whether a curve is a line at a fixed value or moment: `axhline`, `axvline` and their like."""
-    return len(curve.y) <= 3 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
+    return len(curve.y) <= 2 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
 
 
 def _channel(curve: Curve, series: Mapping[str, Array]) -> Shown | None:
