@@ -146,7 +146,7 @@ def test_a_reply_with_one_array_as_every_curve_is_no_answer() -> None:
     """One pair of such curves was compared for nine seconds, and there were 14,400 pairs."""
     axes = {"visible": True, "position": [0.0, 0.0, 1.0, 1.0], "y_limits": [0.0, 1.0], "legend": None, "texts": []}
     axes |= dict.fromkeys(("xlabel", "ylabel", "title"), "")
-    axes |= {"x_limits": [0.0, 1.0], "scales": ["linear", "linear"], "own_ticks": False}
+    axes |= {"x_limits": [0.0, 1.0], "scales": ["linear", "linear"], "own_ticks": False, "own_height": False}
     figure = {
         "seen": "s",
         "extent": [9.0, 9.0],

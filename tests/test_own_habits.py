@@ -261,6 +261,12 @@ SILENT: dict[str, tuple[str, Changes, str]] = {
         RECURSION,
     ),
 }  # fmt: skip
+_SENSOR = "mujoco.mjtObj.mjOBJ_SENSOR"
+_STORED = (
+    "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)",
+    "accelerations[i] = accel",
+    "angular_velocities[i] = gyro",
+)
 EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
     "a filter that runs away": (FILTER, {"(1 - self.alpha) *": "(1 + self.alpha) *"}, {RECURSION: 6.0}, ("gain-not-one",)),
     "one sensor in both places": (
@@ -305,6 +311,28 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         FILTER, {"def update(self, measurement)": "def update(self)", "measurement.copy()": "noisy_accel.copy()",
                  "self.alpha * measurement": "self.alpha * noisy_accel", ".update(noisy_accel)": ".update()"},
         {RECURSION: 3.0}, ("global-for-parameter",),
+    ),
+    "a reader of names": (
+        READER, {f"model.sensor_adr[{sensor}_sensor_id]": f"model.sensor_adr[mujoco.mj_name2id(model, {_SENSOR}, {sensor}_sensor_id)]" for sensor in ("accel", "gyro")}
+        | {f'mujoco.mj_name2id(model, {_SENSOR}, "torso_{sensor}")': f'"torso_{sensor}"' for sensor in ("accelerometer", "gyroscope")},
+        {READ: 3.0}, OTHER,
+    ),
+    "an array that is asked for its truth": (
+        FILTER, {"if self.value is None": "if not self.value"}, {RECURSION: 3.0}, ("array-asked-for-truth",),
+    ),
+    "an array that is compared with nothing": (
+        FILTER, {"if self.value is None": "if self.value == None"}, {RECURSION: 3.0}, ("array-asked-for-truth",),
+    ),
+    "a bias, or another": (
+        NOISY, {"accel_bias if accel_bias is not None else np": "accel_bias or np"}, {NOISE: 3.0}, ("array-asked-for-truth",),
+    ),
+    "a size that is an array": (NOISY, {"self.accel_noise_std, 3)": "self.accel_noise_std, size=accel)"}, {NOISE: 3.0}, ("raises",)),
+    "rows that are stored behind the loop": (
+        READER, {f"        {line}": f"    {line}" for line in _STORED}, {"data_collection.matches_truth": 6.0}, ("rows-left-zero",),
+    ),
+    "rows and stamps that are stored behind the loop": (
+        READER, {f"        {line}": f"    {line}" for line in ("times[i] = data.time", *_STORED)},
+        {"data_collection.matches_truth": 6.0}, ("rows-left-zero",),
     ),
     "a bias of four numbers where none is given": (
         NOISY, {"normal(0, 0.1, 3)": "normal(0, 0.1, 4)"}, {"noise_model.default_bias": 3.0}, ("raises",),
@@ -397,6 +425,26 @@ def _slips() -> Iterator[Slip]:
         _changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),
         {"visualization.curves_match_data": 2.5},
         ("curves-missing",),
+    )
+    flag = {"class LowPassFilter:": "first = True\n\n\nclass LowPassFilter:",
+            "        if self.state is None:\n": "        global first\n        if first and self.state is None:\n            first = False\n"}  # fmt: skip
+    yield Slip(
+        "a flag that all filters share",
+        _changed(tidy(), FILTER, flag),
+        {"filtering.instances_independent": 3.0},
+        ("shared-state",),
+    )
+    across = {
+        '        top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")\n': "        pass\n",
+        '        bottom.plot(t, imu_data["angular_velocity"][:, k], label=rf"$\\omega_{axis}$")\n': '    top.plot(imu_data["acceleration"].T)\n'
+        '    bottom.plot(imu_data["angular_velocity"].T)\n',
+        'ax.legend(loc="best")': 'ax.legend(["x", "y", "z"])',
+    }
+    yield Slip(
+        "a curve of three points for each reading",
+        _changed(tidy(), READER, across),
+        {"visualization.curves_match_data": 5.0},
+        ("wrong-data-plotted",),
     )
     yield Slip("scripts that read what the one before has written", _chained(), {})
     yield Slip(

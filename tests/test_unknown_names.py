@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from grader.harness import faults, slips, submission
+from grader.harness import faults, mending, slips, submission
 
 pytestmark = pytest.mark.quick
 PATH = "program.py"
@@ -18,7 +18,7 @@ PATH = "program.py"
 @pytest.fixture(autouse=True)
 def empty(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(submission.STATE, "modules", {})
-    monkeypatch.setattr(submission.STATE, "furniture", {"libraries": ("np", "plt")})
+    monkeypatch.setattr(submission.STATE, "furniture", {"libraries": ("np", "numpy", "plt")})
     monkeypatch.setattr(submission.STATE, "slips", [])
 
 
@@ -28,7 +28,7 @@ def _run(text: str) -> tuple[Any, slips.Slip | None]:
     linecache.cache[own] = (len(text), None, text.splitlines(keepends=True), own)
     submission.STATE.modules[PATH] = module
     tree = ast.parse(text)
-    slips.mend(tree, PATH)
+    mending.mend(tree, PATH)
     try:
         exec(compile(tree, own, "exec"), vars(module))
         return vars(module)["run"](), slips.noticed()
@@ -49,6 +49,10 @@ def _until_it_runs(text: str) -> tuple[Any, list[tuple[str, str]]]:
 def _in_a_class(*lines: str, init: str = "def __init__(self, gain=3):") -> str:
     body = "\n".join(f"        {line}" for line in lines)
     return f"class Filter:\n    {init}\n        self.gain = gain\n    def update(self):\n{body}\ndef run():\n    return Filter().update()"
+
+
+def _asked(line: str) -> str:
+    return f"import numpy as np\ndef run():\n    n, rows = 2, np.ones(2)\n    {line}\n    return n"
 
 
 MENDED: dict[str, tuple[str, list[tuple[str, str]], Any]] = {
@@ -112,6 +116,26 @@ MENDED |= {
         "import numpy as np\ndef run():\n    given = np.ones(2)\n    value = given.copy\n    return value.sum()",
         [("given.copy", "given.copy()")], 2.0,
     ),
+    "an array that is asked for its truth": (_asked("if not rows:\n        rows = np.zeros(2)"), [("rows", "rows is not None")], 2),
+    "an array that is asked for its truth, and another thing": (
+        _asked("if rows and n:\n        n = 5"), [("rows", "rows is not None")], 5,
+    ),
+    "an array that is asked for its truth by a loop": (_asked("while n < 4 and not (n > 3 or not rows):\n        n += 1"), [("rows", "rows is not None")], 4),
+    "an array, or another": (_asked("rows = rows or [1, 2, 3]\n    n = len(rows)"), [("rows", "rows is not None")], 2),
+    "an array, or one of two others": (_asked("rows = rows or None or [1, 2, 3]\n    n = len(rows)"), [("rows", "rows is not None")], 2),
+    "another, if there is an array": (_asked("rows = rows and [1, 2, 3]\n    n = len(rows)"), [("rows", "rows is not None")], 3),
+    "one of two things, as there is an array": (_asked("n = 7 if rows else 8"), [("rows", "rows is not None")], 7),
+    "an array that is compared with nothing": (_asked("if rows == None:\n        n = 9"), [("rows == None", "rows is None")], 2),
+    "an array that differs from nothing": (_asked("if rows != None:\n        n = 9"), [("rows != None", "rows is not None")], 9),
+    "a size that is an array": (
+        "import numpy as np\ndef run():\n    rows = np.ones(2)\n    return len(np.random.normal(0, 0.1, size=rows))",
+        [("np.random.normal(0, 0.1, size=rows)", "np.random.normal(0, 0.1, size=rows.shape)")], 2,
+    ),
+    "a size at its place that is an array": (
+        "import numpy as np\ndef run():\n    rows = np.ones(2)\n    return len(rows + np.random.normal(0, 0.1, rows))",
+        [("np.random.normal(0, 0.1, rows)", "np.random.normal(0, 0.1, rows.shape)")], 2,
+    ),
+    "NumPy by its own name": ("import numpy as np\nimport numpy\ndef run():\n    return int(ones(1)[0])", [("ones", "numpy.ones")], 1),
     "a fraction of rows": ("import numpy as np\ndef run():\n    n = 6 / 2\n    return np.zeros((n, 3)).shape", [("n", "int(n)")], (3, 3)),
 }  # fmt: skip
 
@@ -127,6 +151,8 @@ LEFT = {
     "an attribute of nothing": "def run():\n    rows = None\n    return rows.appendix(1)",
     "one of two methods": "import numpy as np\ndef run():\n    a = np.ones(2)\n    b = a.copy, a.mean\n    return 2 * b[0]",
     "what is called and is a number": "def run():\n    gain = 1\n    return gain(1)",
+    "two arrays that are asked for their truth": "import numpy as np\ndef run():\n    a = b = np.ones(2)\n    return 1 if a and b else 2",
+    "an array that is compared with a number": "import numpy as np\ndef run():\n    a = np.ones(2)\n    return 1 if a > 0 else 2",
     "two that are alike": "def run():\n    rows1, rows2 = 1, 2\n    return rows3",
     "a short name": "def run():\n    dt = 1\n    return td",
     "one that nothing resembles": "def run():\n    total = 1\n    return measurement",

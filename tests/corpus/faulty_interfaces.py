@@ -34,7 +34,7 @@ INTERFACE_FAULTS = [
             "get_imu_readings(data, model, accel_id, gyro_id)"),
     _reader("everyone-gives-addresses", "sensor-id-as-address", "model, data, a, g", f"return {_SLICES}",
             "get_imu_readings(model, data, model.sensor_adr[accel_id], model.sensor_adr[gyro_id])"),
-    _reader("everyone-gives-names", "raises", "model, data, accel_name, gyro_name",
+    _reader("everyone-gives-names", "other-parameters", "model, data, accel_name, gyro_name",
             "a, g = (mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in (accel_name, gyro_name))\n"
             "a, g = model.sensor_adr[a], model.sensor_adr[g]\n" f"return {_SLICES}",
             "get_imu_readings(model, data, model.sensor(accel_id).name, model.sensor(gyro_id).name)"),

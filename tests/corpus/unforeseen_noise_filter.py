@@ -431,7 +431,7 @@ FAULTY_FILTERS = (
     _filter("alpha-as-a-rate", _low_pass(("self.alpha = alpha", "self.alpha = 1 - np.exp(-alpha)")), RECURSION, most=6),
     _filter("updates-twice", _low_pass((_STEP, _STEP + _STEP)), RECURSION, most=6),
     _filter("alpha-at-most-an-eighth", _low_pass(("self.alpha = alpha", "self.alpha = min(alpha, 0.125)")), RECURSION, most=6),
-    _filter("local-variable", _stepping("y = self.alpha * x + (1 - self.alpha) * self.state; return y"), RECURSION, START, CONSTANT, REDUCES, PRESERVES, OWN, most=20, names=("state-not-kept",)),
+    _filter("local-variable", _stepping("y = self.alpha * x + (1 - self.alpha) * self.state; return y"), RECURSION, most=6, names=("state-not-kept",)),
     _filter("mean-with-a-forgotten-value", _low_pass((_INIT, "        self.state = np.zeros(3)\n"), ("        if self.state is None:\n            self.state = x\n        else:\n" + _STEP, "        return self.alpha * x + (1 - self.alpha) * self.state\n")), RECURSION, START, CONSTANT, REDUCES, PRESERVES, OWN, most=20, names=("state-not-kept",)),
     _filter("half-of-everything", _stepping("return 0.5 * x"), RECURSION, START, CONSTANT, REDUCES, PRESERVES, OWN, most=20, names=("does-not-filter",)),
     _filter("dead-band", _stepping("self.state = np.where(np.abs(x - self.state) < 0.05, self.state, self.state + self.alpha * (x - self.state))"), RECURSION, most=6, names=LOW),

@@ -230,7 +230,7 @@ def test_curves_of_these_names_are_compared_whatever_the_filter_has_made() -> No
 def test_what_is_drawn_and_what_nobody_sees_is_told() -> None:
     hidden = replace(SMOOTH, sight=seen(0))
     flat, short, mark = (
-        curve(y, name, TIME[: len(y)]) for y, name in ((np.ones(N), "g"), (NOISY[:4], "short"), (NOISY[:3], "mark"))
+        curve(y, name, TIME[: len(y)]) for y, name in ((np.ones(N), "g"), (NOISY[:4], "short"), (NOISY[:2], "mark"))
     )
     drawn = figure(RAW, hidden, flat, short, mark)
     assert [len(y) for y in comparing.series_drawn(drawn)] == [N, N, 4]

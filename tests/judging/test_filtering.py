@@ -210,6 +210,23 @@ def test_a_filter_without_memory_follows_each_measurement_alone(x: Array, y: Arr
     assert filtering.has_no_memory(x, y) == none
 
 
+@pytest.mark.parametrize(
+    ("y", "keeps"),
+    [
+        (0.1 * _X + 0.9 * _X[0], True),
+        (0.9 * _X + 0.1 * _X[0], True),
+        (0.1 * _X + 0.9 * _X[1], False),
+        (0.2 * _X + 0.8 * _X[0], False),
+        (0.1 * _X, False),
+        (_X, False),
+        (0.1 * _X + 0.9 * _X[0] + 0.7 * _ATOL, True),
+        (0.1 * _X + 0.9 * _X[0] + 3 * _ATOL, False),
+    ],
+)
+def test_a_filter_that_keeps_the_first_measurement_starts_each_output_from_it(y: Array, keeps: bool) -> None:
+    assert filtering.keeps_the_first(0.1, _X, y) == keeps
+
+
 _LATE = np.arange(400)
 _WAVE = np.sin(2 * np.pi * _LATE / 40)[:, None] * [1.0, 2, 0.5]
 _NOISE = np.random.default_rng(4).normal(0, 1, (400, 3))

@@ -360,9 +360,9 @@ def _of(n: int, visible: bool = True) -> Figure:
     return replace(Sheet().figure, axes=(replace(axes, visible=visible, curves=(curve,)),))
 
 
-def test_a_figure_has_curves_where_a_visible_one_has_more_than_three_points() -> None:
-    assert plot_runs.has_curves(_of(4))
-    assert not plot_runs.has_curves(_of(3))
+def test_a_figure_has_curves_where_a_visible_one_has_more_than_two_points() -> None:
+    assert plot_runs.has_curves(_of(3))
+    assert not plot_runs.has_curves(_of(2))
     assert not plot_runs.has_curves(_of(4, visible=False))
     assert not plot_runs.has_curves(replace(Sheet().figure, axes=()))
 

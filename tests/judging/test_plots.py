@@ -213,7 +213,8 @@ def test_axes_with_no_curve_of_data_are_no_panel(curves: tuple[Curve, ...], ther
     [
         ([0, 1, 2, 3], [5, 5, 5, 5], True),
         ([1, 1, 1, 1], [0, 1, 2, 3], True),
-        ([0, 1, 2], [4, 2, 7], True),
+        ([0, 1], [4, 7], True),
+        ([0, 1, 2], [4, 2, 7], False),
         ([0, 1, 2, 3], [4, 2, 7, 1], False),
     ],
 )

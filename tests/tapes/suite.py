@@ -25,6 +25,7 @@ from tests.tapes.storing import Shelf, store
 FILE = Path(__file__).parent / "suite.tape"
 RECORDS = "IMUGRADE_RECORDS_TAPES"
 TESTS = (
+    "tests/test_absent.py",
     "tests/test_module_level.py",
     "tests/test_nothing.py",
     "tests/test_once.py",
