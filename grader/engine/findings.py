@@ -39,7 +39,8 @@ class Fault:
     def of(cls, facts: Mapping[str, Any] | None) -> Fault | None:
         if not facts:
             return None
-        return cls(**{key: facts.get(key) for key in cls.__dataclass_fields__})  # type: ignore[arg-type]
+        known = {key: facts.get(key) for key in cls.__dataclass_fields__}
+        return cls(**known | {"message": " ".join(str(facts.get("message") or "").split())})  # type: ignore[arg-type]
 
     @property
     def where(self) -> str:

@@ -18,8 +18,8 @@ class Slip:
     path, function, at : the file, and the lines in it where the function begins and where the name stands
     kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a missing ``self``;
         of what is no name an ``index``, a ``whole`` number, a ``shape``, what was ``appended`` or ``called``, and an array that is
-        ``asked`` whether it is true, or ``compared`` with nothing
-    own, meant : what is written there, and what was taken for it
+        ``asked`` whether it is true, or ``compared`` with nothing; a call whose value nobody uses is ``left out``
+    own, meant : what is written there, and what was taken for it; of what is left out what it raised
     """
 
     path: str
@@ -30,10 +30,16 @@ class Slip:
     meant: str
 
     @property
+    def is_left_out(self) -> bool:
+        return self.kind == "left out"
+
+    @property
     def mistake(self) -> str:
         """What the catalogue calls it."""
         if self.kind in ("asked", "compared"):
             return "array-asked-for-truth"
+        if self.is_left_out and self.meant.startswith("ModuleNotFoundError"):
+            return "missing-package"
         return "unknown-name" if self.kind in ("expression", "keyword", "kept", "self") else "raises"
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from .slips import Function, is_set
+from .slips import Function, call_at, is_set
 from .submission import STATE
 
 
@@ -13,8 +13,22 @@ def mend(tree: ast.Module, path: str) -> None:
     for slip in [each for each in STATE.slips if each["path"] == path]:
         functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
         for function in [each for each in functions if each.lineno == slip["function"]]:
-            _mend(function, slip["kind"], slip["own"], slip["meant"])
+            if slip["kind"] == "left out":
+                _leave_out(function, call_at(function, slip["at"]))
+            else:
+                _mend(function, slip["kind"], slip["own"], slip["meant"])
             ast.fix_missing_locations(function)
+
+
+def _leave_out(function: Function, statement: ast.Expr | None) -> None:
+    blocks = [
+        block
+        for each in ast.walk(function)
+        for name in ("body", "orelse", "finalbody")
+        if isinstance(block := getattr(each, name, None), list)
+    ]
+    for block in blocks:
+        block[:] = [ast.Pass() if each is statement else each for each in block]
 
 
 def _mend(function: Function, kind: str, own: str, meant: str) -> None:

@@ -2,6 +2,7 @@
 
 So can be an array that is called or asked whether it is there, a method that is not called, a fraction of a step, a shape in two
 parts or an array in its place, what `append` returns.
+A call for its effect alone that prints, or that stands in a plot, is left out where nothing can be meant by it.
 It is noticed when it is raised, by what is there to choose from at that moment, and mended when the file is loaded the next time,
 in that function alone. What never runs stays as it is. Whoever marks is told, as one fault.
 """
@@ -41,10 +42,15 @@ _TRUTH = "truth value of an array"
 _LONGEST = 200
 
 
-def notice(raised: BaseException) -> None:
-    """Keep what must be meant by the name that this was raised for, if it is one; the first of a question counts."""
+def notice(raised: BaseException, *, drawing: bool = False) -> None:
+    """Keep what must be meant by the name that this was raised for, if it is one; the first of a question counts.
+
+    Parameters
+    ----------
+    drawing : whether a figure is drawn, and a call for its effect alone can be left out of that
+    """
     with suppress(BaseException):  # what the student's objects answer is their code
-        STATE.slip = STATE.slip or next(_slips(raised), None)
+        STATE.slip = STATE.slip or next(_slips(raised), None) or next(_left_out(raised, drawing=drawing), None)
 
 
 def noticed() -> Slip | None:
@@ -58,7 +64,7 @@ def _slips(raised: BaseException) -> Iterator[Slip]:
         yield from _without_self(*found.groups())
     if isinstance(raised, AttributeError):
         yield from _kept_by_nobody(raised)
-    own = [each for each in traceback.walk_tb(raised.__traceback__) if faults.is_own(each[0].f_code.co_filename)]
+    own = _own_frames(raised)
     if not own:
         return
     file, line = own[-1][0].f_code.co_filename, own[-1][1]
@@ -68,6 +74,35 @@ def _slips(raised: BaseException) -> Iterator[Slip]:
     frames = [frame for frame, at in own if frame.f_code.co_filename == file and _first_line(function) <= at]
     for kind, name, meant in _meant(raised, _Scope(frames, function, line)):
         yield _slip(file, function, kind, name, meant, at=line)
+
+
+def _own_frames(raised: BaseException) -> list[tuple[FrameType, int]]:
+    """The submission's frames that this came through, each with its line; the innermost last."""
+    return [each for each in traceback.walk_tb(raised.__traceback__) if faults.is_own(each[0].f_code.co_filename)]
+
+
+def _left_out(raised: BaseException, *, drawing: bool) -> Iterator[Slip]:
+    """The innermost call whose value nobody uses: what it does to a figure, or tells, is all that is missing without it."""
+    told = f"{type(raised).__name__}: {faults.describe(raised)['message']}"
+    for frame, line in reversed(_own_frames(raised)) if isinstance(raised, Exception) else ():
+        file = frame.f_code.co_filename
+        function = _around(_tree(file), line)
+        statement = function and call_at(function, line)
+        if function and statement and (drawing or _prints(statement)):
+            yield _slip(file, function, "left out", ast.unparse(statement)[:_LONGEST], told[:_LONGEST], at=line)
+
+
+def call_at(function: Function, line: int) -> ast.Expr | None:
+    """The call on this line whose value nobody uses."""
+    alone = [each for each in ast.walk(function) if isinstance(each, ast.Expr) and isinstance(each.value, ast.Call)]
+    around = [each for each in alone if each.lineno <= line <= (each.end_lineno or 0)]
+    return around[-1] if around else None
+
+
+def _prints(statement: ast.Expr) -> bool:
+    called = statement.value.func if isinstance(statement.value, ast.Call) else None
+    logs = isinstance(called, ast.Attribute) and ast.unparse(called.value) in ("logging", "logger", "log")
+    return logs or (isinstance(called, ast.Name) and called.id in ("print", "pprint", "display"))
 
 
 class _Scope:

@@ -24,14 +24,14 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 
 @contextmanager
-def examined(answer: dict[str, Any]) -> Iterator[None]:
+def examined(answer: dict[str, Any], *, drawing: bool = False) -> Iterator[None]:
     """Catch whatever student code raises and note it in the answer."""
     try:
         with world.at_home(submission.STATE.folder):
             yield
     except BaseException as raised:  # whatever student code raises, SystemExit included
         answer["error"] = faults.describe(raised)
-        slips.notice(raised)
+        slips.notice(raised, drawing=drawing)
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
@@ -279,7 +279,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     given: Any = {
         name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
     }
-    with examined(answer):
+    with examined(answer, drawing=True):
         way = way_of(function, calls.PLOTTER)
         recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
         with own_globals.recorded_as(recorded, function, calls.PLOTTER[:4]) as read_instead:

@@ -41,6 +41,10 @@ _WEIGHT = Ours(
     "Only the weights differ from the sheet's: give the measurement alpha itself and the output before 1 - alpha, once in each "
     "update() (Step 6)."
 )
+_TWICE = Ours(
+    "Each update() moves the output by alpha of the way twice: look for a second call of update, a loop, or a decorator that calls "
+    "it again (Step 6)."
+)
 _BEHIND = Ours(
     "Return the output that this measurement has just made; what comes out belongs to the measurement before (Step 6)."
 )
@@ -140,6 +144,8 @@ def _why_not_the_recursion(
         return [], _LIMITED
     if mistakes := diagnosis.mistakes([(alpha, x, y) for alpha, x, y in runs]):
         return mistakes, ""
+    if all(diagnosis.obeys(x, y, 1 - (1 - alpha) ** 2, (1 - alpha) ** 2) for alpha, x, y in runs):
+        return [], _TWICE
     if all(diagnosis.recursion_of(x, y) for _, x, y in runs):
         return [], _WEIGHT
     if all(outputs.one_behind(alpha, x, y) for alpha, x, y in runs):

@@ -36,6 +36,15 @@ from grader.labs.imu.student import Student
 _COMPARISON = "filtered_imu.png"
 _CURVES = "visualization.curves_match_data"
 """This charges what another check sees as well."""
+_OF_A_CALL = (
+    _CURVES,
+    "visualization.two_labelled_panels",
+    "visualization.axis_labels_with_units",
+    "visualization.legend_names_curves",
+    "visualization.titles",
+)
+"""These charge what a call lacks that was left out as it raised."""
+_ALIKE = "a plot with the same series in every curve"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
 _OTHER_FORMS = ("pdf", "svg", "svgz", "eps", "ps", "pgf")
@@ -105,15 +114,18 @@ def _saved_in_the_end(student: Student, truth: Traces, plot: Plot | None) -> Non
 def check_saves_image(student: Student, truth: Traces) -> None:
     """plot_imu_data saves a readable picture of the plot"""
     drawing = drawing_or_fault(student, truth)
+    _tell_of_left_out(student, truth)
     full = _saved_curves(drawing)
     if not full and drawing.figures:
         looks = {_look(figure) for figure in drawing.figures if has_curves(figure)}
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
+        if any(slip.is_left_out for slip in student.slips_in("plot_imu_data")):  # that which saves, mostly
+            fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0)
         lost_pictures.none_saved(student, truth, drawing)
     lost_pictures.some_overwritten(candidates(student, truth, drawing))
-    fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0)
+    fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0, left_out=_OF_A_CALL)
     _saved_in_the_end(student, truth, best_of(candidates(student, truth, drawing)))
     width, height = max((figure.size_px for figure in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
@@ -122,6 +134,15 @@ def check_saves_image(student: Student, truth: Traces) -> None:
     if all(figure.format in _OTHER_FORMS for figure in full):
         hint = Ours("The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4).")
         raise Lost("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
+
+
+def _tell_of_left_out(student: Student, truth: Traces) -> None:
+    """Note each call that was left out, as what it lacks may be charged; which it is may tell of data that are hidden."""
+    for slip in student.slips_in("plot_imu_data") if truth.name == "public" else ():
+        if slip.is_left_out:
+            student.note(
+                f"{slip.fault.where}: {slip.own} was left out of the plot, so that the rest counts: {slip.meant}"
+            )
 
 
 def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
@@ -281,6 +302,10 @@ _DRAW_NOISE = Ours(
     "Read NoisyIMU in the loop, filter that and draw both: without noise nobody sees what a filter does (Step 6)."
 )
 _MORE_SAMPLES = Ours("Read, filter and draw a few hundred samples: on so few nobody sees what a filter does (Step 6).")
+_OF_THEIR_OWN = Ours(
+    "Raw and filtered data are one series: give each a list or an array of its own, as raw = filtered = [] makes one list with two "
+    "names, and draw both (Step 6)."
+)
 _MEND_SCRIPT = Ours(
     "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
 )
@@ -340,7 +365,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         "a picture with the raw and the filtered series in it",
         got,
         mistakes=mistakes,
-        hint=_MEND_SCRIPT if broken_off else "",
+        hint=_MEND_SCRIPT if broken_off else _OF_THEIR_OWN if seen == _ALIKE else "",
         fault=broken_off,
         belongs_to=_FILTER if unread else "",
     )
@@ -348,6 +373,8 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
 
 def _tell_of(fault: Fault | None, student: Student) -> None:
     """What a program does at its top level and cannot do is stepped over; where its import has told of that, it is known."""
+    if fault is not None and fault.type == "AttributeError" and student.broken:
+        return  # a stand-in has what the sheet gives it, and nothing of the submission's own
     if fault is not None and fault.where and not any(note.startswith(f"{fault.where} ") for note in student.notes):
         why = printable(fault.type or fault.message, 60)
         student.note(f"{fault.where} was stepped over when the file was run: {why}; what it draws after it counts")
@@ -385,7 +412,7 @@ def _curves_in_words(figure: Figure) -> str:
         nothing = "a plot whose curves are constant" if has_curves(figure) else "a plot without a curve"
         return "a plot with one curve alone" if series else nothing
     if alike:
-        return "a plot with the same series in every curve"
+        return _ALIKE
     return f"a plot with {len(series)} curves, none of which is a smoother version of another"
 
 

@@ -22,16 +22,26 @@ class _Lack:
     mistake: str
     fault: Fault | None = None
     of_its_parameters: bool = False
+    of_a_call: bool = False
 
 
-def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_to: str = "") -> None:
+def fits_in(
+    student: Student,
+    name: str,
+    departs: Collection[str],
+    *,
+    keeps: float = 0.5,
+    belongs_to: str = "",
+    left_out: tuple[str, ...] = (),
+) -> None:
     """Charge what a definition needed in order to be of use at all: its name, an import, a return, or the sheet's parameters.
 
     Parameters
     ----------
     departs : the sheet's names for the parameters by which it could not be called as the sheet does, and for those in whose place
         it reads a ``global``, or takes a ``name``; nothing of the student's
-    belongs_to : of what it departs by
+    belongs_to : the check that charges the same, of what it departs by
+    left_out : those that do of a call that was left out
     """
     for lack in _lacks(student, name, departs):
         raise Lost(
@@ -41,27 +51,31 @@ def fits_in(student: Student, name: str, departs: Collection[str], *, keeps: flo
             mistakes=[lack.mistake],
             keeps=keeps,
             fault=lack.fault,
-            belongs_to=belongs_to if lack.of_its_parameters else "",
+            belongs_to=belongs_to if lack.of_its_parameters else left_out if lack.of_a_call else "",
         )
 
 
 def _lacks(student: Student, name: str, departs: Collection[str]) -> Iterator[_Lack]:
     """What stands first in the way comes first."""
     for first in student.completed_in(name)[:1]:
-        got = f"{first.type}: {printable(first.message, 200)} at {first.where}; what it expects was put there"
+        got = f"{first.type}: {printable(first.message, 200)} at {first.where}; mended, so that the rest counts"
         yield _Lack("a file that Python can read", got, "text that Python refuses", "does-not-import", first)
     wanted, own = student.misspelt(name)
     if own:
-        taken = f"{printable(own, 60)}, which was taken for it"
+        taken = f"{printable(own, 60)}, which was taken for {wanted}"
         yield _Lack(wanted, taken, f"a name that is not spelled as {wanted}", "name-missing")
     if lent := ", ".join(student.lent_to(name)):
         got, off = f"{lent} without an import", f"no import of {lent}"
         yield _Lack("a file that imports what it uses", got, off, "import-missing")
-    if slips := student.slips_in(name):
-        meant = _each_once(slip.meant for slip in slips)
-        written = _each_once("no self" if slip.kind == "self" else slip.own for slip in slips)
-        got = f"{written} at {slips[0].fault.where}, for which that was taken"
-        yield _Lack(meant, got, "what it stops at", slips[0].mistake, slips[0].fault)
+    slips = student.slips_in(name)
+    if mended := [slip for slip in slips if not slip.is_left_out]:
+        meant = _each_once(slip.meant for slip in mended)
+        written = _each_once("no self" if slip.kind == "self" else slip.own for slip in mended)
+        got = f"{written} at {mended[0].fault.where}, which it stops at; taken for {meant}"
+        yield _Lack(meant, got, "what it stops at", mended[0].mistake, mended[0].fault)
+    for slip in slips[:1]:
+        got = f"{printable(slip.meant, 200)} at {slip.fault.where}; {printable(slip.own, 60)} was left out, so that the rest counts"
+        yield _Lack("no exception", got, "what it stops at", slip.mistake, slip.fault, of_a_call=True)
     if student.returns_nothing(name):
         got = "none: what stands last was taken"
         yield _Lack("a return at the end", got, "no return at the end", "return-missing")
