@@ -114,10 +114,12 @@ class _Wanted:
 
     @property
     def repeat(self) -> str:
-        """What to type to get a check as a program, with ``{}`` for its id; an archive has no files that Python finds."""
+        """What to type to get a check as a program, with ``{}`` for its id; empty where there is no file that Python finds."""
+        if not any(next(self.path.glob(each), None) for each in ("*.py", "*/*.py")):
+            return ""
         rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
         typed = shlex.join(("", *self._given, *rubric)).removeprefix("''")
-        return f"imugrade repro {{}}{typed.replace('{', '{{').replace('}', '}}')}" if self.path.is_dir() else ""
+        return f"imugrade repro {{}}{typed.replace('{', '{{').replace('}', '}}')}"
 
     @property
     def _given(self) -> tuple[str, ...]:

@@ -98,6 +98,8 @@ def grade(
         say(spot)
     if seed is None:
         say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
+    if outcome.remarked:
+        say(f"{outcome.remarked} on record had been marked by another rubric, and are marked by this one now")
     for line in outcome.remarks:
         say(line)
     if outcome.known:

@@ -226,6 +226,9 @@ def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str,
         return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, standings)}"
     standing = standings[wish.id]
     most = worth(standing.result, wish.criterion)
+    if not wish.criterion:
+        criteria = ", ".join(each.id for each in standing.result.criteria)
+        return f"{wish.place}: say for what with --criterion: {criteria}, one of their checks, total or bonus"
     if most is None:
         return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, targets(standing))}"
     points = _number(wish.points)

@@ -17,7 +17,7 @@ from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, m
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
-from grader.course.remarks import forgotten, outdated, remarks
+from grader.course.remarks import forgotten, gone, of_policy, of_scenarios, outdated, remarks
 from grader.engine.evidence import Evidence, unpacked
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
@@ -91,11 +91,12 @@ class Outcome:
     """What a run did: its results by id, how many of them were on record, what could not be placed, what to look at.
 
     `remarks` are those that the run before has not told, and points by hand that are out of date; `known` is how many of those that
-    it told still hold.
+    it told still hold. `remarked` is how many of those on record had been marked by another rubric.
     """
 
     results: dict[str, Result] = field(default_factory=dict)
     resumed: int = 0
+    remarked: int = 0
     leftovers: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     known: int = 0
@@ -181,7 +182,12 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
                 run.grade(found.entries)
             finally:
                 standings = publish_class(order.out, store, order.rubric.lab)
-        now = tuple(remarks(standings, found.absent, found.unknown))
+        now = (
+            *remarks(standings, found.absent, found.unknown),
+            *of_scenarios(standings),
+            *of_policy(standings, order.rubric.late),
+            *(() if order.only else gone(standings, {entry.id for entry in found.entries})),
+        )
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
     outcome.remarks, outcome.known = (*outdated(standings), *new), len(now) - len(new)
@@ -239,9 +245,10 @@ class _Run:
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            known = (
-                None if self._order.force else self._store.recall(key) or self._store.remark(key, self._order.rubric)
-            )
+            known = None if self._order.force else self._store.recall(key)
+            if known is None and not self._order.force:
+                known = self._store.remark(key, self._order.rubric)
+                self._outcome.remarked += known is not None
             if known is None:
                 yield submission
             else:

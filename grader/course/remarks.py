@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from grader.engine.results import Result
+from grader.engine.rubric import LatePolicy
 from grader.ground.text import printable
 from grader.people.standing import Adjustment, HandIn, Standing, summed, under, worth
 from grader.report import words
 
 A_LINE = 20  # names
 OUTDATED = 5  # lines
+_A_FEW = 5  # names
 
 
 def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
@@ -28,6 +30,43 @@ def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: S
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, and nothing handed in", absent)
     yield from _lines("not in the roster, or not to be told apart there", unknown)
+
+
+def of_scenarios(standings: Mapping[str, Standing]) -> Iterator[str]:
+    """A line about those that were graded with other scenarios than most: a secret that was mistyped once."""
+    by_traces: defaultdict[str, list[str]] = defaultdict(list)
+    for standing in standings.values():
+        by_traces[str(standing.result.provenance.get("traces_sha256", ""))].append(standing.id)
+    _, *others = sorted(by_traces.values(), key=len, reverse=True) or [[]]
+    for ids in others:
+        yield from _lines(
+            "graded with other scenarios than the rest (by another seed; grade them again with that of the class)", ids
+        )
+
+
+def of_policy(standings: Mapping[str, Standing], policy: LatePolicy | None) -> Iterator[str]:
+    """Lines about what a late policy cannot be held against."""
+    if policy is None:
+        return
+    untimed = [each.id for each in standings.values() if not each.hand_in.submitted and each.late is None]
+    if untimed:
+        many = f"{len(untimed)} of {len(standings)} hand-ins"
+        yield f"the late policy takes nothing off {many}: nothing tells when they came (give a `submitted` column in the roster)"
+    people = [person for each in standings.values() for person in each.hand_in.people]
+    known = {text.casefold() for person in people for text in (person.name, person.key, person.sid, person.email)}
+    known |= {id_.casefold() for id_ in standings}
+    yield from _lines(
+        "with an extension in the rubric, and nobody's name who handed in",
+        [who for who in policy.extensions if who.casefold() not in known],
+    )
+
+
+def gone(standings: Mapping[str, Standing], found: Collection[str]) -> Iterator[str]:
+    """A line about those on record of whom there is nothing any more where the class was looked for."""
+    left = [printable(id_, 80) for id_ in standings if id_ not in found]
+    if left:
+        more = f"; and {len(left) - _A_FEW} more" if len(left) > _A_FEW else ""
+        yield f"on record and in the gradebook, and not among what was handed in now: {'; '.join(left[:_A_FEW])}{more}"
 
 
 def outdated(standings: Mapping[str, Standing]) -> Iterator[str]:
