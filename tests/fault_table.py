@@ -44,7 +44,7 @@ def _table(criterion: Criterion, lost: Lost) -> Iterator[str]:
         own = [case for case, its in _MISTAKE.items() if its == (criterion.id, mistake)]
         times = Counter((check, kept is None) for case in own for check, kept in lost.get(case, {}).items())
         cells = (_cell(times[check, False], times[check, True]) for check in checks)
-        yield f"| {mistake}, {len(own)} | {' | '.join(cells)} |"
+        yield f"| {mistake or '(no name)'}, {len(own)} | {' | '.join(cells)} |"
     yield ""
 
 

@@ -147,7 +147,10 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
         (["alice"], "adjust: give --points, or --withdraw"),
         (["alice", "--points", "1", "--withdraw"], "adjust: give --points, or --withdraw"),
         (["alice", "--csv", "x"], "adjust: give an ID, --csv, --having or --take-back, one of them alone"),
-        (["alice", "--points", "1"], "adjust: there is no criterion "),
+        (
+            ["alice", "--points", "1"],
+            "adjust: say for what with --criterion: sensor_access, one of their checks, total or bonus",
+        ),
         (
             ["--csv", "nowhere.csv"],
             "nowhere.csv: cannot be read (No such file or directory); give the path of a CSV file",

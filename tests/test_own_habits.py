@@ -340,6 +340,28 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
 }  # fmt: skip
 
 
+LEGEND, CURVES, LABELS = (
+    "visualization.legend_names_curves",
+    "visualization.curves_match_data",
+    "visualization.axis_labels_with_units",
+)
+LEFT_OUT: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
+    "a style that is nowhere": (READER, {"    fig, axes =": "    plt.style.use('my-style')\n    fig, axes ="}, {PLOT: 2.0}, ("raises",)),
+    "a heading of no size": (
+        READER, {"    plt.tight_layout()\n": "    plt.suptitle('IMU', fontsize='hugee')\n    plt.tight_layout()\n"}, {PLOT: 2.0}, ("raises",),
+    ),
+    "a picture of no resolution": (READER, {"dpi=150": "dpi='high'"}, {PLOT: 2.0}, ("raises",)),
+    "a legend at no place": (READER, {"axes[1].legend()": "axes[1].legend(loc='top')"}, {LEGEND: 1.0}, ("no-legend",)),
+    "a label of no size": (READER, {"(m/s²)')": "(m/s²)', size='hugee')"}, {LABELS: 1.0}, ("no-axis-labels",)),
+    "a curve of no colour": (READER, {"[:, 0], label='X'": "[:, 0], 'grenn', label='X'"}, {CURVES: 5.0 - 4.17}, ("curves-missing",)),
+    "a print in the reader": (
+        READER, {"    return acceleration,": "    print(f'{acceleration:.2f}')\n    return acceleration,"}, {READ: 3.0}, ("raises",),
+    ),
+    "a print of the noise": (
+        NOISY, {"        return accel_noisy,": "        print('noisy: ' + accel_noisy)\n        return accel_noisy,"}, {NOISE: 3.0}, ("raises",),
+    ),
+}  # fmt: skip
+"""A call for its effect alone that raises: what it lacks is charged, or else that it raises."""
 READING = {
     "both readings": ("accel, gyro", "*get_imu_readings(model, data, accel_id, gyro_id)"),
     "the scene": ("model, data", "model, data"),
@@ -393,7 +415,7 @@ def _chained() -> Files:
 
 
 def _slips() -> Iterator[Slip]:
-    for name, (path, changes, lost, named) in (PARAMETERS | EDITED).items():
+    for name, (path, changes, lost, named) in (PARAMETERS | EDITED | LEFT_OUT).items():
         yield Slip(name, _changed(verbatim(), path, changes), lost, named)
     for name, (path, line, lost) in FORGOTTEN.items():
         named = () if "comparison" in str(lost) else FORGOT  # the script stops there: what it would draw is not known
@@ -508,6 +530,12 @@ def test_another_word_for_a_function_is_not_its_name(player: Marking) -> None:
     result = marked(player, _renamed(verbatim(), "get_imu_readings", "read_imu"))
     assert result.misconceptions == ("name-missing",)
     assert [part.points for part in result.criteria] == [0.0, 20.0, 20.0, 20.0, 20.0]
+
+
+def test_what_was_left_out_of_a_plot_is_noted(player: Marking) -> None:
+    path, changes, *_ = LEFT_OUT["a legend at no place"]
+    notes = marked(player, _changed(verbatim(), path, changes)).notes
+    assert ": axes[1].legend(loc='top') was left out of the plot, so that the rest counts: ValueError" in str(notes)
 
 
 def test_what_was_lent_is_noted(player: Marking) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.remarks import forgotten, outdated, remarks
+from grader.course.remarks import forgotten, gone, of_policy, of_scenarios, outdated, remarks
 from grader.engine.results import to_json
 from grader.engine.rubric import LatePolicy
 from grader.ground.errors import RequestError
@@ -336,6 +336,39 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
         "the same files were handed in by: a; c",
         "nothing in them that could be marked (look at what was handed in): d; e",
     ]
+
+
+def test_another_secret_than_the_rest_had_is_told() -> None:
+    def made(id_: str, traces: str) -> Standing:
+        return Standing(id_, replace(result(), provenance={"traces_sha256": traces}))
+
+    assert list(of_scenarios({})) == list(of_scenarios({"a": made("a", "1"), "b": made("b", "1")})) == []
+    assert list(of_scenarios({id_: made(id_, traces) for id_, traces in zip("abcd", "1211", strict=True)})) == [
+        "graded with other scenarios than the rest (by another seed; grade them again with that of the class): b"
+    ]
+
+
+def test_what_a_late_policy_cannot_be_held_against_is_told() -> None:
+    came, never = (
+        HandIn((Person("Jane Doe", "a"),), "2026-11-20T22:00:00+00:00"),
+        HandIn((Person("Joe", email="joe@uni.edu"),)),
+    )
+    now = {"a": Standing("a", result(), came), "b": Standing("b", result(), never)}
+    granted = replace(POLICY, extensions={"jane doe": DUE, "JOE@uni.edu": DUE, "b": DUE, "jim": DUE})
+    assert list(of_policy(now, None)) == []
+    assert list(of_policy(now, granted)) == [
+        "the late policy takes nothing off 1 of 2 hand-ins: nothing tells when they came (give a `submitted` column in the roster)",
+        "with an extension in the rubric, and nobody's name who handed in: jim",
+    ]
+    assert list(of_policy({"a": now["a"]}, POLICY)) == []
+
+
+def test_who_is_on_record_alone_is_told() -> None:
+    now = {id_: Standing(id_, result()) for id_ in "abcdefgh"}
+    told = "on record and in the gradebook, and not among what was handed in now: "
+    assert list(gone(now, "abcdefgh")) == []
+    assert list(gone(now, "abcdefg")) == [f"{told}h"]
+    assert list(gone(now, "a")) == [f"{told}b; c; d; e; f; and 2 more"]
 
 
 def test_people_whom_the_run_before_knew_otherwise_are_told() -> None:

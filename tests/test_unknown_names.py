@@ -22,7 +22,7 @@ def empty(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(submission.STATE, "slips", [])
 
 
-def _run(text: str) -> tuple[Any, slips.Slip | None]:
+def _run(text: str, *, drawing: bool = False) -> tuple[Any, slips.Slip | None]:
     """What a program's `run` returns in a new process that knows what was noticed in the ones before; and what is noticed now."""
     own, module = faults.own_name(PATH), ModuleType("program")
     linecache.cache[own] = (len(text), None, text.splitlines(keepends=True), own)
@@ -33,14 +33,14 @@ def _run(text: str) -> tuple[Any, slips.Slip | None]:
         exec(compile(tree, own, "exec"), vars(module))
         return vars(module)["run"](), slips.noticed()
     except Exception as raised:
-        slips.notice(raised)
+        slips.notice(raised, drawing=drawing)
         return raised, slips.noticed()
 
 
-def _until_it_runs(text: str) -> tuple[Any, list[tuple[str, str]]]:
+def _until_it_runs(text: str, *, drawing: bool = False) -> tuple[Any, list[tuple[str, str]]]:
     taken = submission.STATE.slips
     while True:
-        value, slip = _run(text)
+        value, slip = _run(text, drawing=drawing)
         if slip is None or slip in taken:
             return value, [(each["own"], each["meant"]) for each in taken]
         taken.append(slip)
@@ -135,6 +135,18 @@ MENDED |= {
         "import numpy as np\ndef run():\n    rows = np.ones(2)\n    return len(rows + np.random.normal(0, 0.1, rows))",
         [("np.random.normal(0, 0.1, rows)", "np.random.normal(0, 0.1, rows.shape)")], 2,
     ),
+    "a print": (
+        "def run():\n    for n in range(3):\n        if n:\n            print(f'{[n]:.2f}',\n                  n)\n    return n",
+        [("print(f'{[n]:.2f}', n)", "TypeError: unsupported format string passed to list.__format__")], 2,
+    ),
+    "a print that is all there is": (
+        "def told(n):\n    print('n: ' + n)\ndef run():\n    told(1)\n    return 3",
+        [("print('n: ' + n)", 'TypeError: can only concatenate str (not "int") to str')], 3,
+    ),
+    "a line for a log": (
+        "def run():\n    log = None\n    log.info('on')\n    return 3",
+        [("log.info('on')", "AttributeError: 'NoneType' object has no attribute 'info'")], 3,
+    ),
     "NumPy by its own name": ("import numpy as np\nimport numpy\ndef run():\n    return int(ones(1)[0])", [("ones", "numpy.ones")], 1),
     "a fraction of rows": ("import numpy as np\ndef run():\n    n = 6 / 2\n    return np.zeros((n, 3)).shape", [("n", "int(n)")], (3, 3)),
 }  # fmt: skip
@@ -176,6 +188,28 @@ LEFT = {
 def test_what_may_mean_anything_is_left(text: str) -> None:
     _, noticed = _run(text)
     assert noticed is None
+
+
+PARTS = "class Panel:\n    parts = []\n    def add(self, part, size=1):\n        self.parts = [*self.parts, 10 // size * part]\n"
+
+
+def test_of_a_drawing_the_call_that_raises_is_left_out() -> None:
+    text = (
+        PARTS
+        + "def run():\n    panel = Panel()\n    panel.add(1)\n    panel.add(2, size=0)\n    panel.add(3)\n    return panel.parts"
+    )
+    assert _run(text)[1] is None
+    value, taken = _until_it_runs(text, drawing=True)
+    assert (value, [own for own, _ in taken]) == ([10, 30], ["panel.add(2, size=0)"])
+
+
+def test_a_call_whose_value_is_used_is_not_left_out() -> None:
+    assert _run("def run():\n    size = int('a')\n    return size", drawing=True)[1] is None
+    assert _run("def run():\n    raise ValueError('a')", drawing=True)[1] is None
+    with pytest.raises(SystemExit) as ended:
+        _run("def run():\n    exit(3)\n    return 1")
+    slips.notice(ended.value, drawing=True)
+    assert slips.noticed() is None
 
 
 def test_it_is_told_where() -> None:

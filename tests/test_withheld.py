@@ -148,6 +148,32 @@ def test_what_was_taken_for_a_name_is_not_told(cache: Path, opened: Opened, mark
     assert "tokem" not in str(words)
 
 
+_CALLS = "\n".join(f"    if digit == {digit}:\n        print(f'{{[{digit}]:.2f}}')" for digit in range(10))
+PRINTING = edit(
+    verbatim(),
+    "imu_reader.py",
+    (
+        "    plt.tight_layout()\n",
+        f"    digit = int(abs(float(imu_data['acceleration'][7, 1])) * 1e6) % 10\n{_CALLS}\n    plt.tight_layout()\n",
+    ),
+)
+"""A plot that stops at a line by which it tells a digit of what it was shown."""
+
+
+def test_what_was_left_out_of_a_plot_is_not_told(cache: Path, opened: Opened, marker: Marker) -> None:
+    submission = handed_in(Case("sound", "printing", PRINTING))
+    assert "left out" in str(_words(marker.mark(submission)))
+    told = []
+    for seed in ("another secret", "a third one"):
+        with opened(bundles.obtain(seed, cache)) as secret:
+            result = secret.mark(submission)
+        assert result.misconceptions == ("raises",)
+        assert {check.where for part in result.parts for check in part.checks} == {None}
+        told.append((_words(result), [note for note in result.notes if "stepped over" not in note]))
+    assert told[0] == told[1]
+    assert "left out" not in str(told)
+
+
 STEP = "Hold it against Step 6."
 
 

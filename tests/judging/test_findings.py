@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from grader.engine.findings import (
@@ -87,9 +89,10 @@ def test_a_fault_is_made_of_what_is_told_and_of_nothing_there_is_none() -> None:
         "more": 1,
     }
     assert Fault.of(told) == _FAULT
-    assert Fault.of({"type": "KeyError", "name": "a", "path": "b"}) == Fault(
-        "KeyError", None, None, None, None, "a", "b"
-    )  # type: ignore[arg-type]
+    assert Fault.of({"type": "KeyError", "name": "a", "path": "b"}) == Fault("KeyError", "", None, None, None, "a", "b")
+    assert Fault.of(told | {"message": "no\n    1. (m: Model)  -> None"}) == replace(
+        _FAULT, message="no 1. (m: Model) -> None"
+    )
     assert Fault.of(None) is None
     assert Fault.of({}) is None
 

@@ -33,7 +33,7 @@ def _lost(**answers: Any) -> Lost:
 
 
 def test_a_misspelt_name() -> None:
-    assert _lost(misspelt=("LowPassFilter", OWN)).got == f"{printable(OWN, 60)}, which was taken for it"
+    assert _lost(misspelt=("LowPassFilter", OWN)).got == f"{printable(OWN, 60)}, which was taken for LowPassFilter"
     assert "\x1b" not in printable(OWN, 60)
 
 
@@ -43,7 +43,7 @@ def test_what_python_refuses() -> None:
         Fault("IndentationError", "no", "filters.py", 9, None),
     )
     lost = _lost(completed_in=(first, second))
-    assert lost.got == f"SyntaxError: {printable(SAID, 200)} at filters.py, line 3; what it expects was put there"
+    assert lost.got == f"SyntaxError: {printable(SAID, 200)} at filters.py, line 3; mended, so that the rest counts"
     assert lost.where == Where("filters.py", 3)
 
 
@@ -51,8 +51,33 @@ def test_what_a_function_stops_at() -> None:
     first, second = Slip("a.py", 1, 4, "index", OWN, MEANT), Slip("b.py", 2, 9, "expression", "gian", MEANT)
     lost = _lost(slips_in=(first, second, first))
     assert lost.expected == printable(MEANT, 60)
-    assert lost.got == f"{printable(OWN, 60)}, gian at a.py, line 4, for which that was taken"
+    assert (
+        lost.got == f"{printable(OWN, 60)}, gian at a.py, line 4, which it stops at; taken for {printable(MEANT, 60)}"
+    )
     assert (lost.mistakes, lost.where) == (("raises",), Where("a.py", 4))
+
+
+def test_what_was_left_out_is_told_after_what_was_mended() -> None:
+    left, mended = Slip("a.py", 1, 4, "left out", OWN, MEANT), Slip("b.py", 2, 9, "whole", "n", "int(n)")
+    lost = _lost(slips_in=(left, mended))
+    assert (lost.expected, lost.mistakes) == ("int(n)", ("raises",))
+    lost = _lost(slips_in=(left,))
+    assert lost.expected == "no exception"
+    assert (
+        lost.got
+        == f"{printable(MEANT, 200)} at a.py, line 4; {printable(OWN, 60)} was left out, so that the rest counts"
+    )
+    assert (lost.mistakes, lost.where) == (("raises",), Where("a.py", 4))
+
+
+@pytest.mark.parametrize("kind", ["asked", "compared"])
+def test_an_array_that_is_asked_whether_it_is_there_has_a_name(kind: str) -> None:
+    assert _lost(slips_in=(Slip("a.py", 1, 4, kind, "own", "meant"),)).mistakes == ("array-asked-for-truth",)
+
+
+def test_a_package_that_is_not_here_has_a_name_where_what_draws_with_it_is_left_out() -> None:
+    raised = Slip("a.py", 1, 4, "left out", "sns.lineplot()", "ModuleNotFoundError: No module named 'seaborn'")
+    assert _lost(slips_in=(raised,)).mistakes == ("missing-package",)
 
 
 @pytest.mark.parametrize(
