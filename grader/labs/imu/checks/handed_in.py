@@ -115,9 +115,8 @@ def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
         drawing = drawing_of_data(student, truth)
     except (Missing, NoAnswer, Raised):
         return set()
-    left_out = any(
-        slip.is_left_out for slip in student.slips_in("plot_imu_data")
-    )  # where it was written it may draw that
+    # What was left out here may be drawn where it was written.
+    left_out = any(slip.is_left_out for slip in student.slips_in("plot_imu_data"))
     if left_out or not any(map(has_curves, drawing.figures)):
         return set()
     drawn = {sensor for plot in candidates(student, truth, drawing) for sensor, _ in plot.drawn}
