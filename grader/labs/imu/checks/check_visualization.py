@@ -27,6 +27,7 @@ from grader.labs.imu.checks.plot_runs import (
     drawn_plot,
     finished,
     has_curves,
+    left_out,
     plot_of,
 )
 from grader.labs.imu.diagnosis import comparing, labels, plots
@@ -121,7 +122,7 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
-        if any(slip.is_left_out for slip in student.slips_in("plot_imu_data")):  # that which saves, mostly
+        if left_out(student):  # that which saves, mostly
             fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0)
         lost_pictures.none_saved(student, truth, drawing)
     lost_pictures.some_overwritten(candidates(student, truth, drawing))
@@ -138,11 +139,8 @@ def check_saves_image(student: Student, truth: Traces) -> None:
 
 def _tell_of_left_out(student: Student, truth: Traces) -> None:
     """Note each call that was left out, as what it lacks may be charged; which it is may tell of data that are hidden."""
-    for slip in student.slips_in("plot_imu_data") if truth.name == "public" else ():
-        if slip.is_left_out:
-            student.note(
-                f"{slip.fault.where}: {slip.own} was left out of the plot, so that the rest counts: {slip.meant}"
-            )
+    for slip in left_out(student) if truth.name == "public" else ():
+        student.note(f"{slip.fault.where}: {slip.own} was left out of the plot, so that the rest counts: {slip.meant}")
 
 
 def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:

@@ -11,7 +11,14 @@ from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu import bundles
 from grader.labs.imu.answers import Drawing
-from grader.labs.imu.checks.plot_runs import candidates, drawing_of_data, has_curves, sensors_in_words, series_of
+from grader.labs.imu.checks.plot_runs import (
+    candidates,
+    drawing_of_data,
+    has_curves,
+    left_out,
+    sensors_in_words,
+    series_of,
+)
 from grader.labs.imu.diagnosis import comparing
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.diagnosis.resembling import sensors_of
@@ -116,8 +123,7 @@ def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
     except (Missing, NoAnswer, Raised):
         return set()
     # What was left out here may be drawn where it was written.
-    left_out = any(slip.is_left_out for slip in student.slips_in("plot_imu_data"))
-    if left_out or not any(map(has_curves, drawing.figures)):
+    if left_out(student) or not any(map(has_curves, drawing.figures)):
         return set()
     drawn = {sensor for plot in candidates(student, truth, drawing) for sensor, _ in plot.drawn}
     return _missing_from(drawing.figures, truth) if drawn != _BOTH and _is_known(drawing) else set()
