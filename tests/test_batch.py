@@ -64,6 +64,23 @@ def test_a_submission_that_kills_two_markers_is_handed_back_and_no_other_is_mark
     assert sorted(FakeMarker(tmp_path).marked()) == ["a", "b", "c", "kill", "kill"]
 
 
+def test_what_lay_ready_at_a_marker_that_was_killed_is_nobodys_failure(tmp_path: Path) -> None:
+    outcomes = grade(tmp_path, "kill", "a", "kill-again", "b")
+    unmarked = {id_ for id_, outcome in outcomes.items() if isinstance(outcome, Unmarked)}
+    assert unmarked == {id_ for id_ in outcomes if id_.startswith("kill")}
+    assert sorted(FakeMarker(tmp_path).marked()) == ["a", "b", "kill", "kill", "kill-again", "kill-again"]
+
+
+def test_a_marker_goes_on_while_its_last_result_is_written_down(tmp_path: Path) -> None:
+    run = mark_all(iter([submission("a"), submission("b")]), partial(fake_marker, tmp_path), 1)
+    next(run)
+    until = time.monotonic() + 10
+    while FakeMarker(tmp_path).marked() != ["a", "b"]:
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    assert [each.id for each, _ in run] == ["b"]
+
+
 def test_a_fault_of_the_grader_is_handed_back_with_its_words(tmp_path: Path) -> None:
     assert grade(tmp_path, "bug")["bug"] == Unmarked("GraderError: the zygote is gone")
 

@@ -93,6 +93,10 @@ class Backlog:
         submission = next(self._submissions, None)
         return None if submission is None else Task(submission)
 
+    def back(self, task: Task) -> None:
+        """Take a task back that nobody has begun."""
+        self._again.append(task)
+
     def failed(self, task: Task, reason: str) -> Unmarked | Stopped | None:
         """Take a task back, which has failed; the end of it if that was once too often."""
         task.reasons.append(reason)
@@ -145,7 +149,7 @@ class Pool:
         self._backlog = Backlog(iter(()))
         self._open_marker = open_marker
         self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that was not needed so far
-        self._busy: dict[Future[Result], tuple[_Desk, Task]] = {}
+        self._given: dict[Future[Result], tuple[_Desk, Task]] = {}  # of one desk the first is being marked
 
     def __enter__(self) -> Pool:
         return self
@@ -159,14 +163,15 @@ class Pool:
         """See `mark_all`."""
         self._backlog = Backlog(submissions, self._attempts)
         while self._hand_out():
-            done, waiting = wait(self._busy, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
-            for future in waiting:
-                self._busy[future][0].stop_beyond(self._bounds)
+            done, waiting = wait(self._given, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
+            for desk in {self._given[future][0] for future in waiting}:
+                desk.stop_beyond(self._bounds)
             for future in done:
-                desk, task = self._busy.pop(future)
-                outcome = self._outcome(future, desk, task)
+                if future not in self._given:  # it lay at a desk that has failed
+                    continue
+                submission, outcome = self._taken(future)
                 if outcome is not None:
-                    yield task.submission, outcome
+                    yield submission, outcome
 
     def _close(self) -> None:
         for desk in self._idle:
@@ -181,28 +186,52 @@ class Pool:
             desk.dismiss(wait=True)
 
     def _hand_out(self) -> bool:
-        """Give every idle desk something to do; False when nothing is left to wait for."""
+        """Give every idle desk something to do, and the next one to each that has one; False when nothing is left to wait for.
+
+        What takes results also writes them down and their pages: a desk would wait for it between two submissions.
+        """
         while self._idle and (task := self._backlog.next()) is not None:
-            desk = self._idle.popleft() or self._new_desk()
-            self._busy[desk.mark(task.submission)] = (desk, task)
-        return bool(self._busy)
+            self._give(self._idle.popleft() or self._new_desk(), task)
+        for desk in {desk for desk, _ in self._given.values()}:
+            if len(self._at(desk)) == 1 and (task := self._backlog.next()) is not None:
+                self._give(desk, task)
+        return bool(self._given)
+
+    def _give(self, desk: _Desk, task: Task) -> None:
+        self._given[desk.mark(task.submission)] = (desk, task)
 
     def _new_desk(self) -> _Desk:
         self._desks = [desk for desk in self._desks if not desk.dismissed] + [_Desk(self._open_marker)]
         return self._desks[-1]
 
-    def _outcome(self, future: Future[Result], desk: _Desk, task: Task) -> Outcome | None:
-        """What came of a task; None if it is to be tried again."""
+    def _taken(self, future: Future[Result]) -> tuple[Submission, Outcome | None]:
+        """A submission that a desk is done with, and what came of it; None if it is to be tried again."""
+        desk = self._given[future][0]
         problem = future.exception()
-        if problem is None:
+        if problem is not None:
+            return self._failed(desk, problem)
+        _, task = self._given.pop(future)
+        desk.began = None
+        if not self._at(desk):
             self._idle.appendleft(desk)
-            return future.result()
+        return task.submission, future.result()
+
+    def _failed(self, desk: _Desk, problem: BaseException) -> tuple[Submission, Outcome | None]:
+        """Dismiss a desk that failed on the first of what it was given; nobody has begun the others."""
         desk.check_opened()
         desk.dismiss()
         self._idle.append(None)
+        task, *others = [self._given.pop(future)[1] for future in self._at(desk)]
+        for other in others:
+            self._backlog.back(other)
         killed = desk.stopped or KILLED
         task.stopped = desk.stopped or task.stopped
-        return self._backlog.failed(task, killed if isinstance(problem, BrokenProcessPool) else words(problem))
+        reason = killed if isinstance(problem, BrokenProcessPool) else words(problem)
+        return task.submission, self._backlog.failed(task, reason)
+
+    def _at(self, desk: _Desk) -> list[Future[Result]]:
+        """What lies at a desk, in the order in which it was given."""
+        return [future for future, (whose, _) in self._given.items() if whose is desk]
 
 
 def words(problem: BaseException) -> str:
@@ -216,7 +245,7 @@ class _Desk:
     def __init__(self, open_marker: OpenMarker) -> None:
         self.dismissed = False
         self.stopped = ""
-        self._began: float | None = None
+        self.began: float | None = None
         context = multiprocessing.get_context("spawn")
         in_main = threading.current_thread() is threading.main_thread()
         begin = partial(begin_process, os.getcwd(), in_main)
@@ -225,7 +254,6 @@ class _Desk:
             self._opened = self._executor.submit(_open, open_marker)
 
     def mark(self, submission: Submission) -> Future[Result]:
-        self._began = None
         try:
             return self._executor.submit(_mark, submission)
         except BrokenProcessPool as problem:  # it died while it was idle
@@ -237,9 +265,9 @@ class _Desk:
         """End the process if what it is doing takes too much; its time counts from the first look after it was opened."""
         if self.stopped or not self._opened.done() or self._opened.exception() is not None:
             return
-        self._began = self._began or time.monotonic()
+        self.began = self.began or time.monotonic()
         pid = self._opened.result()
-        if time.monotonic() - self._began > bounds.wall_s:
+        if time.monotonic() - self.began > bounds.wall_s:
             self.stopped = f"no end within {bounds.wall_s:g} s"
         elif _memory_of(pid) > bounds.memory_bytes:
             self.stopped = f"more than {bounds.memory_bytes / 2**30:g} GB of memory"
