@@ -1,7 +1,8 @@
-"""One file holds all tapes: equal arrays once, and what the answers depend on, so that a stale tape is refused.
+"""A file holds all tapes, and what the answers depend on, so that a stale tape is refused; the arrays lie in packs beside it.
 
-The file is LZMA over a JSON head and the arrays' bytes. Submissions of the corpus differ from each other in a few lines and draw from
-seeded generators, so nine arrays in ten are there already.
+Submissions of the corpus differ from each other in a few lines and draw from seeded generators, so nine arrays in ten are there
+already, and most of what is recorded anew is what was recorded before. A pack never changes: what is new goes into one of its own,
+so that a repository grows by little. All are LZMA over a JSON head and, in a pack, the arrays' bytes.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import lzma
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -27,6 +28,7 @@ FILE = Path(__file__).parent / "corpus.tape"
 _IN_THE_BOX = ("module level", "nothing")
 """Loading is what the first is about, as of what is recast, and demos take their time; the second has a test of its own."""
 _LENGTH = 8
+_PRESET = 6
 
 
 def harness_sha256() -> str:
@@ -39,16 +41,49 @@ def harness_sha256() -> str:
 
 
 def store(tapes: Mapping[str, Tape], file: Path = FILE) -> None:
-    """Write all tapes, by case."""
+    """Write all tapes, by case, and a pack of the arrays that none of the packs holds which stay."""
     arrays: dict[str, np.ndarray] = {}
     cases = {
         name: {key: _plain(played, arrays) for key, played in tape.answers.items()} for name, tape in tapes.items()
     }
-    shapes = {name: [array.dtype.str, array.shape] for name, array in arrays.items()}
+    packs = {path: pack for path in _packs(file) if _of_use(pack := _unpacked(path), arrays)}
+    fresh = {name: array for name, array in arrays.items() if all(name not in pack for pack in packs.values())}
+    names = [path.name for path in packs] + ([_pack(fresh, file)] if fresh else [])
     rung = next(iter(tapes.values())).rung
-    head = json.dumps({"harness": harness_sha256(), "rung": rung, "arrays": shapes, "cases": cases}).encode()
+    head = json.dumps({"harness": harness_sha256(), "rung": rung, "packs": names, "cases": cases}).encode()
+    file.write_bytes(lzma.compress(head, preset=_PRESET))
+    for path in _packs(file):
+        if path.name not in names:
+            path.unlink()
+
+
+def _packs(file: Path) -> list[Path]:
+    return sorted(file.parent.glob(f"{file.stem}-*.pack"))
+
+
+def _of_use(pack: Mapping[str, np.ndarray], arrays: Mapping[str, np.ndarray]) -> bool:
+    """Whether a pack stays: at least half of it is wanted."""
+    return 2 * _size(pack[name] for name in pack if name in arrays) >= _size(pack.values())
+
+
+def _size(arrays: Iterable[np.ndarray]) -> int:
+    return sum(array.nbytes for array in arrays)
+
+
+def _pack(arrays: Mapping[str, np.ndarray], file: Path) -> str:
+    """Write a pack of these arrays; its name."""
+    shapes = {name: [array.dtype.str, array.shape] for name, array in arrays.items()}
+    head = json.dumps(shapes).encode()
     body = b"".join(np.ascontiguousarray(array).tobytes() for array in arrays.values())
-    file.write_bytes(lzma.compress(len(head).to_bytes(_LENGTH, "little") + head + body, preset=6))
+    name = f"{file.stem}-{hashlib.sha256(head).hexdigest()[:12]}.pack"
+    file.with_name(name).write_bytes(lzma.compress(len(head).to_bytes(_LENGTH, "little") + head + body, preset=_PRESET))
+    return name
+
+
+def _unpacked(path: Path) -> dict[str, np.ndarray]:
+    data = lzma.decompress(path.read_bytes())
+    end = _LENGTH + int.from_bytes(data[:_LENGTH], "little")
+    return dict(_cut(json.loads(data[_LENGTH:end]), memoryview(data)[end:]))
 
 
 def _plain(played: Played, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
@@ -75,14 +110,13 @@ class Shelf:
     """All tapes of a file; each is made when it is asked for."""
 
     def __init__(self, file: Path = FILE) -> None:
-        data = lzma.decompress(file.read_bytes())
-        end = _LENGTH + int.from_bytes(data[:_LENGTH], "little")
-        head = json.loads(data[_LENGTH:end])
+        head = json.loads(lzma.decompress(file.read_bytes()))
         if head["harness"] != harness_sha256():
             raise StaleError("the harness has changed since the tapes were recorded; run python -m tests.tapes")
         self.rung: str = head["rung"]
         self._cases: dict[str, Any] = head["cases"]
-        self._arrays = dict(_cut(head["arrays"], memoryview(data)[end:]))
+        packs = (_unpacked(file.with_name(name)) for name in head["packs"])
+        self._arrays = {name: array for pack in packs for name, array in pack.items()}
 
     def __getitem__(self, case: str) -> Tape:
         if case not in self._cases:
