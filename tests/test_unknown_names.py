@@ -148,6 +148,137 @@ MENDED |= {
         [("log.info('on')", "AttributeError: 'NoneType' object has no attribute 'info'")], 3,
     ),
     "NumPy by its own name": ("import numpy as np\nimport numpy\ndef run():\n    return int(ones(1)[0])", [("ones", "numpy.ones")], 1),
+    "a row that is put below others": (
+        "import numpy as np\ndef run():\n    rows, row = np.zeros((1, 3)), np.ones(3)\n    return np.append(rows, row, axis=0).shape",
+        [("row", "[row]")], (2, 3),
+    ),
+    "one of two that are put together": (
+        "import numpy as np\ndef run():\n    rows, row = np.zeros((1, 3)), np.ones(3)\n    return np.concatenate([rows, row]).shape",
+        [("row", "[row]")], (2, 3),
+    ),
+    "columns that were forgotten": (
+        "import numpy as np\ndef run():\n    row, rows = np.ones(3), np.zeros(2)\n    rows = np.zeros(2)\n    rows[1] = row\n"
+        "    return rows.shape".replace("row, rows = np.ones(3), np.zeros(2)", "row = np.ones(3)"),
+        [("np.zeros(2)", "np.zeros((2, 3))")], (2, 3),
+    ),
+    "another number of columns": (
+        "import numpy as np\ndef run():\n    rows = np.empty((2, 4))\n    rows[0], n = np.ones(3), 1\n    return rows.shape",
+        [("np.empty((2, 4))", "np.empty((2, 3))")], (2, 3),
+    ),
+    "columns in place of rows": (
+        "import numpy as np\ndef run():\n    rows = np.zeros((3, 5))\n    rows[4 - 3], other = np.ones(3), 1\n    return rows.shape",
+        [("np.zeros((3, 5))", "np.zeros((5, 3))")], (5, 3),
+    ),
+    "a row for two arrays at once": (
+        "import numpy as np\ndef read():\n    return np.ones(3), np.ones(3)\ndef run():\n    a, b = np.zeros((2, 3)), 1\n    b = np.zeros(2)\n"
+        "    a[0], b[0] = read()\n    return a.shape, b.shape".replace("a, b = np.zeros((2, 3)), 1", "a = np.zeros((2, 3))"),
+        [("np.zeros(2)", "np.zeros((2, 3))")], ((2, 3), (2, 3)),
+    ),
+    "a column too many for what is indexed twice": (
+        "import numpy as np\ndef run():\n    row, rows = np.ones(3), 1\n    rows = np.zeros(2)\n    rows[1, :] = row\n    return rows.shape"
+        .replace("row, rows = np.ones(3), 1", "row = np.ones(3)"),
+        [("np.zeros(2)", "np.zeros((2, 3))")], (2, 3),
+    ),
+    "a draw of another number": (
+        "import numpy as np\ndef run():\n    return (np.ones(3) + np.random.normal(0, 1, size=4)).shape",
+        [("np.random.normal(0, 1, size=4)", "np.random.normal(0, 1, size=3)")], (3,),
+    ),
+    "a draw of another number, at its place": (
+        "import numpy as np\ndef run():\n    return (np.random.normal(0, 1, 2) + np.ones(3)).shape",
+        [("np.random.normal(0, 1, 2)", "np.random.normal(0, 1, 3)")], (3,),
+    ),
+    "arrays of one number where a slice has two": (
+        "import numpy as np\ndef run():\n    first, n = np.array([1]), np.array([2])\n    return len(np.ones(9)[first:first + n])",
+        [("first", "first[0]"), ("n", "n[0]")], 2,
+    ),
+    "a list that is computed with": (
+        "class Filter:\n    def __init__(self):\n        self.value = None\n    def update(self, given):\n"
+        "        if self.value is None:\n            self.value = [given]\n        else:\n            self.value = 0.5 * self.value\n"
+        "        return self.value\ndef run():\n    kept = Filter()\n    return kept.update(4.0)[0], kept.update(4.0)[0]",
+        [("self.value", "np.asarray(self.value)")], (4.0, 2.0),
+    ),
+    "a place of a list that is still empty": (
+        "def run():\n    rows = []\n    for n in range(3):\n        rows[n] = 2 * n\n    return rows",
+        [("rows[n] = 2 * n", "rows.append(2 * n)")], [0, 2, 4],
+    ),
+    "what is given in another order": (
+        "def read(model, data, first, second):\n    return model.n + data[first] + data[second]\nclass Model:\n    n = 1\n"
+        "def run():\n    model, data, a, b = Model(), [10, 20], 0, 1\n    return read(a, b, model, data)",
+        [("read(a, b, model, data)", "read(model, data, a, b)")], 31,
+    ),
+    "what is not given": (
+        "def read(model, data, first):\n    return model + data[first]\nclass Reader:\n    def __init__(self):\n"
+        "        self.model, self.data = 1, [10]\n    def both(self):\n        return read(self.data, 0)\ndef run():\n    return Reader().both()",
+        [("read(self.data, 0)", "read(self.model, self.data, 0)")], 11,
+    ),
+    "what a compiled function is given in another order": (
+        "import mujoco\nmodel = mujoco.MjModel.from_xml_string('<mujoco/>')\ndata = mujoco.MjData(model)\n"
+        "def run():\n    mujoco.mj_step(data, model)\n    return data.time",
+        [("mujoco.mj_step(data, model)", "mujoco.mj_step(model, data)")], 0.002,
+    ),
+    "what a compiled function is not given": (
+        "import mujoco\nclass Walk:\n    def __init__(self):\n        self.model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
+        "        self.data = mujoco.MjData(self.model)\n    def on(self):\n        mujoco.mj_step(self.data)\n        return self.data.time\n"
+        "def run():\n    return Walk().on()",
+        [("mujoco.mj_step(self.data)", "mujoco.mj_step(self.model, self.data)")], 0.002,
+    ),
+    "what a compiled function has no place for": (
+        "import mujoco\ndef run():\n    model = mujoco.MjModel.from_xml_string('<mujoco/>')\n    data = mujoco.MjData(model)\n"
+        "    mujoco.mj_step(model, data, 0.5)\n    return data.time",
+        [("mujoco.mj_step(model, data, 0.5)", "mujoco.mj_step(model, data)")], 0.002,
+    ),
+    "a name before its kind": (
+        "import mujoco\ndef run():\n    model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><body name=\"b\"/></worldbody></mujoco>')\n"
+        "    return mujoco.mj_name2id(model, 'b', mujoco.mjtObj.mjOBJ_BODY)",
+        [("mujoco.mj_name2id(model, 'b', mujoco.mjtObj.mjOBJ_BODY)", "mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, 'b')")], 1,
+    ),
+    "a member of the other object": (
+        "class Model:\n    def __init__(self):\n        self.step = 2\nclass Data:\n    def __init__(self):\n        self.time = 3\n"
+        "def run():\n    model, data = Model(), Data()\n    return data.step + model.time",
+        [("data.step", "model.step"), ("model.time", "data.time")], 5,
+    ),
+    "a function of the other library": (
+        "import numpy as np\nimport mujoco\ndef run():\n    return np.mj_versionString() == mujoco.mj_versionString()",
+        [("np.mj_versionString", "mujoco.mj_versionString")], True,
+    ),
+    "what __init__ does nothing with": (
+        "class Filter:\n    def __init__(self, gain=2, first=None):\n        self.gain = gain\n    def update(self, given):\n"
+        "        if self.value is None:\n            self.value = given\n        return self.gain * self.value\n"
+        "def run():\n    return Filter().update(3), Filter(first=4).update(3)",
+        [("first", "self.value")], (6, 8),
+    ),
+    "two names for what is returned, exchanged": (
+        "import numpy as np\nclass Figure:\n    pass\ndef made():\n    return Figure(), np.array([3, 4])\n"
+        "def run():\n    axes, figure = made()\n    return int(axes[1])",
+        [("axes, figure = made()", "figure, axes = made()")], 4,
+    ),
+    "a list that nothing makes": (
+        "def run():\n    for n in range(3):\n        for m in range(2):\n            rows.append(n * m)\n    return rows",
+        [("rows", "rows = []")], [0, 0, 0, 1, 0, 2],
+    ),
+    "rows that nothing makes": (
+        "def run():\n    count = 3\n    for n in range(count):\n        rows[n] = 2 * n\n    return rows",
+        [("rows", "rows = [None] * count")], [0, 2, 4],
+    ),
+    "a member of the other object, which this one has nearly": (
+        "class Model:\n    def __init__(self):\n        self.sensor_adr = 2\nclass Data:\n    def __init__(self):\n        self.sensor_adrs = 3\n"
+        "def run():\n    model, data = Model(), Data()\n    return data.sensor_adr",
+        [("data.sensor_adr", "model.sensor_adr")], 2,
+    ),
+    "what is given in the other's place": (
+        "class Model:\n    def __init__(self):\n        self.step = 2\nclass Data:\n    def __init__(self):\n        self.time = 3\n"
+        "def read(model, data):\n    return model.step + data.time\n"
+        "def run():\n    model, data = Model(), Data()\n    return read(data, model)",
+        [("read(data, model)", "read(model, data)")], 5,
+    ),
+    "more names than values": (
+        "def two():\n    return 1, 2\ndef run():\n    one, third, other = two()\n    return one + other",
+        [("one, third, other = two()", "one, other = two()")], 3,
+    ),
+    "a fraction for a row": (
+        "import numpy as np\ndef run():\n    rows = np.zeros(3)\n    rows[0.006 / 0.002 - 1] = 4\n    return rows.tolist()",
+        [("0.006 / 0.002 - 1", "int(round(0.006 / 0.002 - 1))")], [0.0, 0.0, 4.0],
+    ),
     "a fraction of rows": ("import numpy as np\ndef run():\n    n = 6 / 2\n    return np.zeros((n, 3)).shape", [("n", "int(n)")], (3, 3)),
 }  # fmt: skip
 
@@ -160,6 +291,14 @@ def test_it_runs_with_what_is_meant(text: str, taken: list[tuple[str, str]], val
 LEFT = {
     "two fractions": "import numpy as np\ndef run():\n    n, m = 6 / 2, 3.0\n    return np.zeros((n, m))",
     "a type that is none": "import numpy as np\ndef run():\n    return np.zeros(2, dtype='3 x')",
+    "what two other objects have": (
+        "class Model:\n    def __init__(self, n):\n        self.step = n\nclass Data:\n    n = 0\n"
+        "def run():\n    one, two, data = Model(1), Model(2), Data()\n    return data.step"
+    ),
+    "one of two that __init__ does nothing with": (
+        "class Filter:\n    def __init__(self, first=1, second=2):\n        self.gain = 1\n    def update(self):\n        return self.value\n"
+        "def run():\n    return Filter().update()"
+    ),
     "an attribute of nothing": "def run():\n    rows = None\n    return rows.appendix(1)",
     "one of two methods": "import numpy as np\ndef run():\n    a = np.ones(2)\n    b = a.copy, a.mean\n    return 2 * b[0]",
     "what is called and is a number": "def run():\n    gain = 1\n    return gain(1)",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 
-from .slips import Function, call_at, is_set
+from .scope import Function, is_set
+from .slips import call_at
 from .submission import STATE
 
 
@@ -21,14 +22,35 @@ def mend(tree: ast.Module, path: str) -> None:
 
 
 def _leave_out(function: Function, statement: ast.Expr | None) -> None:
-    blocks = [
+    for block in _blocks(function):
+        block[:] = [ast.Pass() if each is statement else each for each in block]
+
+
+def _put(function: Function, own: str, meant: str) -> None:
+    """One statement where another is written."""
+    for block in _blocks(function):
+        block[:] = [
+            ast.copy_location(ast.parse(meant).body[0], each) if ast.unparse(each) == own else each for each in block
+        ]
+
+
+def _make(function: Function, own: str, meant: str) -> None:
+    """What a loop fills, before the outermost loop that speaks of it."""
+    for block in _blocks(function):
+        for at, each in enumerate(block):
+            names = {part.id for part in ast.walk(each) if isinstance(part, ast.Name)}
+            if isinstance(each, ast.For | ast.While) and own in names:
+                block[at:at] = ast.parse(meant).body
+                return
+
+
+def _blocks(function: Function) -> list[list[ast.stmt]]:
+    return [
         block
         for each in ast.walk(function)
         for name in ("body", "orelse", "finalbody")
         if isinstance(block := getattr(each, name, None), list)
     ]
-    for block in blocks:
-        block[:] = [ast.Pass() if each is statement else each for each in block]
 
 
 def _mend(function: Function, kind: str, own: str, meant: str) -> None:
@@ -36,8 +58,16 @@ def _mend(function: Function, kind: str, own: str, meant: str) -> None:
         function.args.args.insert(0, ast.arg("self"))
     elif kind == "kept":
         function.body += ast.parse(f"{meant} = {own}").body
+    elif kind == "numbers":
+        function.body[:0] = ast.parse("import numpy as np").body
+        for computed in [each for each in ast.walk(function) if isinstance(each, ast.BinOp)]:
+            _Instead(own, meant).generic_visit(computed)
     elif kind == "asked":
         _WhetherThere(own, meant).visit(function)
+    elif kind == "made":
+        _make(function, own, meant)
+    elif kind == "statement":
+        _put(function, own, meant)
     elif kind == "keyword":
         for each in [each for each in ast.walk(function) if isinstance(each, ast.keyword) and each.arg == own]:
             each.arg = meant

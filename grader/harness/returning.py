@@ -55,11 +55,23 @@ def _last(body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:
         elif isinstance(node, ast.Expr):
             if not names and (value := _by_itself(node.value, kind)) is not None:
                 return _read(_copied(ast.unparse(value))) if kind == "value" else value
+        elif kind == "mapping" and isinstance(node, ast.For | ast.While) and not _returns(node):
+            return _filled_by(node)
         elif not isinstance(node, ast.If | ast.Pass) or _returns(node):
             return None
         if len(names) >= (2 if kind == "pair" else 1):
             return _of_names(names, body, kind)
     return None
+
+
+def _filled_by(loop: ast.For | ast.While) -> ast.expr | None:
+    """The arrays and lists that a loop fills, under their own names."""
+    stored = [
+        each.value for each in ast.walk(loop) if isinstance(each, ast.Subscript) and isinstance(each.ctx, ast.Store)
+    ]
+    methods = [each for each in ast.walk(loop) if isinstance(each, ast.Attribute) and each.attr == "append"]
+    named = [each.id for each in [*stored, *(method.value for method in methods)] if isinstance(each, ast.Name)]
+    return _read(f"{{{', '.join(f'{name!r}: {name}' for name in dict.fromkeys(named))}}}") if named else None
 
 
 def _of_names(names: Sequence[str], body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:

@@ -1,7 +1,7 @@
 """What a function raises for, where one thing alone can be meant: a slip of the pen in a name, a forgotten `self.` or `np.`.
 
-So can be an array that is called or asked whether it is there, a method that is not called, a fraction of a step, a shape in two
-parts or an array in its place, what `append` returns.
+So can be an array of another form than is needed, see `arrays`, other arguments than a function takes, see `arguments`, and a
+method that is not called.
 A call for its effect alone that prints, or that stands in a plot, is left out where nothing can be meant by it.
 It is noticed when it is raised, by what is there to choose from at that moment, and mended when the file is loaded the next time,
 in that function alone. What never runs stays as it is. Whoever marks is told, as one fault.
@@ -17,16 +17,15 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from types import CodeType, FrameType, FunctionType, ModuleType
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from . import faults
+from . import arguments, arrays, faults
+from .scope import Function, Meant, Scope, is_set
 from .submission import STATE
 
 Slip: TypeAlias = dict[str, Any]
-_Node = TypeVar("_Node", bound=ast.expr)
-Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 
 _CLOSE = 0.8
 """Of the letters in common, as difflib counts: one in five may be lost, doubled, another or elsewhere. It has raised already."""
@@ -35,10 +34,6 @@ _KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")
 _WITHOUT_SELF = re.compile(
     r"^(\w+)\.(\w+)\(\) (?:takes \d+ positional arguments? but|got multiple values for argument)"
 )
-_FRACTION = re.compile(
-    r"'(?:numpy\.)?float\d*' object cannot be interpreted as an integer|^expected a sequence of integers or a single integer"
-)
-_TRUTH = "truth value of an array"
 _LONGEST = 200
 
 
@@ -50,7 +45,13 @@ def notice(raised: BaseException, *, drawing: bool = False) -> None:
     drawing : whether a figure is drawn, and a call for its effect alone can be left out of that
     """
     with suppress(BaseException):  # what the student's objects answer is their code
-        STATE.slip = STATE.slip or next(_slips(raised), None) or next(_left_out(raised, drawing=drawing), None)
+        STATE.slip = STATE.slip or _news(_slips(raised)) or next(_left_out(raised, drawing=drawing), None)
+
+
+def _news(found: Iterator[Slip]) -> Slip | None:
+    """The first that is not mended yet; where all are, the first of them: then it does not help."""
+    several = list(found)
+    return next((slip for slip in several if slip not in STATE.slips), next(iter(several), None))
 
 
 def noticed() -> Slip | None:
@@ -71,9 +72,20 @@ def _slips(raised: BaseException) -> Iterator[Slip]:
     function = _around(_tree(file), line)
     if function is None:
         return
-    frames = [frame for frame, at in own if frame.f_code.co_filename == file and _first_line(function) <= at]
-    for kind, name, meant in _meant(raised, _Scope(frames, function, line)):
+    frames = [frame for frame, at in own if frame.f_code.co_filename == file and _holds(function, at)]
+    scope = Scope(frames, function, line, called_by_own=len(frames) < len(own))
+    for kind, name, meant in _meant(raised, scope):
         yield _slip(file, function, kind, name, meant, at=line)
+    yield from _from_outside(raised, own)
+
+
+def _from_outside(raised: BaseException, own: list[tuple[FrameType, int]]) -> Iterator[Slip]:
+    """What a function stops at that was called with its arguments in another order."""
+    for frame, line in reversed(own[:-1]):
+        function = _around(_tree(frame.f_code.co_filename), line)
+        if function is not None:
+            for kind, name, meant in arguments.by_names(raised, Scope([frame], function, line)):
+                yield _slip(frame.f_code.co_filename, function, kind, name, meant, at=line)
 
 
 def _own_frames(raised: BaseException) -> list[tuple[FrameType, int]]:
@@ -105,55 +117,71 @@ def _prints(statement: ast.Expr) -> bool:
     return logs or (isinstance(called, ast.Name) and called.id in ("print", "pprint", "display"))
 
 
-class _Scope:
-    """What a line of a function sees: its own variables, and those of the expressions in it that have frames of their own."""
-
-    def __init__(self, frames: Sequence[FrameType], function: Function, line: int) -> None:
-        self.function, self.line = function, line
-        self.locals = {name: value for frame in frames for name, value in frame.f_locals.items()}
-        self.globals, self.builtins = frames[-1].f_globals, frames[-1].f_builtins
-        codes = [frame.f_code for frame in frames if frame.f_code.co_name == function.name]
-        self.first = codes[-1].co_varnames[0] if codes and codes[-1].co_argcount else ""
-
-    def may_be(self, written: ast.expr, value: Any) -> bool:
-        """Whether an expression may have this value: what a variable has is known."""
-        return not isinstance(written, ast.Name) or self.value_of(written) is value
-
-    def value_of(self, written: ast.expr) -> Any:
-        """What a variable has, or one of its attributes; None of anything else."""
-        if isinstance(written, ast.Attribute):
-            return getattr(self.value_of(written.value), written.attr, None)
-        return self.locals.get(written.id, self.globals.get(written.id)) if isinstance(written, ast.Name) else None
-
-    def there(self, kind: type[_Node]) -> list[_Node]:
-        """The expressions of one kind that the line reads."""
-        nodes = [each for each in ast.walk(self.function) if isinstance(each, kind)]
-        return [each for each in nodes if each.lineno <= self.line <= (each.end_lineno or 0) and not is_set(each)]
-
-    def names(self) -> set[str]:
-        return {*self.locals, *self.globals, *(name for name in self.builtins if not name.startswith("_"))}
-
-
-_Meant: TypeAlias = Iterator[tuple[str, str, str]]
-"""The kind of slip, what is written there, and what is meant by it."""
-
-
-def _name(raised: NameError, scope: _Scope) -> _Meant:
+def _name(raised: NameError, scope: Scope) -> Meant:
     if raised.name == "self":
         yield "self", "self", "self"
     elif raised.name and (name := _name_meant(raised.name, scope)):
         yield "expression", raised.name, name
 
 
-def _member(raised: AttributeError, scope: _Scope) -> _Meant:
+def _member(raised: AttributeError, scope: Scope) -> Meant:
     named = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
-    member = _member_meant(named[0].attr, raised.obj) if named else ""
+    member = _other_form(named[0].attr, raised.obj) if named else ""
+    if named and not member and not _owners(raised, scope):
+        member = f".{near}" if (near := _nearest(named[0].attr, dir(raised.obj))) else ""
     for each in named:
         if member and scope.may_be(each.value, raised.obj):
             yield "expression", ast.unparse(each), ast.unparse(each.value) + member
 
 
-def _key(raised: KeyError, scope: _Scope) -> _Meant:
+def _owner(raised: AttributeError, scope: Scope) -> Meant:
+    """A member of another object that is there, as the one of the program's two that has it."""
+    owners = _owners(raised, scope)
+    for each in scope.there(ast.Attribute) if len(owners) == 1 else ():
+        of_it = isinstance(each.value, ast.Name) and scope.value_of(each.value) is raised.obj
+        if of_it and each.attr == raised.name and not scope.is_given(ast.unparse(each.value)):
+            yield "expression", ast.unparse(each), f"{owners[0]}.{each.attr}"
+
+
+def _owners(raised: AttributeError, scope: Scope) -> list[str]:
+    """What the other objects are called that have what this one was asked for, each by one of its names."""
+    names = {**scope.globals, **scope.locals}
+    return list({id(value): name for name, value in names.items() if _is_owner(value, raised)}.values())
+
+
+def _is_owner(value: Any, raised: AttributeError) -> bool:
+    """Whether something has what another thing was asked for; numbers and texts, and what draws, share too much to tell."""
+    if value is raised.obj or isinstance(value, _PLAIN) or isinstance(raised.obj, _PLAIN) or callable(raised.obj):
+        return False
+    drawn = value.__name__ if isinstance(value, ModuleType) else type(value).__module__
+    return not drawn.startswith("matplotlib") and raised.name in dir(value)
+
+
+_PLAIN = (np.ndarray, list, dict, tuple, str, int, float, FunctionType, type, type(None))
+
+
+def _exchanged(raised: TypeError, scope: Scope) -> Meant:
+    """Two names for what a call returns, each in the other's place."""
+    if "object is not subscriptable" not in str(raised):
+        return
+    asked = {each.value.id for each in scope.there(ast.Subscript) if isinstance(each.value, ast.Name)}
+    for each in ast.walk(scope.function):
+        target = each.targets[0] if isinstance(each, ast.Assign) else None
+        if isinstance(target, ast.Tuple) and len(target.elts) == 2 and isinstance(each.value, ast.Call):  # type: ignore[attr-defined] # it has a target
+            one, other = target.elts
+            pairs = [(one, other), (other, one)]
+            if any(
+                isinstance(first, ast.Name)
+                and first.id in asked
+                and not hasattr(scope.value_of(first), "__getitem__")
+                and isinstance(scope.value_of(second), np.ndarray)
+                for first, second in pairs
+            ):
+                turned = ast.unparse(ast.Tuple([other, one], ast.Store())).strip("()")
+                yield "statement", ast.unparse(each), f"{turned} = {ast.unparse(each.value)}"  # type: ignore[attr-defined]
+
+
+def _key(raised: KeyError, scope: Scope) -> Meant:
     (key,) = raised.args
     for each in scope.there(ast.Subscript):
         if isinstance(key, str) and isinstance(each.slice, ast.Constant) and each.slice.value == key:
@@ -162,76 +190,13 @@ def _key(raised: KeyError, scope: _Scope) -> _Meant:
                 yield "expression", ast.unparse(each), f"{ast.unparse(each.value)}[{meant!r}]"
 
 
-def _keyword(raised: BaseException, scope: _Scope) -> _Meant:
+def _keyword(raised: BaseException, scope: Scope) -> Meant:
     found = _KEYWORD.search(str(raised))
     if found and scope.there(ast.Call) and (name := _nearest(found[1], _keywords())):
         yield "keyword", found[1], name
 
 
-def _index(raised: TypeError, scope: _Scope) -> _Meant:
-    """An array that is called."""
-    for each in scope.there(ast.Call) if "object is not callable" in str(raised) else ():
-        if len(each.args) == 1 and not each.keywords and isinstance(scope.value_of(each.func), np.ndarray):
-            yield "index", ast.unparse(each), f"{ast.unparse(each.func)}[{ast.unparse(each.args[0])}]"
-
-
-def _whole(raised: TypeError, scope: _Scope) -> _Meant:
-    """A fraction where a whole number is needed."""
-    if _FRACTION.search(str(raised)):
-        given = {ast.unparse(each) for call in scope.there(ast.Call) for each in _whole_wanted(call, scope)}
-        yield from (("whole", each, f"int({each})") for each in given if len(given) == 1)
-
-
-def _shape(raised: TypeError, scope: _Scope) -> _Meant:
-    """Rows and columns one after the other, where NumPy wants them together."""
-    for each in scope.there(ast.Call) if "as a data type" in str(raised) else ():
-        if len(each.args) == 2 and not each.keywords:
-            yield "shape", ast.unparse(each), f"{ast.unparse(each.func)}(({', '.join(map(ast.unparse, each.args))}))"
-
-
-def _size(raised: TypeError, scope: _Scope) -> _Meant:
-    """An array of random numbers' size, where its shape is needed."""
-    for call in scope.there(ast.Call) if _FRACTION.search(str(raised)) else ():
-        for each in [*call.args[2:3], *(option.value for option in call.keywords if option.arg == "size")]:
-            if isinstance(scope.value_of(each), np.ndarray):
-                shape = ast.Attribute(each, "shape", ast.Load())
-                args = [shape if arg is each else arg for arg in call.args]
-                options = [ast.keyword(o.arg, shape if o.value is each else o.value) for o in call.keywords]
-                yield "shape", ast.unparse(call), ast.unparse(ast.Call(call.func, args, options))
-
-
-def _truth(raised: ValueError, scope: _Scope) -> _Meant:
-    """An array that is asked whether it is true, or the same as nothing, where nothing may be in its place."""
-    if _TRUTH not in str(raised):
-        return
-    for each in scope.there(ast.Compare):
-        if len(each.ops) == 1 and ast.unparse(each.comparators[0]) == "None":
-            sign = " is " if isinstance(each.ops[0], ast.Eq) else " is not "
-            yield "compared", ast.unparse(each), f"{ast.unparse(each.left)}{sign}None"
-    asked = [each for each in _asked_for_truth(scope.function) if each.lineno <= scope.line <= (each.end_lineno or 0)]
-    given = {ast.unparse(each) for each in asked if isinstance(scope.value_of(each), np.ndarray)}
-    yield from (("asked", each, f"{each} is not None") for each in given if len(given) == 1)
-
-
-def _asked_for_truth(function: Function) -> Iterator[ast.expr]:
-    """The expressions whose truth decides something."""
-    for each in ast.walk(function):
-        if isinstance(each, ast.If | ast.IfExp | ast.While):
-            yield each.test
-        elif isinstance(each, ast.BoolOp):
-            yield from each.values
-        elif isinstance(each, ast.UnaryOp) and isinstance(each.op, ast.Not):
-            yield each.operand
-
-
-def _appended(raised: AttributeError, scope: _Scope) -> _Meant:
-    """What `append` returns, put in the place of the list."""
-    for each in scope.there(ast.Call) if raised.obj is None and raised.name == "append" else ():
-        if isinstance(each.func, ast.Attribute) and len(each.args) == 1 and scope.value_of(each.func.value) is None:
-            yield "appended", ast.unparse(each), f"[*{ast.unparse(each.func.value)}, {ast.unparse(each.args[0])}]"
-
-
-def _called(raised: TypeError | AttributeError, scope: _Scope) -> _Meant:
+def _called(raised: TypeError | AttributeError, scope: Scope) -> Meant:
     """A method without the brackets that call it."""
     if "'builtin_function_or_method'" in str(raised) or "'method'" in str(raised):
         called = [each.func for each in ast.walk(scope.function) if isinstance(each, ast.Call)]
@@ -245,38 +210,29 @@ def _is_method(value: Any, written: ast.Attribute) -> bool:
     return callable(value) and getattr(value, "__name__", "") == written.attr
 
 
-_MEANT: Sequence[tuple[type[BaseException], Callable[[Any, _Scope], _Meant]]] = (
+_MEANT: Sequence[tuple[type[BaseException], Callable[[Any, Scope], Meant]]] = (
     (NameError, _name),
     (AttributeError, _keyword),  # matplotlib raises it for those
     (TypeError, _keyword),
     (AttributeError, _member),
+    (AttributeError, _owner),
+    (TypeError, _exchanged),
     (KeyError, _key),
-    (TypeError, _index),
-    (TypeError, _size),
-    (TypeError, _whole),
-    (TypeError, _shape),
-    (ValueError, _truth),
-    (AttributeError, _appended),
+    *arrays.RULES,
+    (TypeError, arguments.by_types),
+    (TypeError, arguments.by_names),
     (TypeError, _called),
     (AttributeError, _called),
 )
 
 
-def _meant(raised: BaseException, scope: _Scope) -> _Meant:
+def _meant(raised: BaseException, scope: Scope) -> Meant:
     for kind, rule in _MEANT:
         if isinstance(raised, kind):
             yield from rule(raised, scope)
 
 
-def _whole_wanted(call: ast.Call, scope: _Scope) -> Iterator[ast.expr]:
-    """What a call is given that is no whole number, or may be none: a variable, or what a division gives."""
-    for each in [part for arg in call.args for part in (arg.elts if isinstance(arg, ast.Tuple) else [arg])]:
-        divided = isinstance(each, ast.BinOp) and isinstance(each.op, ast.Div | ast.FloorDiv | ast.Mult)
-        if divided or isinstance(scope.value_of(each), float):
-            yield each
-
-
-def _name_meant(name: str, scope: _Scope) -> str | None:
+def _name_meant(name: str, scope: Scope) -> str | None:
     """A member of the object whose method it is, one of a library that is imported, or a name that is spelled nearly so."""
     owner = scope.locals.get(scope.first)
     if _is_own_object(owner) and name in dir(owner):
@@ -292,14 +248,12 @@ def _name_meant(name: str, scope: _Scope) -> str | None:
     return candidates[0] if len(candidates) == 1 else None
 
 
-def _member_meant(name: str, owner: Any) -> str:
-    """A key of a dictionary; what a panel sets where pyplot has a function, or the reverse; else what is spelled nearly so."""
+def _other_form(name: str, owner: Any) -> str:
+    """A key of a dictionary; what a panel sets where pyplot has a function, or the reverse."""
     if name in _keys_of(owner):
         return f"[{name!r}]"
-    members = dir(owner)
     other = name.removeprefix("set_") if name.startswith("set_") else f"set_{name}"
-    member = other if other in members else _nearest(name, members)
-    return f".{member}" if member else ""
+    return f".{other}" if other in dir(owner) else ""
 
 
 def _keys_of(value: Any) -> set[str]:
@@ -311,10 +265,22 @@ def _is_own_object(value: Any) -> bool:
 
 
 def _kept_by_nobody(raised: AttributeError) -> Iterator[Slip]:
-    """An attribute that is set nowhere, where `__init__` has a variable of that name: the `self.` is forgotten there."""
+    """An attribute that `__init__` does not set, though it has a variable of that name, or one parameter that it does not use."""
     made = getattr(type(raised.obj), "__init__", None)
-    if isinstance(made, FunctionType) and _is_own_object(raised.obj) and raised.name in made.__code__.co_varnames:
-        yield from _of_code(made.__code__, "kept", raised.name)
+    if not isinstance(made, FunctionType) or not _is_own_object(raised.obj):
+        return
+    code = made.__code__
+    function = _around(_tree(code.co_filename), code.co_firstlineno)
+    name = str(raised.name)
+    meant = [name] if name in code.co_varnames else _unused(function) if function and name not in code.co_names else []
+    if len(meant) == 1:
+        yield from _of_code(code, "kept", meant[0], name)
+
+
+def _unused(function: Function) -> list[str]:
+    """The parameters, but for the first, that a method does nothing with."""
+    used = {each.id for each in ast.walk(function) if isinstance(each, ast.Name)}
+    return [each.arg for each in [*function.args.args[1:], *function.args.kwonlyargs] if each.arg not in used]
 
 
 def _without_self(kind: str, method: str) -> Iterator[Slip]:
@@ -322,15 +288,14 @@ def _without_self(kind: str, method: str) -> Iterator[Slip]:
     for module in list(STATE.modules.values()):
         own = vars(vars(module).get(kind, object)).get(method)
         if isinstance(own, FunctionType) and "self" in own.__code__.co_names:
-            yield from _of_code(own.__code__, "self", "self")
+            yield from _of_code(own.__code__, "self", "self", "self")
 
 
-def _of_code(code: CodeType, kind: str, name: str) -> Iterator[Slip]:
+def _of_code(code: CodeType, kind: str, own: str, name: str) -> Iterator[Slip]:
     function = _around(_tree(code.co_filename), code.co_firstlineno)
     if function and faults.is_own(code.co_filename):
-        yield _slip(
-            code.co_filename, function, kind, name, f"self.{name}" if kind == "kept" else name, at=function.lineno
-        )
+        meant = f"self.{name}" if kind == "kept" else name
+        yield _slip(code.co_filename, function, kind, own, meant, at=function.lineno)
 
 
 def _slip(file: str, function: Function, kind: str, own: str, meant: str, *, at: int) -> Slip:
@@ -381,13 +346,12 @@ def _tree(file: str) -> ast.Module:
 def _around(tree: ast.Module, line: int) -> Function | None:
     """The innermost function that this line is in."""
     functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
-    around = [each for each in functions if _first_line(each) <= line <= (each.end_lineno or 0)]
-    return max(around, key=lambda each: each.lineno, default=None)
+    return max((each for each in functions if _holds(each, line)), key=lambda each: each.lineno, default=None)
+
+
+def _holds(function: Function, line: int) -> bool:
+    return _first_line(function) <= line <= (function.end_lineno or 0)
 
 
 def _first_line(function: Function) -> int:
     return min([function.lineno, *(each.lineno for each in function.decorator_list)])
-
-
-def is_set(node: ast.expr) -> bool:
-    return isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)

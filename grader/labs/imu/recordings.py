@@ -71,7 +71,9 @@ def story_of(student: Student, truth: Traces, name: str, series: Collection) -> 
     story = diagnosis.explain(series, worlds)
     if (story is None or story.exchanged) and series.first_step:
         worlds = _with_claim(student, truth, series, worlds)
-        story = diagnosis.explain(series, worlds)
+        story = (
+            diagnosis.explain(series, worlds) or story
+        )  # where a claim tells the same as a known world, that one tells it
     if (story is None or story.of_other_sensors) and worlds.claim is not None:
         worlds = _with_own_reader(student, truth, series, worlds)
         if (own := Story(diagnosis.OWN_WORLD)).fits((series, worlds)):

@@ -56,6 +56,8 @@ _NAMED, _ROWS, _COUNT, _PUSH = (
 def check_returns_named_arrays(student: Student, truth: Traces) -> None:
     """simulate_and_collect returns time (n), acceleration (n, 3) and angular_velocity (n, 3) under these names"""
     series = pushed(student, truth)
+    if student.returns_nothing("simulate_and_collect"):  # then names and forms are what was taken
+        fits_in(student, "simulate_and_collect", series.departs, keeps=0.0)
     if series.oddities:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in series.oddities))
         got = "; ".join(sentence.removeprefix("got ") for _, sentence in series.oddities[:3])

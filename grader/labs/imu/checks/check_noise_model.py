@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import NoReturn
 
 import numpy as np
 
@@ -305,6 +306,16 @@ def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     raise Lost(wanted, got, mistakes=["bias-redrawn"], belongs_to=_GIVEN_CHECK)
 
 
+def _differs_from_read_to_read(student: Student, truth: Traces) -> NoReturn:
+    """Noise that was drawn once and for all has no further fault; where none was drawn there is nothing to judge."""
+    again, silent = runs.given_again(student, truth), runs.without_noise_or_drift(student, truth)
+    mistakes = diagnosis.size_mistakes(runs.steady(student, truth), again, silent)
+    wanted = "noise that differs from read to read"
+    if mistakes in (["frozen-noise"], ["reseeded"]):
+        raise Lost(wanted, "one draw, which is repeated", mistakes=mistakes, belongs_to=_SIZE_CHECK)
+    raise Skipped(wanted)
+
+
 @check("noise_model.white_and_gaussian", lab_step=5)
 def check_white_and_gaussian(student: Student, truth: Traces) -> None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
@@ -321,7 +332,7 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
         )
     sensors = [(f, n) for f, n in zip(both, _NAMES, strict=True) if not f.still]
     if not sensors:
-        raise Skipped("noise that differs from read to read")
+        _differs_from_read_to_read(student, truth)
     for facts, name in sensors:
         _is_white(facts, name)
         if diagnosis.one_signed(facts):
@@ -399,7 +410,7 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
     """Each axis of each sensor has noise of its own"""
     sensors = runs.steady(student, truth)
     if all(facts.still for facts in sensors):
-        raise Skipped("noise that differs from read to read")
+        _differs_from_read_to_read(student, truth)
     if any(
         map(laws.correlated, sensors)
     ):  # what is slow looks alike by chance; neighbouring reads differ by what is new

@@ -97,12 +97,18 @@ def _mostly_unaltered(readings: Readings, scene: Scene) -> None:
 
 
 def _mostly_right(readings: Readings, scene: Scene) -> bool:
-    """Whether half of each sensor's numbers are the true ones: chance, or another place, gives none."""
+    """Whether half of each sensor's numbers are the true ones, and the others come from no other place of sensordata."""
     pairs = ((readings.accel, scene.accel), (readings.gyro, scene.gyro))
-    return all(np.mean(np.abs(got - true) <= diagnosis.ATOL) >= _MOST for got, true in pairs)
+    return all(np.mean(np.abs(got - true) <= diagnosis.ATOL) >= _MOST for got, true in pairs) and not any(
+        diagnosis.stands_elsewhere(its, there, scene.sensordata)
+        for got, true in pairs
+        for its, there in zip(got, true, strict=True)
+    )
 
 
 _MOST = 0.5
+_LITTLE = (0.05, 0.0051)
+"""m/s², rad/s: the standard deviations of Step 5; the second with room for the last digit of what was rounded to 0.01 rad/s."""
 
 
 def _gap(readings: Readings, scene: Scene) -> tuple[Deviation, Array, Array, str, str]:
@@ -118,12 +124,19 @@ def _gap(readings: Readings, scene: Scene) -> tuple[Deviation, Array, Array, str
 
 
 def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], meant: tuple[Array, Array]) -> None:
-    """Half is kept for a sensor that is as it stands where it is read, which may be the wrong place: that is charged elsewhere."""
+    """Half is kept for a sensor that is as it stands where it is read, which may be the wrong place: that is charged elsewhere.
+
+    So it is where both are off by less than a real sensor's noise: rounded to two decimals, say.
+    """
     right = [
         deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= diagnosis.ATOL
         for got, there in zip((readings.accel, readings.gyro), meant, strict=True)
     ]
-    keeps, finite = 0.5 if any(right) else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
+    near = all(
+        deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= little
+        for got, there, little in zip((readings.accel, readings.gyro), meant, _LITTLE, strict=True)
+    )
+    keeps, finite = 0.5 if any(right) or near else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
     if readings.oddities and not (finite and readings.whole):  # what is there may be right; the rest is not there
         mistake, off = _of_form(readings), Size("a vector that has not three numbers")
         raise Lost("three numbers of each sensor", _oddities(readings), mistakes=[mistake], keeps=keeps, off=off)

@@ -29,6 +29,7 @@ from grader.labs.imu.checks.plot_runs import (
     has_curves,
     left_out,
     plot_of,
+    recorded_unit,
 )
 from grader.labs.imu.diagnosis import comparing, labels, plots
 from grader.labs.imu.diagnosis.plots import Panel
@@ -208,7 +209,7 @@ def _six_channels(student: Student, truth: Traces, plot: Plot) -> None:
     if len(plot.drawn - set(outside)) < 6:
         curve_faults.some_missing(plot, outside)
     curve_faults.against_no_time(plot)
-    curve_faults.in_another_unit(plot)
+    curve_faults.in_another_unit(plot, lambda sensor: recorded_unit(student, truth, sensor))
     curve_faults.drawn_in_part(plot)
 
 

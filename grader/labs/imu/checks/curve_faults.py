@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NoReturn
 
 import numpy as np
@@ -136,15 +136,21 @@ def against_no_time(plot: Plot) -> None:
         )
 
 
-def in_another_unit(plot: Plot) -> None:
-    """Charge numbers in another unit than the label's; without one, than that of the data."""
+def in_another_unit(plot: Plot, recorded: Callable[[int], str]) -> None:
+    """Charge numbers in another unit than the label's; without one, than that of the data.
+
+    Parameters
+    ----------
+    recorded : the unit in which the submission itself records a sensor: a label that names it is right of numbers as they are given
+    """
     for panel in plot.panels:
         texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
         label = next(filter(labels.unit_of, texts), panel.axes.ylabel)
         said = labels.unit_of(label)
         for shown in panel.shown:
             family = plots.UNITS[shown.sensor]
-            wrong = said in family and said != shown.unit
+            as_given = shown.unit == family[0]
+            wrong = said in family and said != shown.unit and not (as_given and said == recorded(shown.sensor))
             unsaid = said is None and shown.unit != family[0]
             if wrong or unsaid:
                 got = f"numbers in {shown.unit} under {f'the label {quoted(label)}' if label else 'no label'}"

@@ -12,7 +12,7 @@ from grader.engine.findings import Missing, Raised, Skipped, raised
 from grader.engine.slips import Slip
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
-from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
+from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.diagnosis.plots import Channel, Panel, Shown
 from grader.labs.imu.diagnosis.sight import together
@@ -133,6 +133,14 @@ def _own_recording(student: Student, truth: Traces) -> Collection | None:
         return student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
     except (NoAnswer, Missing, Raised):
         return None
+
+
+def recorded_unit(student: Student, truth: Traces, sensor: int) -> str:
+    """In which unit the submission itself records a sensor of the lab's run, by its own reader; empty where that is not known."""
+    with student.without_standins():
+        own = _own_recording(student, truth)
+    rows = None if own is None else own.sensors[sensor]
+    return "" if rows is None or not len(rows) else plots.unit_in(rows, truth["push"][SENSORS[sensor]], sensor)
 
 
 def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:

@@ -207,6 +207,12 @@ UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
 """The units of each sensor, that of the recorded numbers first."""
 
 
+def unit_in(rows: Array, true: Array, sensor: int) -> str:
+    """The unit in which rows (n, 3) are as large as the true ones (m, 3), to a tenth; empty where they are in none."""
+    size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
+    return next((unit for unit, scale in _UNITS[sensor] if abs(size - scale * whole) <= scale * whole / 10), "")
+
+
 # --- what else was recorded ----------------------------------------------------------------------------------------------
 
 

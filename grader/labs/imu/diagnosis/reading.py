@@ -149,6 +149,12 @@ def at_fixed_places(accel: Array, gyro: Array, scene: Scene) -> Explanation | No
     return always_reads(starts[0], starts[1]) if any(elsewhere) else None
 
 
+def stands_elsewhere(got: Array, true: Array, sensordata: Array) -> bool:
+    """Whether these numbers (k, 3) move, are not the true ones, and stand at one other place of sensordata in every state."""
+    moves = bool(np.ptp(got, axis=0).any())
+    return moves and np.abs(got - true).max() > ATOL and _start(got, sensordata) is not None
+
+
 def _start(got: Array, sensordata: Array) -> int | None:
     """The first place where these three numbers (k, 3) stand in every state."""
     if not np.isfinite(got).all():
