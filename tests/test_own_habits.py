@@ -540,7 +540,7 @@ def test_what_was_left_out_of_a_plot_is_noted(player: Marking) -> None:
 
 def test_what_was_lent_is_noted(player: Marking) -> None:
     notes = marked(player, _changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
-    assert "imu_reader.py uses np, which it does not import: lent to it, so that the rest counts" in notes
+    assert "imu_reader.py uses np, not there when it is imported: lent to it, so that the rest counts" in notes
 
 
 BORROWED_ON_PURPOSE = {

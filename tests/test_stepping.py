@@ -119,10 +119,27 @@ def test_hints_that_raise_are_left_out_and_the_definition_stays() -> None:
     assert [(at, how) for at, how, *_ in told(noted)] == [(1, "hints"), (5, "hints")]
 
 
-def test_a_decorator_that_raises_loses_its_definition_and_is_told_by_its_line() -> None:
-    names, noted = run("\n@nothing\ndef f(): pass\n", wanted=("f", "g"))
+LESS = {
+    "a decorator": "\n@nothing\ndef f(): return 1\n",
+    "one of two decorators": "import functools\n@functools.cache\n@functools.nothing\ndef f(): return 1\n",
+    "a base": "\nclass f(nothing):\n    def __new__(cls): return 1\n",
+    "a line of a class": "\nclass f:\n    nothing = nowhere\n    def __new__(cls): return 1\n",
+    "a method's decorator": "\nclass f:\n    @nothing\n    def other(self): pass\n    def __new__(cls): return 1\n",
+    "a default": "\ndef f(first=2, second=nothing, third=1): return third\n",
+}
+
+
+@pytest.mark.parametrize("text", LESS.values(), ids=LESS)
+def test_what_a_definition_stops_at_is_taken_from_it_and_told_by_its_line(text: str) -> None:
+    names, noted = run(text, wanted=("f", "g"))
+    assert names["f"](*[None] * ("second" in text), *[None] * ("second" in text)) == 1
+    assert [(each["at"], each["how"], each["defines"]) for each in noted] == [(2, "less", ["f"])]
+
+
+def test_a_definition_that_stops_for_two_things_is_lost() -> None:
+    names, noted = run("\n@nothing\nclass f(nobody): pass\n", wanted=("f", "g"))
     assert "f" not in names
-    assert [(each["at"], each["defines"]) for each in noted] == [(2, ["f"])]
+    assert [(each["at"], each["how"], each["defines"]) for each in noted] == [(2, "raised", ["f"])]
 
 
 def test_an_import_that_fails_costs_what_uses_it_and_not_what_is_imported_beside_it() -> None:
@@ -139,15 +156,22 @@ def test_an_import_that_fails_costs_what_uses_it_and_not_what_is_imported_beside
     assert [at for at, *_ in told(noted)] == [1, 2]
 
 
-@pytest.mark.parametrize(
-    "lost", ["@fast\ndef helper(x):\n    return x", "helper = fast(max)", "class helper(fast):\n    pass"]
-)
+@pytest.mark.parametrize("lost", ["helper = fast(max)", "class helper(fast):\n    pass"])
 def test_what_was_made_with_a_missing_package_tells_of_the_package(lost: str) -> None:
     """The one that is asked for is missing as it is: what stands in for it must find its place free."""
     names, _ = run(f"from nothing_here import fast\n{lost}\n{lost.replace('helper', 'update')}\n", wanted=("update",))
     assert "update" not in names
     with pytest.raises(ModuleNotFoundError, match="No module named 'nothing_here'"):
         names["helper"](1)
+
+
+def test_a_decorator_of_a_missing_package_is_taken_away() -> None:
+    names, noted = run("from nothing_here import fast\n@fast\ndef update(x):\n    return x\n", wanted=("update",))
+    assert names["update"](1) == 1
+    assert [(each["how"], each["type"]) for each in noted] == [
+        ("raised", "ModuleNotFoundError"),
+        ("less", "ModuleNotFoundError"),
+    ]
 
 
 def test_what_was_there_before_stays_where_another_one_needs_a_missing_package() -> None:

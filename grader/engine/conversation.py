@@ -22,7 +22,7 @@ _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
 _MOST_BREAKPOINTS = 3
 _MOST_SLIPS = 8  # of a submission; each costs a process
-_DID = {"hints": "lost its type hints", "unread": "could not be read"}
+_DID = {"hints": "lost its type hints", "less": "lost what it stops at", "unread": "could not be read"}
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
 
 T = TypeVar("T")
@@ -159,7 +159,7 @@ class Conversation(Asking):
             self.note(f"{printable(path, 120)} defines {printable(own, 60)}, which was taken for {name}")
         if names := ", ".join(dict.fromkeys(name for _, name in loaded.lent)):
             self.note(
-                f"{printable(path, 120)} uses {names}, which it does not import: lent to it, so that the rest counts"
+                f"{printable(path, 120)} uses {names}, not there when it is imported: lent to it, so that the rest counts"
             )
         for _, fault in loaded.completed:
             self.note(f"{fault.where}: {fault.type}, {printable(fault.message, 200)}: mended, so that the rest counts")

@@ -29,8 +29,8 @@ class SteppedOver:
     ----------
     path : the file, or the notebook and its cell
     number, line : which statement of it, and where it begins
-    how : ``raised``; ``hints``: it is a definition, whose type hints raised and were left out; ``overran`` its time; ``ended``
-        the process, or could not be interrupted, and was not run again; ``unread``: it is no Python
+    how : ``raised``; ``hints``: it is a definition, whose type hints raised and were left out; ``less``: so was another part of it;
+        ``overran`` its time; ``ended`` the process, or could not be interrupted, and was not run again; ``unread``: it is no Python
     defines : of the names that are asked for, those that it would have defined
     within : of these names, those whose code was running when it was interrupted
     fault : what it raised, or the reason

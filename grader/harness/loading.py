@@ -62,7 +62,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
     answer["lent"] = STATE.lent.get(path, [])
     answer["misspelt"] = [*STATE.misspelt.get(path, []), *STATE.other_methods.get(path, {}).items()]
-    answer["completed"] = STATE.completed.get(path, [])
+    answer["completed"] = [*STATE.completed.get(path, []), *STATE.stepper.lessened(path)]
     answer["unreturned"] = [name for name, lacked in STATE.unreturned.get(path, {}).items() if lacked]
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 

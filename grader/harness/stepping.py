@@ -24,6 +24,7 @@ from inspect import CO_COROUTINE
 from typing import Any, TypeGuard
 
 from . import faults
+from .lessening import lessened
 
 _REAL_CLOCK, _CPU_CLOCK = time.monotonic, time.process_time  # student code finds others, see `world`
 _TICK_S = 0.25
@@ -193,13 +194,19 @@ class Stepper:
             return
         how = "raised"
         if isinstance(unit.node, DEFINITIONS) and isinstance(raised, Exception):
-            with contextlib.suppress(BaseException):
-                _evaluate(_compiled(unit.node, unit.code.co_filename, _HINTS_AS_TEXT), names)
-                how = "hints"
+            how = next((how for how, node in lessened(unit.node, raised) if self._is_made(unit, node, names, how)), how)
         if how == "raised" and isinstance(raised, ImportError):  # a helper's decorator, say
             lost = [name for name in bound(unit.node) if name not in self.wanted]
             names.update({name: _not_imported(raised) for name in lost if name not in names})
         self._note(path, unit, how, raised)
+
+    def _is_made(self, unit: Unit, node: ast.stmt, names: dict[str, Any], how: str) -> bool:
+        """Whether a definition is made without a part of it."""
+        try:
+            _evaluate(_compiled(node, unit.code.co_filename, _HINTS_AS_TEXT if how == "hints" else 0), names)
+        except Exception:
+            return False
+        return True
 
     def _import_the_rest(self, path: str, unit: Unit, names: dict[str, Any], raised: ImportError) -> None:
         assert isinstance(unit.node, _IMPORTS)
@@ -228,6 +235,12 @@ class Stepper:
         """Which of the wanted names are there."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], NotThere)]
 
+    def lessened(self, path: str) -> list[tuple[str, dict[str, Any]]]:
+        """The wanted names whose definitions in a file were made without what they stopped at, and what they stopped at."""
+        own = [each for each in self.noted if each["how"] == "less" and each["path"].partition(":cell ")[0] == path]
+        facts = ("type", "message", "file", "line", "text", "name")
+        return [(name, {key: each[key] for key in facts}) for each in own for name in each["defines"]]
+
     def _write_place(self) -> None:
         """For the case that this process does not come back; it may have closed or filled what it writes to."""
         at, room = self._place
@@ -240,14 +253,14 @@ class Stepper:
 def _as_run(unit: Unit, names: dict[str, Any]) -> list[Unit]:
     """The unit, or the statements below a main guard: a program runs these as it runs what stands beside the guard."""
     node, flags = unit.node, unit.code.co_flags
-    if not _is_main_guard(node) or names.get("__name__") != "__main__" or flags & CO_COROUTINE:
+    if not is_main_guard(node) or names.get("__name__") != "__main__" or flags & CO_COROUTINE:
         return [unit]
     numbered = enumerate(node.body, (unit.number + 1) << 16)  # as no other statement is
     own = [(number, each) for number, each in numbered if not _is_text(each)]
     return [Unit(number, each, _compiled(each, unit.code.co_filename, flags & _FUTURE)) for number, each in own]
 
 
-def _is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
+def is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
     if not isinstance(node, ast.If) or node.orelse or not isinstance(node.test, ast.Compare):
         return False
     sides = [node.test.left, *node.test.comparators]

@@ -10,6 +10,8 @@ from grader.ground.text import printable
 from grader.labs.imu.student import Student
 
 _GLOBAL, _NAME = "global ", "name for "
+_REFUSED = ("a file that Python can read", "text that Python refuses")
+_STOPS = ("a definition that Python can make", "a definition that stops where it is made")
 
 
 @dataclass(frozen=True)
@@ -59,14 +61,17 @@ def _lacks(student: Student, name: str, departs: Collection[str]) -> Iterator[_L
     """What stands first in the way comes first."""
     for first in student.completed_in(name)[:1]:
         got = f"{first.type}: {printable(first.message, 200)} at {first.where}; mended, so that the rest counts"
-        yield _Lack("a file that Python can read", got, "text that Python refuses", "does-not-import", first)
+        refused = first.type.endswith(("SyntaxError", "IndentationError", "TabError"))
+        expected, off = _REFUSED if refused else _STOPS
+        mistake = "missing-package" if first.type == "ModuleNotFoundError" else "does-not-import"
+        yield _Lack(expected, got, off, mistake, first)
     wanted, own = student.misspelt(name)
     if own:
         taken = f"{printable(own, 60)}, which was taken for {wanted}"
         yield _Lack(wanted, taken, f"a name that is not spelled as {wanted}", "name-missing")
     if lent := ", ".join(student.lent_to(name)):
-        got, off = f"{lent} without an import", f"no import of {lent}"
-        yield _Lack("a file that imports what it uses", got, off, "import-missing")
+        got, off = f"no {lent} there: lent to it", f"no {lent} there"
+        yield _Lack("a file that has what it uses when it is imported", got, off, "import-missing")
     slips = student.slips_in(name)
     if mended := [slip for slip in slips if not slip.is_left_out]:
         meant = _each_once(slip.meant for slip in mended)

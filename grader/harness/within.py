@@ -1,0 +1,124 @@
+"""What stands within a file's statements: which names are used and bound there, and which lines bring one that a function lacks."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+
+from . import stepping
+
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_COMPUTED = ("abs", "dict", "float", "int", "len", "list", "max", "min", "range", "round", "set", "str", "sum", "tuple")
+_NUMERICAL = ("math", "np", "numpy")
+_FROM = {
+    "collections": ("Counter", "OrderedDict", "defaultdict", "deque", "namedtuple"), "dataclasses": ("dataclass", "field"),
+    "functools": ("cached_property", "lru_cache", "partial", "reduce", "wraps"), "abc": ("ABC", "abstractmethod"),
+    "enum": ("Enum", "IntEnum"), "pathlib": ("Path",), "typing": ("NamedTuple", "Protocol"), "copy": ("deepcopy",),
+    "scipy": ("signal", "stats"), "matplotlib": ("animation", "gridspec"), "matplotlib.gridspec": ("GridSpec",),
+    "matplotlib.animation": ("FuncAnimation",), "matplotlib.figure": ("Figure",),
+}  # fmt: skip
+"""Names that are known by themselves, beside those of modules."""
+
+
+def elsewhere(nodes: Sequence[ast.stmt]) -> Iterator[tuple[str, ast.stmt]]:
+    """Names that a file has elsewhere than where it is imported, each with the line that brings it there."""
+    for node in nodes:
+        for each in ast.walk(node) if not isinstance(node, ast.Import | ast.ImportFrom) else ():
+            if isinstance(each, ast.Import | ast.ImportFrom):
+                yield from ((name, _single(each, alias)) for alias in each.names if (name := _name_of(alias)) != "*")
+    for each in _assignments(nodes):
+        if isinstance(each.targets[0], ast.Name) and _is_plain(each.value):
+            yield each.targets[0].id, each
+
+
+def _name_of(alias: ast.alias) -> str:
+    return (alias.asname or alias.name).split(".")[0]
+
+
+def _single(node: ast.Import | ast.ImportFrom, alias: ast.alias) -> ast.stmt:
+    if isinstance(node, ast.Import):
+        return ast.copy_location(ast.Import([alias]), node)
+    return ast.copy_location(ast.ImportFrom(node.module, [alias], node.level), node)
+
+
+def _assignments(nodes: Sequence[ast.stmt]) -> Iterator[ast.Assign]:
+    """What a program sets and an import does not: below a main guard, and as a global of a function."""
+    for node in nodes:
+        if stepping.is_main_guard(node):
+            yield from (each for each in node.body if isinstance(each, ast.Assign))
+        for function in functions([node]):
+            names = {name for each in ast.walk(function) if isinstance(each, ast.Global) for name in each.names}
+            yield from (each for each in ast.walk(function) if isinstance(each, ast.Assign) and _sets(each, names))
+
+
+def _sets(node: ast.Assign, names: set[str]) -> bool:
+    return isinstance(node.targets[0], ast.Name) and node.targets[0].id in names
+
+
+def _is_plain(value: ast.expr) -> bool:
+    """Whether an expression is a constant of the program: numbers, texts, and what is computed of them."""
+    calls = [each.func for each in ast.walk(value) if isinstance(each, ast.Call)]
+    return all(
+        (isinstance(call, ast.Name) and call.id in _COMPUTED)
+        or (isinstance(call, ast.Attribute) and ast.unparse(call.value) in _NUMERICAL)
+        for call in calls
+    )
+
+
+def forgotten(nodes: Sequence[ast.stmt]) -> Iterator[tuple[str, ast.stmt]]:
+    """Python's own modules, of which something is asked, and what everybody takes from one, each with the line that imports it."""
+    asked = (each.value for node in nodes for each in ast.walk(node) if isinstance(each, ast.Attribute))
+    for name in dict.fromkeys(each.id for each in asked if isinstance(each, ast.Name)):
+        if name in sys.stdlib_module_names:
+            yield name, ast.parse(f"import {name}").body[0]
+    for module, names in _FROM.items():
+        yield from ((name, ast.parse(f"from {module} import {name}").body[0]) for name in names)
+
+
+def lacking(name: str, nodes: Sequence[ast.stmt]) -> bool:
+    """Whether a function uses a name that it does not bind, or a definition is made with it."""
+    made_with = [part for node in nodes if isinstance(node, stepping.DEFINITIONS) for part in _made_with(node)]
+    return name in used(made_with) or any(
+        name in used([each]) and name not in set(bound(each)) for each in functions(nodes)
+    )
+
+
+def _made_with(node: ast.stmt) -> list[ast.expr]:
+    """The decorators and bases of a definition."""
+    return [*getattr(node, "decorator_list", ()), *getattr(node, "bases", ())]
+
+
+def functions(nodes: Iterable[ast.stmt]) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+    """The functions and methods that are not within another one."""
+    for node in nodes:
+        if isinstance(node, _FUNCTIONS):
+            yield node
+        elif isinstance(node, ast.ClassDef):
+            yield from functions(node.body)
+
+
+def imported(node: ast.AST) -> list[str]:
+    if not isinstance(node, ast.Import | ast.ImportFrom):
+        return []
+    return [(alias.asname or alias.name).split(".")[0] for alias in node.names]
+
+
+def used(nodes: Sequence[ast.AST]) -> set[str]:
+    names = (each for node in nodes for each in ast.walk(node) if isinstance(each, ast.Name))
+    return {each.id for each in names if isinstance(each.ctx, ast.Load)}
+
+
+def bound(node: ast.AST) -> Iterator[str]:
+    """All names that anything in a statement binds, wherever."""
+    for each in ast.walk(node):
+        if isinstance(each, ast.Name) and not isinstance(each.ctx, ast.Load):
+            yield each.id
+        elif isinstance(each, ast.arg):
+            yield each.arg
+        elif isinstance(each, ast.Import | ast.ImportFrom):
+            yield from imported(each)
+        elif isinstance(each, ast.Global | ast.Nonlocal):
+            yield from each.names
+        elif isinstance(each, (*stepping.DEFINITIONS, ast.ExceptHandler, ast.MatchAs, ast.MatchStar)):
+            yield each.name or ""
