@@ -9,6 +9,17 @@ from grader.intake import Submission
 from tests.corpus.writing import Files
 from tests.tapes import Marking
 
+Changes = dict[str, str]
+"""What stands in the place of what, in one file."""
+
+
+def changed(files: Files, path: str, changes: Changes) -> Files:
+    text = files[path]
+    for old, new in changes.items():
+        assert old in text, f"{path} holds no {old!r}"
+        text = text.replace(old, new)
+    return files | {path: text}
+
 
 @dataclass(frozen=True)
 class Slip:

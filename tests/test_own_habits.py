@@ -9,19 +9,10 @@ import pytest
 
 from tests.corpus.pieces import tidy, verbatim
 from tests.corpus.writing import Files
-from tests.slips import Slip, costs_what_it_is, lost_by, marked
+from tests.slips import Changes, Slip, changed, costs_what_it_is, lost_by, marked
 from tests.tapes import Marking
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
-Changes = dict[str, str]
-
-
-def _changed(files: Files, path: str, changes: Changes) -> Files:
-    text = files[path]
-    for old, new in changes.items():
-        assert old in text, f"{path} holds no {old!r}"
-        text = text.replace(old, new)
-    return files | {path: text}
 
 
 def _renamed(files: Files, old: str, new: str) -> Files:
@@ -398,7 +389,7 @@ UNKNOWN: dict[str, tuple[str, dict[str, str], dict[str, float]]] = {
 
 def _chained() -> Files:
     """noisy_imu.py writes what it has read when it is run, and filters.py filters that."""
-    files = _changed(
+    files = changed(
         tidy(),
         NOISY,
         {
@@ -416,35 +407,35 @@ def _chained() -> Files:
 
 def _slips() -> Iterator[Slip]:
     for name, (path, changes, lost, named) in (PARAMETERS | EDITED | LEFT_OUT).items():
-        yield Slip(name, _changed(verbatim(), path, changes), lost, named)
+        yield Slip(name, changed(verbatim(), path, changes), lost, named)
     for name, (path, line, lost) in FORGOTTEN.items():
         named = () if "comparison" in str(lost) else FORGOT  # the script stops there: what it would draw is not known
-        yield Slip(f"forgotten: {name}", _changed(verbatim(), path, {line: ""}), lost, named)
+        yield Slip(f"forgotten: {name}", changed(verbatim(), path, {line: ""}), lost, named)
     yield Slip(
         "forgotten: a partner",
-        _changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}),
+        changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}),
         {RECURSION: 3.0},
         FORGOT,
     )
     for name, (path, changes, check) in SILENT.items():
-        yield Slip(f"no return: {name}", _changed(verbatim(), path, changes), {check: 3.0}, ("return-missing",))
+        yield Slip(f"no return: {name}", changed(verbatim(), path, changes), {check: 3.0}, ("return-missing",))
     for name, (path, changes, check) in OTHER_METHODS.items():
-        files = _changed(verbatim(), path, changes)
+        files = changed(verbatim(), path, changes)
         used = {"noisy_imu.read()": changes["noisy_imu.read()"]} if path == NOISY else {}
-        yield Slip(f"another method: {name}", _changed(files, FILTER, used), {check: 3.0}, ("name-missing",))
+        yield Slip(f"another method: {name}", changed(files, FILTER, used), {check: 3.0}, ("name-missing",))
     for (name, own), check in MISSPELT.items():
         yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
     for name, (takes, reads) in READING.items():
         own = {"def read(self)": f"def read(self, {takes})", "noisy_imu.read()": f"noisy_imu.read({reads})"}
-        files = _changed(verbatim(), NOISY, own)
-        files = _changed(files, FILTER, {"noisy_imu.read()": own["noisy_imu.read()"]})
+        files = changed(verbatim(), NOISY, own)
+        files = changed(files, FILTER, {"noisy_imu.read()": own["noisy_imu.read()"]})
         yield Slip(f"read() is given {name}", files, {NOISE: 3.0}, OTHER)
     for name, (path, changes, lost) in UNKNOWN.items():
         named = ("gain-not-one",) if "weight" in name else ("unknown-name",)
-        yield Slip(f"unknown: {name}", _changed(verbatim(), path, changes), lost, named)
+        yield Slip(f"unknown: {name}", changed(verbatim(), path, changes), lost, named)
     yield Slip(
         "curves of one sensor in no panel",
-        _changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),
+        changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),
         {"visualization.curves_match_data": 2.5},
         ("curves-missing",),
     )
@@ -452,7 +443,7 @@ def _slips() -> Iterator[Slip]:
             "        if self.state is None:\n": "        global first\n        if first and self.state is None:\n            first = False\n"}  # fmt: skip
     yield Slip(
         "a flag that all filters share",
-        _changed(tidy(), FILTER, flag),
+        changed(tidy(), FILTER, flag),
         {"filtering.instances_independent": 3.0},
         ("shared-state",),
     )
@@ -464,14 +455,14 @@ def _slips() -> Iterator[Slip]:
     }
     yield Slip(
         "a curve of three points for each reading",
-        _changed(tidy(), READER, across),
+        changed(tidy(), READER, across),
         {"visualization.curves_match_data": 5.0},
         ("wrong-data-plotted",),
     )
     yield Slip("scripts that read what the one before has written", _chained(), {})
     yield Slip(
         "legends of the parts of a figure",
-        _changed(
+        changed(
             tidy(),
             READER,
             {
@@ -487,7 +478,7 @@ def _slips() -> Iterator[Slip]:
     )
     yield Slip(
         "a division by the difference",
-        _changed(tidy(), FILTER, {"self.alpha * (x - self.state)": "self.alpha / (x - self.state)"}),
+        changed(tidy(), FILTER, {"self.alpha * (x - self.state)": "self.alpha / (x - self.state)"}),
         {RECURSION: 6.0},
     )
 
@@ -534,12 +525,12 @@ def test_another_word_for_a_function_is_not_its_name(player: Marking) -> None:
 
 def test_what_was_left_out_of_a_plot_is_noted(player: Marking) -> None:
     path, changes, *_ = LEFT_OUT["a legend at no place"]
-    notes = marked(player, _changed(verbatim(), path, changes)).notes
+    notes = marked(player, changed(verbatim(), path, changes)).notes
     assert ": axes[1].legend(loc='top') was left out of the plot, so that the rest counts: ValueError" in str(notes)
 
 
 def test_what_was_lent_is_noted(player: Marking) -> None:
-    notes = marked(player, _changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
+    notes = marked(player, changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
     assert "imu_reader.py uses np, not there when it is imported: lent to it, so that the rest counts" in notes
 
 
@@ -553,7 +544,7 @@ BORROWED_ON_PURPOSE = {
 
 @pytest.mark.parametrize("line", BORROWED_ON_PURPOSE.values(), ids=BORROWED_ON_PURPOSE)
 def test_a_name_that_comes_by_another_way_is_not_forgotten(line: str, player: Marking) -> None:
-    result = marked(player, _changed(verbatim(), READER, {"import numpy as np\n": line}))
+    result = marked(player, changed(verbatim(), READER, {"import numpy as np\n": line}))
     assert (result.score, result.notes) == (100.0, ())
 
 
@@ -604,10 +595,10 @@ def test_what_a_class_has_beside_the_sheets_methods_is_there_in_its_place(
     case: tuple[Changes, Changes, set[str]], player: Marking
 ) -> None:
     script, faulty, criteria = case
-    files = _changed(verbatim(), FILTER, script)
+    files = changed(verbatim(), FILTER, script)
     for old, new in faulty.items():
         path = next(path for path in (FILTER, NOISY) if old in files[path])
-        files = _changed(files, path, {old: new})
+        files = changed(files, path, {old: new})
     assert {check.partition(".")[0] for check in lost_by(marked(player, files))} == criteria
 
 

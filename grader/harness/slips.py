@@ -35,6 +35,8 @@ _WITHOUT_SELF = re.compile(
     r"^(\w+)\.(\w+)\(\) (?:takes \d+ positional arguments? but|got multiple values for argument)"
 )
 _LONGEST = 200
+_FROM = 4
+"""Calls that are looked at from the innermost outwards, for one that gives what another stops at."""
 
 
 def notice(raised: BaseException, *, drawing: bool = False) -> None:
@@ -81,7 +83,7 @@ def _slips(raised: BaseException) -> Iterator[Slip]:
 
 def _from_outside(raised: BaseException, own: list[tuple[FrameType, int]]) -> Iterator[Slip]:
     """What a function stops at that was called with its arguments in another order."""
-    for frame, line in reversed(own[:-1]):
+    for frame, line in own[-2 : -2 - _FROM : -1]:  # a recursion has a thousand
         function = _around(_tree(frame.f_code.co_filename), line)
         if function is not None:
             for kind, name, meant in arguments.by_names(raised, Scope([frame], function, line)):

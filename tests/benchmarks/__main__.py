@@ -12,13 +12,14 @@ import argparse
 import json
 import os
 import platform
+import shlex
 import shutil
 import statistics
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -108,16 +109,22 @@ Run = Callable[[list[str], Path], tuple[float, float]]
 def contenders(counts: Mapping[str, Path]) -> dict[str, tuple[str, Run]]:
     """Each by its name: which class it grades, and how."""
 
-    def grade(jobs: int) -> Run:
+    def grade(jobs: int, cores: Collection[int] = ()) -> Run:
         def run(places: list[str], at: Path) -> tuple[float, float]:
             out = at / f"out-{jobs}"
             shutil.rmtree(out, ignore_errors=True)
-            return cost([sys.executable, "-m", "grader", "grade", *places, "-o", str(out), "-j", str(jobs)], at)
+            command = [sys.executable, "-m", "grader", "grade", *places, "-o", str(out), "-j", str(jobs)]
+            return cost(command, at, cores)
 
         return run
 
-    def floor(kind: str) -> Run:
-        return lambda places, at: cost([sys.executable, "-m", "tests.benchmarks.floor", str(counts[kind]), *places], at)
+    def floor(kind: str, processes: int = 1) -> Run:
+        def run(places: list[str], at: Path) -> tuple[float, float]:
+            one = shlex.join([sys.executable, "-m", "tests.benchmarks.floor", str(counts[kind]), *places])
+            cpu_s, wall_s = cost(["sh", "-c", f"{f'{one} & ' * (processes - 1)}{one}; wait"], at)
+            return cpu_s / processes, wall_s / processes
+
+        return run
 
     def plain(*options: str) -> Run:
         def run(places: list[str], at: Path) -> tuple[float, float]:
@@ -128,7 +135,9 @@ def contenders(counts: Mapping[str, Path]) -> dict[str, tuple[str, Run]]:
 
     return {
         "floor": ("sound", floor("sound")),
+        "two floors side by side": ("sound", floor("sound", 2)),
         "ours, one marker": ("sound", grade(1)),
+        "ours, one marker on one core": ("sound", grade(1, [0])),
         "ours, two markers": ("sound", grade(2)),
         "plain pytest": ("sound", plain()),
         "plain pytest -n 2": ("sound", plain("-p", "xdist.plugin", "-n", "2")),
@@ -211,7 +220,7 @@ def main() -> int:
         "plain": ratios(ours, cpu["plain pytest"]),
         "sheet": ratios(cpu["ours, the sheet's own layout"], cpu["floor of the sheet's own layout"]),
         "faulty": ratios(cpu["ours, one fault in each"], ours),
-        "markers": ratios(wall["ours, one marker"], wall["ours, two markers"]),
+        "markers": ratios(wall["ours, one marker on one core"], wall["ours, two markers"]),
         "memory": guard.Seen.of(mebibytes),
         "first": ratios(from_cold["begun"], from_cold["bare"]),
         "verdict": ratios(from_cold["check"], from_cold["bare"]),
@@ -219,6 +228,13 @@ def main() -> int:
         "again": guard.Seen.of(from_cold["again"]),
         "explain": guard.Seen.of(from_cold["explain"]),
     }
+    beside = {
+        "two floors side by side, of one": ratios(wall["floor"], wall["two floors side by side"]),
+        "two markers, of one that has two cores": ratios(wall["ours, one marker"], wall["ours, two markers"]),
+    }
+    print("\n| by the clock | now | ± |\n| --- | ---: | ---: |")
+    for name, seen in beside.items():
+        print(f"| {name} | {seen.median:.3g} | {seen.spread:.2g} |")
     watched, good = guard.held(now, guard.read())
     print(f"\n{watched}")
     if given.record:

@@ -32,7 +32,7 @@ FIGURES = {
     "plain": Figure("the same, of plain pytest", 0.25),
     "sheet": Figure("CPU of the sheet's own layout, of its floor", 1.3),
     "faulty": Figure("CPU of a faulty submission, of a sound one", 2.0),
-    "markers": Figure("submissions of two markers by the clock, of one", 1.9, more=True),
+    "markers": Figure("submissions of two markers on two cores by the clock, of one on one", 1.9, more=True),
     "memory": Figure("private MB of a marker with its zygote", 250.0),
     "first": Figure("first line of a cold check, of the bare imports", 0.6),
     "verdict": Figure("its verdict, of the bare imports", 2.0),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import time
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,12 +27,26 @@ PLAIN_PYTEST = (
 )
 
 
-def cost(command: list[str], folder: Path) -> tuple[float, float]:
-    """CPU and wall seconds of a command with everything that it starts."""
+@contextmanager
+def _kept_to(cores: Collection[int]) -> Iterator[None]:
+    """This process on some cores, and so whatever it starts meanwhile."""
+    every = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cores or every)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, every)
+
+
+def cost(command: list[str], folder: Path, cores: Collection[int] = ()) -> tuple[float, float]:
+    """CPU and wall seconds of a command with everything that it starts; on these cores alone, where some are given."""
     started = time.perf_counter()
-    with subprocess.Popen(
-        command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
+    with (
+        _kept_to(cores),
+        subprocess.Popen(
+            command, cwd=folder, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        ) as process,
+    ):
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:

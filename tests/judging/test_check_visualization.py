@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -44,6 +45,10 @@ class Plotted(Made):
 
     def plot(self, *_: Any, **__: Any) -> Drawing:
         return self._drawing
+
+    @contextmanager
+    def without_standins(self) -> Iterator[dict[Any, Any]]:
+        yield {}
 
     def scripts(self) -> Iterator[Drawing]:
         return iter(self._scripts)

@@ -321,6 +321,8 @@ def test_rows_of_earlier_runs_are_counted(series: Collection, before: Collection
         (_ACCELERATION, lambda x: 2 * x[:20], "treated"),
         (_ACCELERATION, lambda x: 2 * x[:19], None),
         (_ACCELERATION, lambda x: 0 * x + [1, 2, 3], None),
+        (_ACCELERATION, lambda x: 2.1e-3 * x / np.ptp(x, axis=0).max(), "treated"),
+        (_ACCELERATION, lambda x: 1.9e-3 * x / np.ptp(x, axis=0).max(), None),
         (_ACCELERATION, lambda x: 2 * x + np.outer(np.arange(_STEPS) == 7, [0, 0.01, 0]), None),
         (_ACCELERATION, lambda x: 2 * x - np.outer(np.arange(_STEPS) == 7, [0, 0.01, 0]), None),
         (_ACCELERATION, lambda x: x * [0, 0, 2], "treated"),
@@ -391,6 +393,11 @@ def _other_rows(missed: float) -> Array:
     return np.asarray(foretold + missed * (before - foretold))
 
 
+def _mixed_up(rows: Array) -> Array:
+    """A list of x, y, z, x, … that is taken for all of x, then all of y."""
+    return np.asarray(rows.reshape(3, -1).T)
+
+
 @pytest.mark.parametrize(
     ("rows", "other", "goes"),
     [
@@ -408,6 +415,11 @@ def _other_rows(missed: float) -> Array:
         (np.vstack([_ACCEL @ _MIX + 3, _NANS]), _other_rows(0), True),
         (-_ACCEL @ _MIX - 3, -_other_rows(0.49), True),
         (-_ACCEL @ _MIX - 3, -_other_rows(0.51), False),
+        (_mixed_up(_ACCEL), _mixed_up(_WEAK), True),
+        (_mixed_up(_ACCEL), np.where(np.arange(_STEPS) < 0.08 * _STEPS, 0.0, _mixed_up(_WEAK).T).T, True),
+        (_mixed_up(_ACCEL), np.where(np.arange(_STEPS) < 0.12 * _STEPS, 0.0, _mixed_up(_WEAK).T).T, False),
+        (_mixed_up(_ACCEL), _mixed_up(_ACCEL), False),
+        (_mixed_up(_ACCEL), _mixed_up(_WEAK) + 1e-6, False),
     ],
 )
 def test_rows_go_with_a_simulation_when_they_change_with_it(rows: Array, other: Array, goes: bool) -> None:
@@ -464,7 +476,8 @@ _THIRDS = np.arange(0, 90, 3)
         (_DT * np.where(_THIRDS == 45, np.nan, _THIRDS + 1), ()),
         (_DT * np.where(_THIRDS == 87, 1.1e6, _THIRDS + 1), ()),
         (_STAMPS[:60], ()),
-        (_STAMPS[[*range(20), *range(25, 42)]], ()),
+        (_STAMPS[[*range(20), *range(25, 42)]], [*range(20), *range(25, 42)]),
+        (_STAMPS[[*range(20), *range(21, 42)]], [*range(20), *range(21, 42)]),
         (_STAMPS[[*range(20), *range(30, 45)]], [*range(20), *range(30, 45)]),
         (None, ()),
     ],

@@ -54,5 +54,5 @@ def test_numbers_in_another_unit_are_told_with_the_label_that_is_there(label: st
     panel = SimpleNamespace(axes=SimpleNamespace(ylabel=label, title=""), shown=[SimpleNamespace(sensor=0, unit="g")])
     plot = cast(Any, SimpleNamespace(panels=[panel], figure=SimpleNamespace(ylabel="")))
     with pytest.raises(Lost) as lost:
-        in_another_unit(plot)
+        in_another_unit(plot, lambda sensor: "")
     assert lost.value.got == told

@@ -26,6 +26,7 @@ FILE = Path(__file__).parent / "suite.tape"
 RECORDS = "IMUGRADE_RECORDS_TAPES"
 TESTS = (
     "tests/test_absent.py",
+    "tests/test_assembling.py",
     "tests/test_module_level.py",
     "tests/test_nothing.py",
     "tests/test_once.py",

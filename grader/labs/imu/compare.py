@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+SHEETS_NOISE = (0.05, 0.0051)
+"""m/s², rad/s: the standard deviations of Step 5; the second with room for the last digit of what was rounded to 0.01 rad/s."""
+
 
 @dataclass(frozen=True)
 class Deviation:

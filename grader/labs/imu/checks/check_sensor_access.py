@@ -12,7 +12,7 @@ from grader.engine.traces import Scenario, Traces
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks.fitting import fits_in
-from grader.labs.imu.compare import Array, Deviation, deviation, told, vector
+from grader.labs.imu.compare import SHEETS_NOISE, Array, Deviation, deviation, told, vector
 from grader.labs.imu.diagnosis import handling
 from grader.labs.imu.diagnosis import reading as diagnosis
 from grader.labs.imu.diagnosis.reading import Explanation, Scene
@@ -107,8 +107,6 @@ def _mostly_right(readings: Readings, scene: Scene) -> bool:
 
 
 _MOST = 0.5
-_LITTLE = (0.05, 0.0051)
-"""m/s², rad/s: the standard deviations of Step 5; the second with room for the last digit of what was rounded to 0.01 rad/s."""
 
 
 def _gap(readings: Readings, scene: Scene) -> tuple[Deviation, Array, Array, str, str]:
@@ -134,7 +132,7 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], me
     ]
     near = all(
         deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= little
-        for got, there, little in zip((readings.accel, readings.gyro), meant, _LITTLE, strict=True)
+        for got, there, little in zip((readings.accel, readings.gyro), meant, SHEETS_NOISE, strict=True)
     )
     keeps, finite = 0.5 if any(right) or near else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
     if readings.oddities and not (finite and readings.whole):  # what is there may be right; the rest is not there

@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.engine.findings import Lost, Ours, Size
 from grader.labs.imu.answers import SENSOR_UNITS, SENSORS, Collection
-from grader.labs.imu.compare import deviation, told
+from grader.labs.imu.compare import SHEETS_NOISE, deviation, told
 from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 
@@ -108,7 +108,9 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
         off = Size(f"no rows that can be made out under {key!r}")
         raise Lost("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
     alone = len(story.altered) == 1
-    keeps, others = (0.5, ", while the other sensor is right") if alone else (0.0, "")
+    keeps, others = (
+        (0.5, ", while the other sensor is right") if alone else (0.5 if _is_near(story, worlds, series) else 0.0, "")
+    )
     if not np.isfinite(got).all():
         raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
     gap = deviation(got, true)
@@ -123,6 +125,12 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
         off=Size(f"{beside}{kind or 'rows'} under {key!r}, off", gap.rms, unit),
         hint="" if treatment else Ours("Store what get_imu_readings returns, as it is (Step 3)."),
     )
+
+
+def _is_near(story: Story, worlds: Worlds, series: Collection) -> bool:
+    """Whether both sensors' rows are off by less than a real sensor's noise."""
+    both = zip(series.sensors, worlds.series[story.world], SHEETS_NOISE, strict=True)
+    return all(rows is not None and deviation(rows, true).worst <= little for rows, true, little in both)
 
 
 def broken_off(n: int, worlds: Worlds) -> NoReturn:
