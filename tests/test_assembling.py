@@ -66,6 +66,13 @@ AT_MODULE_LEVEL: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]
     "a state that __init__ does not set": (FILTER, {"        self.value = initial_value\n": ""}, RECURSION, UNKNOWN),
     "a state that is a list": (FILTER, {"self.value = measurement.copy()": "self.value = list(measurement)"}, RECURSION, RAISES),
     "axes and their figure": (READER, {"fig, axes = plt.subplots(2, 1": "axes, fig = plt.subplots(2, 1"}, PLOT, RAISES),
+    "a library that a last line overwrites": (NOISY, {"print(f\"Clean acceleration": "np = 2\nprint(f\"Clean acceleration"}, NOISE, MISSING),
+    "an instance in the place of its class": (FILTER, {"accel_filter = LowPassFilter(alpha=0.1)": "LowPassFilter = accel_filter = LowPassFilter(alpha=0.1)", "gyro_filter = LowPassFilter(alpha=0.1)\n": ""}, RECURSION, MISSING),
+    "a constructor with another name": (NOISY, {"def __init__": "def __int__"}, NOISE, ("name-missing",)),
+    "a merge that is not finished": (READER, {"        times[i] = data.time\n": "<<<<<<< HEAD\n        times[i] = data.time\n=======\n        times[i] = (i + 1) * dt\n>>>>>>> theirs\n"}, RECORD, BROKEN),
+    "what is asserted of a standing robot": (READER, {"    return acceleration, angular_velocity\n": "    assert abs(acceleration[2] + 9.81) < 0.5, acceleration\n    return acceleration, angular_velocity\n"}, READ, RAISES),
+    "a module that a variable hides": (READER, {"    dt = model.opt.timestep\n": "    started = time.time()\n    dt = model.opt.timestep\n", "import numpy as np\n": "import numpy as np\nimport time\n", "times": "time"}, RECORD, UNKNOWN),
+    "a file that has another name by now": (NOISY, {"from imu_reader import *": "from imu_reader import np, mujoco, model, data, accel_id, gyro_id\nfrom imu import get_imu_readings"}, NOISE, MISSING),
 }  # fmt: skip
 
 TIDY: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
@@ -81,7 +88,6 @@ TIDY: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
     "a name in a class that nothing has": (FILTER, {"class LowPassFilter:\n": "class LowPassFilter:\n    ALPHA = DEFAULT\n\n"}, RECURSION, BROKEN),
     "a base that is not there": (FILTER, {"class LowPassFilter:": "class LowPassFilter(BaseFilter):"}, RECURSION, BROKEN),
     "a decorator that is not imported": (FILTER, {"class LowPassFilter:": "@dataclass\nclass LowPassFilter:"}, RECURSION, MISSING),
-    "a default that is not there": (FILTER, {"alpha=0.1": "alpha=DEFAULT_ALPHA"}, RECURSION, BROKEN),
 }  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import re
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -126,7 +127,7 @@ def test_a_name_that_no_parameter_has_raises_where_it_is_given() -> None:
 
 # --- what a file forgot --------------------------------------------------------------------------------------------------
 
-LIBRARIES = {"np": "numpy"}
+LIBRARIES: dict[str, Any] = {"np": ModuleType("numpy")}
 
 
 def _run(text: str, partner: str = "") -> Lending:
@@ -139,8 +140,9 @@ def _run(text: str, partner: str = "") -> Lending:
         if not isinstance(unit.node, ast.ImportFrom):
             exec(unit.code, names)
         elif unit.node.module == "brings_it":
-            names["np"] = "brought along"
+            names["np"] = ModuleType("brought along")
         lending.after(unit.node, names)
+    lending.at_end(names)
     return lending
 
 
@@ -174,6 +176,14 @@ def _run(text: str, partner: str = "") -> Lending:
         ("def reader(time): return time.x", []),
         ("def reader(): return deque()", [("reader", "deque")]),
         ("@dataclass\nclass Filter: pass", [("Filter", "dataclass")]),
+        (
+            "from __future__ import annotations\nif 0:\n    from json import loads\ndef reader(x: loads) -> loads:\n    y: loads = x\n    return y",
+            [],
+        ),
+        ("import numpy as np\ndef reader(): return np\nnp = 2", [("reader", "np")]),
+        ("class Filter: pass\nFilter = Filter()", [("Filter", "Filter")]),
+        ("class Filter: pass\nclass Filter(Filter): pass", []),
+        ("def reader(): return 1\nreader = len", []),
         ("class Filter(ABC): pass", [("Filter", "ABC")]),
     ],
 )

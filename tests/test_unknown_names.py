@@ -159,25 +159,25 @@ MENDED |= {
     "columns that were forgotten": (
         "import numpy as np\ndef run():\n    row, rows = np.ones(3), np.zeros(2)\n    rows = np.zeros(2)\n    rows[1] = row\n"
         "    return rows.shape".replace("row, rows = np.ones(3), np.zeros(2)", "row = np.ones(3)"),
-        [("np.zeros(2)", "np.zeros((2, 3))")], (2, 3),
+        [("rows = np.zeros(2)", "rows = np.zeros((2, 3))")], (2, 3),
     ),
     "another number of columns": (
         "import numpy as np\ndef run():\n    rows = np.empty((2, 4))\n    rows[0], n = np.ones(3), 1\n    return rows.shape",
-        [("np.empty((2, 4))", "np.empty((2, 3))")], (2, 3),
+        [("rows = np.empty((2, 4))", "rows = np.empty((2, 3))")], (2, 3),
     ),
     "columns in place of rows": (
         "import numpy as np\ndef run():\n    rows = np.zeros((3, 5))\n    rows[4 - 3], other = np.ones(3), 1\n    return rows.shape",
-        [("np.zeros((3, 5))", "np.zeros((5, 3))")], (5, 3),
+        [("rows = np.zeros((3, 5))", "rows = np.zeros((5, 3))")], (5, 3),
     ),
     "a row for two arrays at once": (
         "import numpy as np\ndef read():\n    return np.ones(3), np.ones(3)\ndef run():\n    a, b = np.zeros((2, 3)), 1\n    b = np.zeros(2)\n"
         "    a[0], b[0] = read()\n    return a.shape, b.shape".replace("a, b = np.zeros((2, 3)), 1", "a = np.zeros((2, 3))"),
-        [("np.zeros(2)", "np.zeros((2, 3))")], ((2, 3), (2, 3)),
+        [("b = np.zeros(2)", "b = np.zeros((2, 3))")], ((2, 3), (2, 3)),
     ),
     "a column too many for what is indexed twice": (
         "import numpy as np\ndef run():\n    row, rows = np.ones(3), 1\n    rows = np.zeros(2)\n    rows[1, :] = row\n    return rows.shape"
         .replace("row, rows = np.ones(3), 1", "row = np.ones(3)"),
-        [("np.zeros(2)", "np.zeros((2, 3))")], (2, 3),
+        [("rows = np.zeros(2)", "rows = np.zeros((2, 3))")], (2, 3),
     ),
     "a draw of another number": (
         "import numpy as np\ndef run():\n    return (np.ones(3) + np.random.normal(0, 1, size=4)).shape",
@@ -279,6 +279,28 @@ MENDED |= {
         "import numpy as np\ndef run():\n    rows = np.zeros(3)\n    rows[0.006 / 0.002 - 1] = 4\n    return rows.tolist()",
         [("0.006 / 0.002 - 1", "int(round(0.006 / 0.002 - 1))")], [0.0, 0.0, 4.0],
     ),
+    "fewer names than values": (
+        "def three():\n    return 1, 2, 3\ndef run():\n    one, other = three()\n    return one + other",
+        [("one, other = three()", "one, other, *_ = three()")], 3,
+    ),
+    "a module that a variable hides": (
+        "import math\ndef run():\n    n = math.floor(2.5)\n    math = [n]\n    return math",
+        [("math.floor", "globals()['math'].floor")], [2],
+    ),
+    "a property that returns itself": (
+        "class Filter:\n    def __init__(self):\n        self._gain = 3\n    @property\n    def gain(self):\n        return self.gain\n"
+        "def run():\n    return Filter().gain",
+        [("self.gain", "self._gain")], 3,
+    ),
+    "a base that is not begun": (
+        "class Base:\n    def __init__(self, gain, more=2):\n        self.value = gain + more\nclass Filter(Base):\n    def __init__(self, gain):\n"
+        "        self.gain = gain\ndef run():\n    return Filter(3).value",
+        [("no super().__init__", "super().__init__(gain=gain)")], 5,
+    ),
+    "what is asserted": (
+        "def run():\n    n = 3\n    assert n < 2, 'small'\n    return n",
+        [("assert n < 2, 'small'", "AssertionError: small")], 3,
+    ),
     "a fraction of rows": ("import numpy as np\ndef run():\n    n = 6 / 2\n    return np.zeros((n, 3)).shape", [("n", "int(n)")], (3, 3)),
 }  # fmt: skip
 
@@ -295,6 +317,14 @@ LEFT = {
         "class Model:\n    def __init__(self, n):\n        self.step = n\nclass Data:\n    n = 0\n"
         "def run():\n    one, two, data = Model(1), Model(2), Data()\n    return data.step"
     ),
+    "a base that needs more": (
+        "class Base:\n    def __init__(self, gain):\n        self.value = gain\nclass Filter(Base):\n    def __init__(self):\n"
+        "        self.gain = 1\ndef run():\n    return Filter().value"
+    ),
+    "a property that returns itself, and nothing is kept": (
+        "class Filter:\n    @property\n    def gain(self):\n        return self.gain\ndef run():\n    return Filter().gain"
+    ),
+    "a variable without a value that hides nothing": "def run():\n    n = value + 1\n    value = 2\n    return n",
     "one of two that __init__ does nothing with": (
         "class Filter:\n    def __init__(self, first=1, second=2):\n        self.gain = 1\n    def update(self):\n        return self.value\n"
         "def run():\n    return Filter().update()"

@@ -121,7 +121,11 @@ class Conversation(Asking):
 
     def misspelt(self, name: str) -> tuple[str, str]:
         """What of a definition, all of it or a method, has another name than it should have, and that name; else empty."""
-        known = (name, *(method for method in self._furniture.get("methods", ()) if method.partition(".")[0] == name))
+        known = (
+            name,
+            f"{name}.__init__",
+            *(method for method in self._furniture.get("methods", ()) if method.partition(".")[0] == name),
+        )
         return next((each for each in self.load(self.place_of(name)).misspelt if each[0] in known), ("", ""))
 
     def lent_to(self, name: str) -> tuple[str, ...]:

@@ -16,10 +16,11 @@ class Slip:
     Attributes
     ----------
     path, function, at : the file, and the lines in it where the function begins and where the name stands
-    kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a missing ``self``;
+    kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a base that is not
+        ``begun``, a missing ``self``;
         of what is no name an ``index``, a ``whole`` number, a ``shape``, ``numbers`` of a list, what was ``appended`` or
         ``called``, the ``arguments`` of a call, a ``statement``, what is never ``made``, an array that is ``asked`` whether it
-        is true, or ``compared`` with nothing; a call whose value nobody uses is ``left out``
+        is true, or ``compared`` with nothing; a call whose value nobody uses, or what is asserted, is ``left out``
     own, meant : what is written there, and what was taken for it; of what is left out what it raised
     """
 

@@ -21,6 +21,7 @@ _ROW = re.compile(
 )
 _SIZES = re.compile(r"could not be broadcast together with shapes \((\d+),\) \((\d+),\)")
 _FILLED = ("zeros", "empty", "ones", "full")
+_TOO_MANY = "too many values to unpack"
 _TOO_FEW = re.compile(r"not enough values to unpack \(expected (\d+), got (\d+)\)")
 _NO_NUMBERS = re.compile(
     r"can't multiply sequence by non-int|unsupported operand type|can only concatenate (?:list|tuple)"
@@ -109,8 +110,11 @@ def _rows(raised: ValueError | TypeError | IndexError, scope: Scope) -> Meant:
         known = [len(given)] if isinstance(given, np.ndarray) and given.ndim == 1 else beside
         columns = int(found[1]) if found[1] else next(iter(known), 0)
         if isinstance(array, np.ndarray) and columns and array.shape[1:] != (columns,):
-            for call in _made_in(scope.function, ast.unparse(target.value)):
-                yield "shape", ast.unparse(call), ast.unparse(_with_shape(call, _of_rows(call.args[0], array, columns)))
+            for made in _made_in(scope.function, ast.unparse(target.value)):
+                call = made.value
+                assert isinstance(call, ast.Call)
+                right = _with_shape(call, _of_rows(call.args[0], array, columns))
+                yield "statement", ast.unparse(made), f"{ast.unparse(made.targets[0])} = {ast.unparse(right)}"
 
 
 def _stored(scope: Scope) -> Iterator[tuple[ast.Subscript, ast.expr]]:
@@ -125,15 +129,12 @@ def _stored(scope: Scope) -> Iterator[tuple[ast.Subscript, ast.expr]]:
                     yield from ((part, value) for part in parts if isinstance(part, ast.Subscript))
 
 
-def _made_in(function: Function, name: str) -> Iterator[ast.Call]:
+def _made_in(function: Function, name: str) -> Iterator[ast.Assign]:
     """How a function makes the array of this name: its one assignment, if that fills a shape."""
-    made = [
-        each.value
-        for each in ast.walk(function)
-        if isinstance(each, ast.Assign) and name in map(ast.unparse, each.targets)
-    ]
-    if len(made) == 1 and isinstance(made[0], ast.Call) and made[0].args:
-        called = made[0].func
+    sets = [each for each in ast.walk(function) if isinstance(each, ast.Assign)]
+    made = [each for each in sets if name in map(ast.unparse, each.targets)]
+    if len(made) == 1 and len(made[0].targets) == 1 and isinstance(made[0].value, ast.Call) and made[0].value.args:
+        called = made[0].value.func
         if isinstance(called, ast.Attribute) and called.attr in _FILLED:
             yield made[0]
 
@@ -225,7 +226,9 @@ def _place(raised: IndexError, scope: Scope) -> Meant:
 
 
 def _unpacked(raised: ValueError, scope: Scope) -> Meant:
-    """More names than what a call returns, as many of them too many as nobody uses."""
+    """More names than what a call returns, as many of them too many as nobody uses; or fewer: the others are not asked for."""
+    if _TOO_MANY in str(raised):
+        yield from _with_others(scope)
     if (found := _TOO_FEW.search(str(raised))) is None:
         return
     read = {
@@ -237,6 +240,14 @@ def _unpacked(raised: ValueError, scope: Scope) -> Meant:
             used = [ast.unparse(one) for one in target.elts if not isinstance(one, ast.Name) or one.id in read]
             if len(used) == int(found[2]):
                 yield "statement", ast.unparse(each), f"{', '.join(used)} = {ast.unparse(each.value)}"
+
+
+def _with_others(scope: Scope) -> Meant:
+    for each in scope.statements():
+        target = each.targets[0] if isinstance(each, ast.Assign) and len(each.targets) == 1 else None
+        if isinstance(each, ast.Assign) and isinstance(target, ast.Tuple) and isinstance(each.value, ast.Call):
+            names = ", ".join(map(ast.unparse, target.elts))
+            yield "statement", ast.unparse(each), f"{names}, *_ = {ast.unparse(each.value)}"
 
 
 def _made(raised: NameError, scope: Scope) -> Meant:

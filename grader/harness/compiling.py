@@ -53,6 +53,7 @@ def _read(text: str, own: str, flags: int) -> None:
 def _units(text: str, path: str, flags: int) -> list[stepping.Unit]:
     own = faults.own_name(path)
     tree = _parsed(text, own)
+    STATE.begun.setdefault(path.partition(":cell ")[0], []).extend(spelling.constructors(tree))
     mending.mend(tree, path)
     if _RELATIVE.search(text):
         packages.without_dots(tree, path)  # let files that were written as a package import each other

@@ -86,6 +86,8 @@ class _Place:
 
 def _tries(text: str, refused: SyntaxError) -> Iterator[str]:
     """The text with one thing put right, the likeliest first."""
+    if _CONFLICT.search(text):
+        yield _one_side(text)
     place = _Place.of(text, refused)
     for expected, changes in _EXPECTED:
         if expected.search(place.said):
@@ -93,6 +95,22 @@ def _tries(text: str, refused: SyntaxError) -> Iterator[str]:
                 yield "\n".join([*place.lines[:row], line, *place.lines[row + 1 :]])
     if isinstance(refused, TabError):
         yield from (text.expandtabs(4), text.expandtabs(8))
+
+
+_CONFLICT = re.compile(r"^(?:<{7}|>{7})(?: |$)", re.MULTILINE)
+
+
+def _one_side(text: str) -> str:
+    """What a merge left on its first side, of each place where it was not finished; blank lines where the other one stood."""
+    lines, side = [], "both"
+    for line in text.split("\n"):
+        mark = line[:7]
+        side = {"<<<<<<<": "one", ">>>>>>>": "after"}.get(mark, side)
+        if mark in ("=======", "|||||||") and side == "one":
+            side = "other"
+        lines.append(line if side == "both" or (side == "one" and mark != "<<<<<<<") else "")
+        side = "both" if side == "after" else side
+    return "\n".join(lines)
 
 
 def _as_typed(place: _Place) -> Iterator[_Change]:

@@ -11,7 +11,7 @@ import ast
 import contextlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from inspect import CO_COROUTINE
-from types import CodeType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 from . import stepping, within
@@ -48,9 +48,11 @@ class Lending:
         missed = set() if unsure else spoken_of - at_top
         self._libraries, self._partners = sorted(missed & set(libraries)), sorted(missed & set(wanted))
         self._elsewhere = {name: line for name, line in within.elsewhere(self._nodes) if name in missed}
-        self._forgotten = {
-            name: line for name, line in within.forgotten(self._nodes) if name in missed - {*self._elsewhere}
-        }
+        self._forgotten = dict(within.forgotten(self._nodes, missed - self._elsewhere.keys()))
+        from_others = {name for node in self._nodes for name in within.imported(node)}
+        self._renamed = sorted(from_others & set(wanted))
+        self._brought = sorted(set(libraries) & (spoken_of if "*" in from_others else from_others))
+        self._defined: dict[str, Any] = {}
         self._definitions = [node for node in self._nodes if isinstance(node, stepping.DEFINITIONS)]
         self._stars = [node for node in self._nodes if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]
         self.lent: list[tuple[str, str]] = []
@@ -62,9 +64,29 @@ class Lending:
     def after(self, node: ast.stmt, names: dict[str, Any]) -> None:
         if self._stars and node is self._stars[-1]:
             self._begin(names)
+        if isinstance(node, stepping.DEFINITIONS) and node.name in self._wanted:
+            self._defined[node.name] = names.get(node.name)
         if self._definitions and node is self._definitions[-1]:
             self._fill(self._partners, names)
+            self._fill([name for name in self._renamed if isinstance(names.get(name), stepping.NotThere)], names)
             self._bring(self._elsewhere, names)
+
+    def at_end(self, names: dict[str, Any]) -> None:
+        """Give back what the file's last lines have put something else in the place of: a library, or a definition."""
+        for name in [name for name in self._brought if not isinstance(names.get(name), ModuleType | stepping.NotThere)]:
+            if name in names and (library := self._lend(name)) is not None:
+                names[name] = library
+                self.lent.append((self._user_of(name), name))
+        for name, made in self._defined.items():
+            now = names.get(name)
+            if (
+                isinstance(made, type | FunctionType)
+                and now is not made
+                and not isinstance(now, type)
+                and not callable(now)
+            ):
+                names[name] = made
+                self.lent.append((name, name))
 
     def _begin(self, names: dict[str, Any]) -> None:
         self._fill(self._libraries, names)
@@ -80,12 +102,14 @@ class Lending:
 
     def _fill(self, missed: Sequence[str], names: dict[str, Any]) -> None:
         for name in missed:
-            if name not in names and self._is_lacking(name) and (found := self._lend(name)) is not None:
+            if self._is_lacking(name, names) and (found := self._lend(name)) is not None:
                 names[name] = found
                 self.lent.append((self._user_of(name), name))
 
-    def _is_lacking(self, name: str) -> bool:
-        """Whether the file uses it by this name, and binds it nowhere."""
+    def _is_lacking(self, name: str, names: Mapping[str, Any]) -> bool:
+        """Whether the file uses it by this name, and binds it nowhere, or imports it from where it is not."""
+        if name in names:
+            return isinstance(names[name], stepping.NotThere) and name in within.used(self._nodes)
         return name in within.used(self._nodes) and all(name not in within.bound(node) for node in self._nodes)
 
     def _user_of(self, name: str) -> str:

@@ -61,7 +61,11 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
     answer["lent"] = STATE.lent.get(path, [])
-    answer["misspelt"] = [*STATE.misspelt.get(path, []), *STATE.other_methods.get(path, {}).items()]
+    answer["misspelt"] = [
+        *STATE.misspelt.get(path, []),
+        *STATE.other_methods.get(path, {}).items(),
+        *STATE.begun.get(path, []),
+    ]
     answer["completed"] = [*STATE.completed.get(path, []), *STATE.stepper.lessened(path)]
     answer["unreturned"] = [name for name, lacked in STATE.unreturned.get(path, {}).items() if lacked]
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
@@ -211,7 +215,9 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     if units is None:
         return False
     known = len(STATE.stepper.noted)
-    _run_units(units, path, names, _lending_to(path, units, names))
+    lending = _lending_to(path, units, names)
+    _run_units(units, path, names, lending)
+    lending.at_end(names)
     STATE.misspelt.setdefault(path, [*standins.put_right(path, units, names)])
     return len(STATE.stepper.noted) == known
 
@@ -275,6 +281,7 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
     lending = _lending_to(path, every, names)
     for name, units in cells.items():
         _run_units(units, name, names, lending)
+    lending.at_end(names)
     STATE.misspelt.setdefault(path, [*standins.put_right(path, every, names)])
 
 

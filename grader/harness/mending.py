@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 
 from .scope import Function, is_set
-from .slips import call_at
+from .slips import alone_at
 from .submission import STATE
 
 
@@ -15,13 +15,13 @@ def mend(tree: ast.Module, path: str) -> None:
         functions = [each for each in ast.walk(tree) if isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef)]
         for function in [each for each in functions if each.lineno == slip["function"]]:
             if slip["kind"] == "left out":
-                _leave_out(function, call_at(function, slip["at"]))
+                _leave_out(function, alone_at(function, slip["at"]))
             else:
                 _mend(function, slip["kind"], slip["own"], slip["meant"])
             ast.fix_missing_locations(function)
 
 
-def _leave_out(function: Function, statement: ast.Expr | None) -> None:
+def _leave_out(function: Function, statement: ast.Expr | ast.Assert | None) -> None:
     for block in _blocks(function):
         block[:] = [ast.Pass() if each is statement else each for each in block]
 
@@ -56,6 +56,8 @@ def _blocks(function: Function) -> list[list[ast.stmt]]:
 def _mend(function: Function, kind: str, own: str, meant: str) -> None:
     if kind == "self":
         function.args.args.insert(0, ast.arg("self"))
+    elif kind == "begun":
+        function.body[:0] = ast.parse(meant).body
     elif kind == "kept":
         function.body += ast.parse(f"{meant} = {own}").body
     elif kind == "numbers":

@@ -98,22 +98,29 @@ def _own_frames(raised: BaseException) -> list[tuple[FrameType, int]]:
 def _left_out(raised: BaseException, *, drawing: bool) -> Iterator[Slip]:
     """The innermost call whose value nobody uses: what it does to a figure, or tells, is all that is missing without it."""
     told = f"{type(raised).__name__}: {faults.describe(raised)['message']}"
-    for frame, line in reversed(_own_frames(raised)) if isinstance(raised, Exception) else ():
+    for frame, line in _own_frames(raised)[: -1 - _FROM : -1] if isinstance(raised, Exception) else ():
         file = frame.f_code.co_filename
         function = _around(_tree(file), line)
-        statement = function and call_at(function, line)
-        if function and statement and (drawing or _prints(statement)):
+        statement = function and alone_at(function, line)
+        if function and statement and (drawing or _only_tells(statement)):
             yield _slip(file, function, "left out", ast.unparse(statement)[:_LONGEST], told[:_LONGEST], at=line)
 
 
-def call_at(function: Function, line: int) -> ast.Expr | None:
-    """The call on this line whose value nobody uses."""
-    alone = [each for each in ast.walk(function) if isinstance(each, ast.Expr) and isinstance(each.value, ast.Call)]
+def alone_at(function: Function, line: int) -> ast.Expr | ast.Assert | None:
+    """The call on this line whose value nobody uses, or what is asserted there."""
+    calls = [each for each in ast.walk(function) if isinstance(each, ast.Expr) and isinstance(each.value, ast.Call)]
+    alone: list[ast.Expr | ast.Assert] = [
+        *calls,
+        *(each for each in ast.walk(function) if isinstance(each, ast.Assert)),
+    ]
     around = [each for each in alone if each.lineno <= line <= (each.end_lineno or 0)]
     return around[-1] if around else None
 
 
-def _prints(statement: ast.Expr) -> bool:
+def _only_tells(statement: ast.Expr | ast.Assert) -> bool:
+    """Whether it prints, logs, or looks whether something holds."""
+    if isinstance(statement, ast.Assert):
+        return True
     called = statement.value.func if isinstance(statement.value, ast.Call) else None
     logs = isinstance(called, ast.Attribute) and ast.unparse(called.value) in ("logging", "logger", "log")
     return logs or (isinstance(called, ast.Name) and called.id in ("print", "pprint", "display"))
@@ -183,6 +190,41 @@ def _exchanged(raised: TypeError, scope: Scope) -> Meant:
                 yield "statement", ast.unparse(each), f"{turned} = {ast.unparse(each.value)}"  # type: ignore[attr-defined]
 
 
+def _hidden(raised: UnboundLocalError, scope: Scope) -> Meant:
+    """A module that a variable of the function hides, which gets its value later."""
+    found = re.search(r"local variable '(\w+)'", str(raised))
+    module = scope.globals.get(found[1]) if found else None
+    for each in scope.there(ast.Attribute) if found and isinstance(module, ModuleType) else ():
+        if ast.unparse(each.value) == found[1] and hasattr(module, each.attr):  # type: ignore[index] # it was found
+            yield "expression", ast.unparse(each), f"globals()[{found[1]!r}].{each.attr}"  # type: ignore[index]
+
+
+def _own_constant(raised: AttributeError, scope: Scope) -> Meant:
+    """A name of another file of the submission that begins as this one does, and is spoken of nowhere: half renamed."""
+    if isinstance(raised.obj, ModuleType) and raised.obj in STATE.modules.values():
+        asked = str(raised.name)
+        first = asked.partition("_")[0]
+        spoken_of = {each.attr for module in STATE.modules.values() for each in _attributes(module)}
+        alike = [each for each in vars(raised.obj) if each.partition("_")[0] == first and each not in spoken_of]
+        for each in scope.there(ast.Attribute) if len(alike) == 1 else ():
+            if each.attr == asked and scope.value_of(each.value) is raised.obj:
+                yield "expression", ast.unparse(each), f"{ast.unparse(each.value)}.{alike[0]}"
+
+
+def _attributes(module: ModuleType) -> Iterator[ast.Attribute]:
+    path = next(path for path, each in STATE.modules.items() if each is module)
+    return (each for each in ast.walk(_tree(faults.own_name(path))) if isinstance(each, ast.Attribute))
+
+
+def _of_itself(raised: RecursionError, scope: Scope) -> Meant:
+    """A property that returns itself, where the object keeps what is meant under the same name with a line before it."""
+    owner = scope.locals.get(scope.first)
+    name = scope.function.name
+    kept = [each for each in getattr(owner, "__dict__", {}) if each != name and each.endswith(f"_{name}")]
+    if "property" in map(ast.unparse, scope.function.decorator_list) and len(kept) == 1:
+        yield "expression", f"{scope.first}.{name}", f"{scope.first}.{kept[0]}"
+
+
 def _key(raised: KeyError, scope: Scope) -> Meant:
     (key,) = raised.args
     for each in scope.there(ast.Subscript):
@@ -213,11 +255,14 @@ def _is_method(value: Any, written: ast.Attribute) -> bool:
 
 
 _MEANT: Sequence[tuple[type[BaseException], Callable[[Any, Scope], Meant]]] = (
+    (UnboundLocalError, _hidden),
     (NameError, _name),
     (AttributeError, _keyword),  # matplotlib raises it for those
     (TypeError, _keyword),
     (AttributeError, _member),
+    (AttributeError, _own_constant),
     (AttributeError, _owner),
+    (RecursionError, _of_itself),
     (TypeError, _exchanged),
     (KeyError, _key),
     *arrays.RULES,
@@ -277,6 +322,25 @@ def _kept_by_nobody(raised: AttributeError) -> Iterator[Slip]:
     meant = [name] if name in code.co_varnames else _unused(function) if function and name not in code.co_names else []
     if len(meant) == 1:
         yield from _of_code(code, "kept", meant[0], name)
+    elif (
+        function
+        and "super" not in code.co_names
+        and (given := _given_to_base(type(raised.obj), code, name)) is not None
+    ):
+        call = f"super().__init__({', '.join(given)})"
+        yield _slip(code.co_filename, function, "begun", "no super().__init__", call, at=function.lineno)
+
+
+def _given_to_base(kind: type, code: CodeType, name: str) -> list[str] | None:
+    """What the base that sets an attribute is given, by its parameters' names; None where none sets it, or more is needed."""
+    made = [vars(base).get("__init__") for base in kind.__mro__[1:]]
+    setting = next((each for each in made if isinstance(each, FunctionType) and name in each.__code__.co_names), None)
+    if setting is None or setting.__code__.co_kwonlyargcount:
+        return None
+    names = setting.__code__.co_varnames[1 : setting.__code__.co_argcount]
+    needed = names[: len(names) - len(setting.__defaults__ or ())]
+    own = code.co_varnames[: code.co_argcount]
+    return [f"{each}={each}" for each in names if each in own] if all(each in own for each in needed) else None
 
 
 def _unused(function: Function) -> list[str]:

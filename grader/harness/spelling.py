@@ -32,6 +32,27 @@ def _is_near(own: str, name: str) -> bool:
     return difflib.SequenceMatcher(None, own, name).ratio() >= _CLOSE
 
 
+def constructors(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """Let the one method of a class that must mean `__init__` be called so, as `Class.__init__`, and what it was called."""
+    for kind in [node for node in tree.body if isinstance(node, ast.ClassDef)]:
+        methods = [node for node in kind.body if isinstance(node, ast.FunctionDef)]
+        near = [node for node in methods if _means_init(node)]
+        if len(near) == 1 and all(node.name != "__init__" for node in methods):
+            yield f"{kind.name}.__init__", near[0].name
+            near[0].name = "__init__"
+
+
+def _means_init(method: ast.FunctionDef) -> bool:
+    """Whether it has nearly that name, and keeps what it is given."""
+    plain = method.name.casefold().strip("_")
+    keeps = any(isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store) for each in ast.walk(method))
+    near = sorted(plain) == sorted("init") or difflib.SequenceMatcher(None, plain, "init").ratio() >= _NEARLY_INIT
+    return keeps and len(method.args.args) > 1 and near and (plain == "init" or method.name.startswith("_"))
+
+
+_NEARLY_INIT = 0.85
+
+
 # ---------------------------------------------------------------- methods
 
 

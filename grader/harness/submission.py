@@ -23,6 +23,7 @@ class _State:
         # by file: what is asked for, and which method, with the name that it has there; who uses what the file does not import; who
         # lacks a return; what Python expected there, with whom it belongs to
         self.misspelt: dict[str, list[tuple[str, str]]] = {}
+        self.begun: dict[str, list[tuple[str, str]]] = {}
         self.other_methods: dict[str, dict[str, str]] = {}
         self.lent: dict[str, list[tuple[str, str]]] = {}
         self.completed: dict[str, list[tuple[str, dict[str, Any]]]] = {}

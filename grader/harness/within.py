@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from . import stepping
 
@@ -66,14 +66,15 @@ def _is_plain(value: ast.expr) -> bool:
     )
 
 
-def forgotten(nodes: Sequence[ast.stmt]) -> Iterator[tuple[str, ast.stmt]]:
-    """Python's own modules, of which something is asked, and what everybody takes from one, each with the line that imports it."""
-    asked = (each.value for node in nodes for each in ast.walk(node) if isinstance(each, ast.Attribute))
-    for name in dict.fromkeys(each.id for each in asked if isinstance(each, ast.Name)):
-        if name in sys.stdlib_module_names:
-            yield name, ast.parse(f"import {name}").body[0]
+def forgotten(nodes: Sequence[ast.stmt], missed: Collection[str]) -> Iterator[tuple[str, ast.stmt]]:
+    """Of these names Python's own modules, of which something is asked, and what everybody takes from one: each with its import."""
+    modules = {name for name in missed if name in sys.stdlib_module_names}
+    asked = (each.value for node in nodes for each in ast.walk(node) if modules and isinstance(each, ast.Attribute))
+    for name in sorted(modules.intersection(each.id for each in asked if isinstance(each, ast.Name))):
+        yield name, ast.parse(f"import {name}").body[0]
     for module, names in _FROM.items():
-        yield from ((name, ast.parse(f"from {module} import {name}").body[0]) for name in names)
+        for name in [name for name in names if name in missed]:
+            yield name, ast.parse(f"from {module} import {name}").body[0]
 
 
 def lacking(name: str, nodes: Sequence[ast.stmt]) -> bool:
@@ -105,8 +106,22 @@ def imported(node: ast.AST) -> list[str]:
 
 
 def used(nodes: Sequence[ast.AST]) -> set[str]:
-    names = (each for node in nodes for each in ast.walk(node) if isinstance(each, ast.Name))
-    return {each.id for each in names if isinstance(each.ctx, ast.Load)}
+    """The names that are read there, but for type hints: these are needed by nobody who runs it."""
+    names: set[str] = set()
+    left = list(nodes)
+    while left:
+        node = left.pop()
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+            names.add(node.id)
+        left += [part for field, value in ast.iter_fields(node) if field not in _HINTS for part in _nodes(value)]
+    return names
+
+
+_HINTS = ("annotation", "returns", "type_params")
+
+
+def _nodes(value: object) -> list[ast.AST]:
+    return [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, ast.AST)]
 
 
 def bound(node: ast.AST) -> Iterator[str]:
