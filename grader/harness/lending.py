@@ -45,9 +45,10 @@ class Lending:
         imported = [node for node in self._nodes if not stepping.is_main_guard(node)]
         at_top = {name for node in imported for name in (*stepping.bound(node), *within.imported(node))}
         unsure = spoken_of.intersection(_BRING_NAMES) or any(unit.code.co_flags & CO_COROUTINE for unit in units)
-        missed = set() if unsure else spoken_of - at_top
+        seen = within.look(self._nodes)
+        missed = set() if unsure else seen.names.intersection(spoken_of) - at_top
         self._libraries, self._partners = sorted(missed & set(libraries)), sorted(missed & set(wanted))
-        self._elsewhere = {name: line for name, line in within.elsewhere(self._nodes) if name in missed}
+        self._elsewhere = {name: line for name, line in within.elsewhere(self._nodes, seen) if name in missed}
         self._forgotten = dict(within.forgotten(self._nodes, missed - self._elsewhere.keys()))
         from_others = {name for node in self._nodes for name in within.imported(node)}
         self._renamed = sorted(from_others & set(wanted))
@@ -126,8 +127,9 @@ class Lending:
 
 
 def _names(code: CodeType) -> Iterator[str]:
-    """What code speaks of by names: globals, and attributes among them."""
-    yield from code.co_names
+    """What code speaks of by names: globals, and attributes among them; a variable's own name is an attribute's there."""
+    own = {*code.co_varnames, *code.co_cellvars, *code.co_freevars}
+    yield from (name for name in code.co_names if name not in own)
     for const in code.co_consts:
         if isinstance(const, CodeType):
             yield from _names(const)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 
 from . import stepping
 
@@ -21,15 +22,13 @@ _FROM = {
 """Names that are known by themselves, beside those of modules."""
 
 
-def elsewhere(nodes: Sequence[ast.stmt]) -> Iterator[tuple[str, ast.stmt]]:
+def elsewhere(nodes: Sequence[ast.stmt], seen: Seen) -> Iterator[tuple[str, ast.stmt]]:
     """Names that a file has elsewhere than where it is imported, each with the line that brings it there."""
-    for node in nodes:
-        for each in ast.walk(node) if not isinstance(node, ast.Import | ast.ImportFrom) else ():
-            if isinstance(each, ast.Import | ast.ImportFrom):
-                yield from ((name, _single(each, alias)) for alias in each.names if (name := _name_of(alias)) != "*")
-    for each in _assignments(nodes):
-        if isinstance(each.targets[0], ast.Name) and _is_plain(each.value):
-            yield each.targets[0].id, each
+    for each in [each for each in seen.imports if each not in nodes]:
+        yield from ((name, _single(each, alias)) for alias in each.names if (name := _name_of(alias)) != "*")
+    for assigned in _assignments(nodes, seen):
+        if isinstance(assigned.targets[0], ast.Name) and _is_plain(assigned.value):
+            yield assigned.targets[0].id, assigned
 
 
 def _name_of(alias: ast.alias) -> str:
@@ -42,14 +41,13 @@ def _single(node: ast.Import | ast.ImportFrom, alias: ast.alias) -> ast.stmt:
     return ast.copy_location(ast.ImportFrom(node.module, [alias], node.level), node)
 
 
-def _assignments(nodes: Sequence[ast.stmt]) -> Iterator[ast.Assign]:
+def _assignments(nodes: Sequence[ast.stmt], seen: Seen) -> Iterator[ast.Assign]:
     """What a program sets and an import does not: below a main guard, and as a global of a function."""
-    for node in nodes:
-        if stepping.is_main_guard(node):
-            yield from (each for each in node.body if isinstance(each, ast.Assign))
-        for function in functions([node]):
-            names = {name for each in ast.walk(function) if isinstance(each, ast.Global) for name in each.names}
-            yield from (each for each in ast.walk(function) if isinstance(each, ast.Assign) and _sets(each, names))
+    for guard in filter(stepping.is_main_guard, nodes):
+        yield from (each for each in guard.body if isinstance(each, ast.Assign))
+    for function in functions(nodes) if seen.has_globals else ():
+        names = {name for each in ast.walk(function) if isinstance(each, ast.Global) for name in each.names}
+        yield from (each for each in ast.walk(function) if isinstance(each, ast.Assign) and _sets(each, names))
 
 
 def _sets(node: ast.Assign, names: set[str]) -> bool:
@@ -105,23 +103,44 @@ def imported(node: ast.AST) -> list[str]:
     return [(alias.asname or alias.name).split(".")[0] for alias in node.names]
 
 
-def used(nodes: Sequence[ast.AST]) -> set[str]:
-    """The names that are read there, but for type hints: these are needed by nobody who runs it."""
-    names: set[str] = set()
-    left = list(nodes)
-    while left:
+@dataclass
+class Seen:
+    """What stands in some lines: the names that are read, imports wherever they are, and whether a function sets globals."""
+
+    names: set[str] = field(default_factory=set)
+    imports: list[ast.Import | ast.ImportFrom] = field(default_factory=list)
+    has_globals: bool = False
+
+
+def look(nodes: Sequence[ast.AST]) -> Seen:
+    """What stands there, but for type hints: the names in these are needed by nobody who runs it."""
+    seen, left = Seen(), list(nodes)
+    while left:  # each file is looked at in each process: `ast.walk` takes ten times as long
         node = left.pop()
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
-            names.add(node.id)
-        left += [part for field, value in ast.iter_fields(node) if field not in _HINTS for part in _nodes(value)]
-    return names
+        kind = node.__class__
+        if kind is ast.Name:
+            if node.ctx.__class__ is ast.Load:  # type: ignore[attr-defined] # it is a name
+                seen.names.add(node.id)  # type: ignore[attr-defined]
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            seen.imports.append(node)
+        elif kind is ast.Global:
+            seen.has_globals = True
+        elif kind is not ast.Constant:
+            for name in node._fields:
+                value = getattr(node, name, None) if name not in _PASSED_OVER else None
+                if value.__class__ is list:
+                    left += [each for each in value if isinstance(each, ast.AST)]
+                elif isinstance(value, ast.AST):
+                    left.append(value)
+    return seen
 
 
-_HINTS = ("annotation", "returns", "type_params")
+_PASSED_OVER = frozenset(("annotation", "returns", "type_params", "ctx", "op", "ops"))
 
 
-def _nodes(value: object) -> list[ast.AST]:
-    return [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, ast.AST)]
+def used(nodes: Sequence[ast.AST]) -> set[str]:
+    """The names that are read there."""
+    return look(nodes).names
 
 
 def bound(node: ast.AST) -> Iterator[str]:
