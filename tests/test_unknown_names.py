@@ -301,6 +301,57 @@ MENDED |= {
         "def run():\n    n = 3\n    assert n < 2, 'small'\n    return n",
         [("assert n < 2, 'small'", "AssertionError: small")], 3,
     ),
+    "two lines in each other's place": (
+        "def run():\n    if True:\n        n = 2 * value\n        value = 3\n    return n",
+        [("value = 3", "value = 3, further up")], 6,
+    ),
+    "a variable that one branch sets": (
+        "def run(kept=None):\n    if kept is None:\n        kept = 4\n    else:\n        out = 2 * kept\n        kept = out\n    return out",
+        [("kept = 4", "out = kept = 4")], 4,
+    ),
+    "the variable of a comprehension": (
+        "def run():\n    return [2 * index for n in range(3)]", [("index", "n")], [0, 2, 4],
+    ),
+    "the variable of a loop": (
+        "def run():\n    rows = []\n    for n in range(3):\n        rows.append(index)\n    return rows", [("index", "n")], [0, 1, 2],
+    ),
+    "a loop that counts from one": (
+        "import numpy as np\ndef run():\n    rows = np.zeros(3)\n    for n in range(1, 3 + 1):\n        rows[n] = 5\n    return rows.tolist()",
+        [("range(1, 3 + 1)", "range(3)")], [5.0, 5.0, 5.0],
+    ),
+    "a loop that goes one too far": (
+        "def run():\n    rows, count = [1, 2], 2\n    for n in range(count + 1):\n        last = rows[n]\n    return last",
+        [("range(count + 1)", "range(count)")], 2,
+    ),
+    "what can be gone through once": (
+        "import numpy as np\ndef made():\n    yield from [(1, 2), (3, 4)]\ndef run():\n    rows = made()\n"
+        "    a = np.vstack([a for a, _ in rows])\n    b = np.vstack([b for _, b in rows])\n    return a.tolist(), b.tolist()",
+        [("rows = made()", "rows = list(made())")], ([[1], [3]], [[2], [4]]),
+    ),
+    "a helper without its return": (
+        "import numpy as np\ndef part(rows):\n    first = rows[:1]\ndef run():\n    return part(np.ones(3)).tolist()",
+        [("no return", "first")], [1.0],
+    ),
+    "a value that is called": (
+        "class Filter:\n    @property\n    def value(self):\n        return 3\n    def update(self):\n        return self.value()\n"
+        "def run():\n    return Filter().update()",
+        [("self.value()", "self.value")], 3,
+    ),
+    "a part of what is not there": (
+        "def run():\n    data = [1, 2]\n    return sim.data[1]", [("sim.data", "data")], 2,
+    ),
+    "what the new random numbers call otherwise": (
+        "import numpy as np\ndef run():\n    return np.random.default_rng(1).randn(3).shape",
+        [("np.random.default_rng(1).randn", "np.random.default_rng(1).standard_normal")], (3,),
+    ),
+    "a longer word": (
+        "class Sensor:\n    def __init__(self):\n        self.adr, self.dim = 4, 3\ndef run():\n    sensor = Sensor()\n    return sensor.address",
+        [("sensor.address", "sensor.adr")], 4,
+    ),
+    "arrays that are not put together": (
+        "import numpy as np\ndef run():\n    a, b = np.ones(2), np.zeros(1)\n    return np.concatenate(a, b).tolist()",
+        [("np.concatenate(a, b)", "np.concatenate((a, b))")], [1.0, 1.0, 0.0],
+    ),
     "a fraction of rows": ("import numpy as np\ndef run():\n    n = 6 / 2\n    return np.zeros((n, 3)).shape", [("n", "int(n)")], (3, 3)),
 }  # fmt: skip
 
@@ -324,7 +375,11 @@ LEFT = {
     "a property that returns itself, and nothing is kept": (
         "class Filter:\n    @property\n    def gain(self):\n        return self.gain\ndef run():\n    return Filter().gain"
     ),
-    "a variable without a value that hides nothing": "def run():\n    n = value + 1\n    value = 2\n    return n",
+    "a variable that is set in another block": "def run():\n    n = value\n    if n:\n        value = 2\n    return n",
+    "two loops whose variables nobody reads": "def run():\n    return [measurement for n in range(2) for m in range(2)]",
+    "a helper that returns for one of two": (
+        "def part(n):\n    if n:\n        return 1\ndef run():\n    return part(0).real"
+    ),
     "one of two that __init__ does nothing with": (
         "class Filter:\n    def __init__(self, first=1, second=2):\n        self.gain = 1\n    def update(self):\n        return self.value\n"
         "def run():\n    return Filter().update()"

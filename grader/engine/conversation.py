@@ -49,15 +49,16 @@ class Conversation(Asking):
         ask : is given the place of what it asks about
         """
         charged = any(about in part.names for part in self._lab.parts)
-        before = dict(self.slips)
+        before, first = dict(self.slips), None
         while True:
             frame = ask({"path": self.place_of(about)})
             slip = Slip.of(frame) if charged else None
-            if slip is None:
+            first = first or frame
+            if slip is None and (frame is first or _errors(frame) < _errors(first)):
                 return frame
-            if slip in self.slips or len(self.slips) >= _MOST_SLIPS:  # it does not help
+            if slip is None or slip in self.slips or len(self.slips) >= _MOST_SLIPS:  # it does not help
                 self._mend_only(before)
-                return frame
+                return first
             self._mend_only(self.slips | {slip: about})
 
     def _mend_only(self, slips: dict[Slip, str]) -> None:
@@ -232,6 +233,12 @@ def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Conca
         return student.once((find, more, tuple(named.items())), lambda: find(student, truth, *more, **named))
 
     return known
+
+
+def _errors(frame: Frame) -> int:
+    """How often the function raised."""
+    asked = [frame.fields, *(frame.fields.get("cases") or ())]
+    return sum(each.get("error") is not None for each in asked)
 
 
 def _refused(name: str, fault: Fault, path: str) -> Missing:

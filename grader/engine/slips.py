@@ -19,8 +19,9 @@ class Slip:
     kind : what is mended: an ``expression``, a ``keyword``, a variable of ``__init__`` that is not ``kept``, a base that is not
         ``begun``, a missing ``self``;
         of what is no name an ``index``, a ``whole`` number, a ``shape``, ``numbers`` of a list, what was ``appended`` or
-        ``called``, the ``arguments`` of a call, a ``statement``, what is never ``made``, an array that is ``asked`` whether it
-        is true, or ``compared`` with nothing; a call whose value nobody uses, or what is asserted, is ``left out``
+        ``called``, the ``arguments`` of a call, a ``statement``, what is never ``made``, what is ``moved``, a helper's value that
+        is ``returned``, an array that is ``asked`` whether it is true, or ``compared`` with nothing; a call whose value nobody
+        uses, or what is asserted, is ``left out``
     own, meant : what is written there, and what was taken for it; of what is left out what it raised
     """
 
@@ -42,6 +43,8 @@ class Slip:
             return "array-asked-for-truth"
         if self.is_left_out and self.meant.startswith("ModuleNotFoundError"):
             return "missing-package"
+        if self.kind == "returned":
+            return "return-missing"
         return "unknown-name" if self.kind in ("expression", "keyword", "kept", "self") else "raises"
 
     @property

@@ -175,6 +175,20 @@ def _one_of_one(raised: TypeError, scope: Scope) -> Meant:
             yield "index", ast.unparse(each), f"{ast.unparse(each)}[0]"
 
 
+def _together(raised: TypeError, scope: Scope) -> Meant:
+    """Arrays one after the other, where NumPy wants them together."""
+    for call in scope.there(ast.Call) if "scalar" in str(raised) or "argument" in str(raised) else ():
+        name = call.func.attr if isinstance(call.func, ast.Attribute) else ""
+        arrays = [isinstance(scope.value_of(each), np.ndarray) for each in call.args]
+        if name in ("concatenate", "vstack", "hstack", "column_stack", "stack") and len(arrays) > 1 and all(arrays):
+            options = "".join(f", {ast.unparse(each)}" for each in call.keywords)
+            yield (
+                "shape",
+                ast.unparse(call),
+                f"{ast.unparse(call.func)}(({', '.join(map(ast.unparse, call.args))}){options})",
+            )
+
+
 def _one_row(raised: ValueError, scope: Scope) -> Meant:
     """A row that is put below others, which is no array of one row."""
     if "must have same number of dimensions" not in str(raised):
@@ -278,6 +292,7 @@ RULES: Sequence[tuple[type[BaseException], Callable[[Any, Scope], Meant]]] = (
     (IndexError, _rows),
     (ValueError, _drawn),
     (TypeError, _one_of_one),
+    (TypeError, _together),
     (ValueError, _one_row),
     (TypeError, _numbers),
     (IndexError, _put),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Callable, Mapping
 
-from .scope import Function, is_set
+from .scope import Function, blocks, is_set
 from .slips import alone_at
 from .submission import STATE
 
@@ -17,64 +18,95 @@ def mend(tree: ast.Module, path: str) -> None:
             if slip["kind"] == "left out":
                 _leave_out(function, alone_at(function, slip["at"]))
             else:
-                _mend(function, slip["kind"], slip["own"], slip["meant"])
+                _MENDS.get(slip["kind"], _everywhere)(function, slip["own"], slip["meant"])
             ast.fix_missing_locations(function)
 
 
 def _leave_out(function: Function, statement: ast.Expr | ast.Assert | None) -> None:
-    for block in _blocks(function):
+    for block in blocks(function):
         block[:] = [ast.Pass() if each is statement else each for each in block]
+
+
+def _take_self(function: Function, own: str, meant: str) -> None:
+    function.args.args.insert(0, ast.arg(meant))
+
+
+def _keep(function: Function, own: str, meant: str) -> None:
+    function.body += ast.parse(f"{meant} = {own}").body
+
+
+def _begin(function: Function, own: str, meant: str) -> None:
+    function.body[:0] = ast.parse(meant).body
+
+
+def _return(function: Function, own: str, meant: str) -> None:
+    function.body.append(ast.Return(ast.parse(meant, mode="eval").body))
+
+
+def _rename_keyword(function: Function, own: str, meant: str) -> None:
+    for each in [each for each in ast.walk(function) if isinstance(each, ast.keyword) and each.arg == own]:
+        each.arg = meant
+
+
+def _ask_whether_there(function: Function, own: str, meant: str) -> None:
+    _WhetherThere(own, meant).visit(function)
+
+
+def _compute_with(function: Function, own: str, meant: str) -> None:
+    """An array of a list, where it is computed with, and nowhere else."""
+    function.body[:0] = ast.parse("import numpy as np").body
+    for computed in [each for each in ast.walk(function) if isinstance(each, ast.BinOp)]:
+        _Instead(own, meant).generic_visit(computed)
 
 
 def _put(function: Function, own: str, meant: str) -> None:
     """One statement where another is written."""
-    for block in _blocks(function):
+    for block in blocks(function):
         block[:] = [
             ast.copy_location(ast.parse(meant).body[0], each) if ast.unparse(each) == own else each for each in block
         ]
 
 
+def _move(function: Function, own: str, meant: str) -> None:
+    """A statement before the first one of its block that reads what it sets."""
+    for block in blocks(function):
+        for moved in [each for each in block if isinstance(each, ast.Assign) and ast.unparse(each) == own][:1]:
+            names = set(map(ast.unparse, moved.targets))
+            first = next(at for at, each in enumerate(block) if each is moved or names & _names_in(each))
+            block.remove(moved)
+            block.insert(first, moved)
+
+
 def _make(function: Function, own: str, meant: str) -> None:
     """What a loop fills, before the outermost loop that speaks of it."""
-    for block in _blocks(function):
+    for block in blocks(function):
         for at, each in enumerate(block):
-            names = {part.id for part in ast.walk(each) if isinstance(part, ast.Name)}
-            if isinstance(each, ast.For | ast.While) and own in names:
+            if isinstance(each, ast.For | ast.While) and own in _names_in(each):
                 block[at:at] = ast.parse(meant).body
                 return
 
 
-def _blocks(function: Function) -> list[list[ast.stmt]]:
-    return [
-        block
-        for each in ast.walk(function)
-        for name in ("body", "orelse", "finalbody")
-        if isinstance(block := getattr(each, name, None), list)
-    ]
+def _names_in(node: ast.AST) -> set[str]:
+    return {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
 
 
-def _mend(function: Function, kind: str, own: str, meant: str) -> None:
-    if kind == "self":
-        function.args.args.insert(0, ast.arg("self"))
-    elif kind == "begun":
-        function.body[:0] = ast.parse(meant).body
-    elif kind == "kept":
-        function.body += ast.parse(f"{meant} = {own}").body
-    elif kind == "numbers":
-        function.body[:0] = ast.parse("import numpy as np").body
-        for computed in [each for each in ast.walk(function) if isinstance(each, ast.BinOp)]:
-            _Instead(own, meant).generic_visit(computed)
-    elif kind == "asked":
-        _WhetherThere(own, meant).visit(function)
-    elif kind == "made":
-        _make(function, own, meant)
-    elif kind == "statement":
-        _put(function, own, meant)
-    elif kind == "keyword":
-        for each in [each for each in ast.walk(function) if isinstance(each, ast.keyword) and each.arg == own]:
-            each.arg = meant
-    else:
-        _Instead(own, meant).visit(function)
+def _everywhere(function: Function, own: str, meant: str) -> None:
+    _Instead(own, meant).visit(function)
+
+
+_MENDS: Mapping[str, Callable[[Function, str, str], None]] = {
+    "self": _take_self,
+    "kept": _keep,
+    "begun": _begin,
+    "returned": _return,
+    "keyword": _rename_keyword,
+    "asked": _ask_whether_there,
+    "numbers": _compute_with,
+    "statement": _put,
+    "moved": _move,
+    "made": _make,
+}
+"""By the kind of a slip, see `grader.engine.slips`; any other is an expression in the place of another."""
 
 
 class _Instead(ast.NodeTransformer):

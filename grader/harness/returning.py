@@ -31,6 +31,14 @@ def completed(tree: ast.Module, wanted: Mapping[str, Kind]) -> dict[str, bool]:
     return lacked
 
 
+def last_of(function: ast.FunctionDef) -> ast.expr | None:
+    """What a function that returns nothing has last: the one value that it sets or that stands there by itself."""
+    if _yields(function) or any(isinstance(each, ast.Return) and each.value for each in ast.walk(function)):
+        return None
+    last = function.body[-1]
+    return last.value if isinstance(last, ast.Expr) else _last(function.body, "value")
+
+
 def _functions(node: ast.stmt) -> Iterator[tuple[str, ast.FunctionDef]]:
     if isinstance(node, ast.FunctionDef):
         yield node.name, node

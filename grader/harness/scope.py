@@ -59,3 +59,11 @@ class Scope:
 
 def is_set(node: ast.expr) -> bool:
     return isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
+
+
+def blocks(function: Function) -> Iterator[list[ast.stmt]]:
+    """The statements of a function that stand below each other, the outermost first."""
+    for each in ast.walk(function):
+        for name in ("body", "orelse", "finalbody"):
+            if isinstance(block := getattr(each, name, None), list):
+                yield block

@@ -21,7 +21,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from . import arguments, arrays, faults
+from . import arguments, arrays, faults, flow, returning
 from .scope import Function, Meant, Scope, is_set
 from .submission import STATE
 
@@ -79,6 +79,16 @@ def _slips(raised: BaseException) -> Iterator[Slip]:
     for kind, name, meant in _meant(raised, scope):
         yield _slip(file, function, kind, name, meant, at=line)
     yield from _from_outside(raised, own)
+    yield from _of_helpers(raised, scope)
+
+
+def _of_helpers(raised: BaseException, scope: Scope) -> Iterator[Slip]:
+    """A helper without the `return` of what it computes."""
+    for code in {function.__code__ for function in flow.called_for_nothing(raised, scope)}:
+        function = _around(_tree(code.co_filename), code.co_firstlineno) if faults.is_own(code.co_filename) else None
+        value = returning.last_of(function) if isinstance(function, ast.FunctionDef) else None
+        if function and value is not None:
+            yield _slip(code.co_filename, function, "returned", "no return", ast.unparse(value), at=function.lineno)
 
 
 def _from_outside(raised: BaseException, own: list[tuple[FrameType, int]]) -> Iterator[Slip]:
@@ -137,7 +147,8 @@ def _member(raised: AttributeError, scope: Scope) -> Meant:
     named = [each for each in scope.there(ast.Attribute) if each.attr == raised.name]
     member = _other_form(named[0].attr, raised.obj) if named else ""
     if named and not member and not _owners(raised, scope):
-        member = f".{near}" if (near := _nearest(named[0].attr, dir(raised.obj))) else ""
+        near = _nearest(named[0].attr, dir(raised.obj)) or _shorter(named[0].attr, dir(raised.obj))
+        member = f".{near}" if near else ""
     for each in named:
         if member and scope.may_be(each.value, raised.obj):
             yield "expression", ast.unparse(each), ast.unparse(each.value) + member
@@ -188,15 +199,6 @@ def _exchanged(raised: TypeError, scope: Scope) -> Meant:
             ):
                 turned = ast.unparse(ast.Tuple([other, one], ast.Store())).strip("()")
                 yield "statement", ast.unparse(each), f"{turned} = {ast.unparse(each.value)}"  # type: ignore[attr-defined]
-
-
-def _hidden(raised: UnboundLocalError, scope: Scope) -> Meant:
-    """A module that a variable of the function hides, which gets its value later."""
-    found = re.search(r"local variable '(\w+)'", str(raised))
-    module = scope.globals.get(found[1]) if found else None
-    for each in scope.there(ast.Attribute) if found and isinstance(module, ModuleType) else ():
-        if ast.unparse(each.value) == found[1] and hasattr(module, each.attr):  # type: ignore[index] # it was found
-            yield "expression", ast.unparse(each), f"globals()[{found[1]!r}].{each.attr}"  # type: ignore[index]
 
 
 def _own_constant(raised: AttributeError, scope: Scope) -> Meant:
@@ -255,7 +257,7 @@ def _is_method(value: Any, written: ast.Attribute) -> bool:
 
 
 _MEANT: Sequence[tuple[type[BaseException], Callable[[Any, Scope], Meant]]] = (
-    (UnboundLocalError, _hidden),
+    *[rule for rule in flow.RULES if issubclass(rule[0], UnboundLocalError)],
     (NameError, _name),
     (AttributeError, _keyword),  # matplotlib raises it for those
     (TypeError, _keyword),
@@ -270,6 +272,7 @@ _MEANT: Sequence[tuple[type[BaseException], Callable[[Any, Scope], Meant]]] = (
     (TypeError, arguments.by_names),
     (TypeError, _called),
     (AttributeError, _called),
+    *[rule for rule in flow.RULES if not issubclass(rule[0], UnboundLocalError)],
 )
 
 
@@ -299,8 +302,12 @@ def _other_form(name: str, owner: Any) -> str:
     """A key of a dictionary; what a panel sets where pyplot has a function, or the reverse."""
     if name in _keys_of(owner):
         return f"[{name!r}]"
-    other = name.removeprefix("set_") if name.startswith("set_") else f"set_{name}"
+    other = _NOW.get(name) or (name.removeprefix("set_") if name.startswith("set_") else f"set_{name}")
     return f".{other}" if other in dir(owner) else ""
+
+
+_NOW = {"randn": "standard_normal", "rand": "random", "randint": "integers", "random_sample": "random"}
+"""What NumPy's older random numbers are called in its newer ones."""
 
 
 def _keys_of(value: Any) -> set[str]:
@@ -382,6 +389,19 @@ def _nearest(name: str, among: Iterable[str]) -> str | None:
     likeness = sorted(((_likeness(name, each), each) for each in known), reverse=True)[:2]
     best = [each for each in likeness if each[0] >= _CLOSE and each[0] == likeness[0][0]]
     return best[0][1] if len(best) == 1 else None
+
+
+def _shorter(name: str, among: Iterable[str]) -> str | None:
+    """The one that this is short for, or that is short for it: letters of it in their order, from the first on."""
+    known = [each for each in among if not each.startswith("_") and len(each) >= _SHORTEST and each[0] == name[0]]
+    both = [(each, *sorted((each, name), key=len)) for each in known if len(each) != len(name)]
+    alike = [each for each, short, long in both if len(short) >= _SHORTEST and _stands_in(short, long)]
+    return alike[0] if len(alike) == 1 else None
+
+
+def _stands_in(short: str, long: str) -> bool:
+    letters = iter(long)
+    return all(letter in letters for letter in short)
 
 
 def _likeness(one: str, other: str) -> float:

@@ -56,3 +56,27 @@ def test_numbers_in_another_unit_are_told_with_the_label_that_is_there(label: st
     with pytest.raises(Lost) as lost:
         in_another_unit(plot, lambda sensor: "")
     assert lost.value.got == told
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("label", "drawn", "recorded", "fair"),
+    [
+        ("a [g]", "m/s²", "g", True),
+        ("a [g]", "m/s²", "m/s²", False),
+        ("a [g]", "m/s²", "", False),
+        ("a [g]", "g", "g", True),
+        ("a [m/s²]", "g", "m/s²", False),
+        ("a [m/s²]", "m/s²", "g", True),
+    ],
+)
+def test_a_label_may_name_the_unit_in_which_the_submission_records(
+    label: str, drawn: str, recorded: str, fair: bool
+) -> None:
+    panel = SimpleNamespace(axes=SimpleNamespace(ylabel=label, title=""), shown=[SimpleNamespace(sensor=0, unit=drawn)])
+    plot = cast(Any, SimpleNamespace(panels=[panel], figure=SimpleNamespace(ylabel="")))
+    if fair:
+        in_another_unit(plot, lambda sensor: recorded)
+    else:
+        with pytest.raises(Lost, match="under the label"):
+            in_another_unit(plot, lambda sensor: recorded)

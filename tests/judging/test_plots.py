@@ -467,3 +467,22 @@ def test_time_may_be_drawn_in_other_units_and_as_dates(kind: str, x: Callable[[A
     (found,) = plots.panels(replace(Sheet().figure, axes=(drawn,)), series)
     assert {shown.x for shown in found.shown} == {kind}
     assert len(found.shown) == 3
+
+
+@pytest.mark.parametrize(
+    ("sensor", "factor", "unit"),
+    [
+        (0, 1.0, "m/s²"),
+        (0, 1.09, "m/s²"),
+        (0, 1.11, ""),
+        (0, -100.0, "cm/s²"),
+        (0, 1 / 9.81, "g"),
+        (0, 0.5, ""),
+        (1, 180 / np.pi, "deg/s"),
+        (1, 1000.0, "mrad/s"),
+        (1, 1 / 9.81, ""),
+    ],
+)
+def test_a_recording_is_in_the_unit_in_which_it_is_as_large_as_the_truth(sensor: int, factor: float, unit: str) -> None:
+    true = SERIES[("acceleration", "angular_velocity")[sensor]]
+    assert plots.unit_in(factor * true, true, sensor) == unit

@@ -331,3 +331,19 @@ def test_beyond_the_end_of_the_array_there_is_nothing(first: int, known: int) ->
     accel, _ = reading.always_reads(first, GYRO).predict(TORSO)
     assert np.isfinite(accel[0]).sum(axis=1).tolist() == [known] * len(TORSO.sensordata)
     assert np.array_equal(accel[0, :, :known], TORSO.sensordata[:, first : first + known])
+
+
+@pytest.mark.parametrize(
+    ("got", "found"),
+    [
+        (TORSO.sensordata[:, 1:4], True),
+        (TORSO.accel[0], False),
+        (TORSO.sensordata[:, 1:4] + 1e-3, False),
+        (0 * TORSO.accel[0], False),
+        (np.vstack([TORSO.sensordata[:-1, 1:4], TORSO.accel[0][-1:]]), False),
+    ],
+    ids=["another place", "its own", "no place", "no motion", "another place but once"],
+)
+def test_numbers_from_one_other_place_in_every_state_stand_there(got: Array, found: bool) -> None:
+    assert int(TORSO.address[TORSO.pairs[0][0]]) != 1
+    assert reading.stands_elsewhere(got, TORSO.accel[0], TORSO.sensordata) is found

@@ -151,8 +151,8 @@ def at_fixed_places(accel: Array, gyro: Array, scene: Scene) -> Explanation | No
 
 def stands_elsewhere(got: Array, true: Array, sensordata: Array) -> bool:
     """Whether these numbers (k, 3) move, are not the true ones, and stand at one other place of sensordata in every state."""
-    moves = bool(np.ptp(got, axis=0).any())
-    return moves and np.abs(got - true).max() > ATOL and _start(got, sensordata) is not None
+    moves, off = np.ptp(got, axis=0).any(), np.abs(got - true).max() > ATOL
+    return bool(moves and off) and _start(got, sensordata) is not None
 
 
 def _start(got: Array, sensordata: Array) -> int | None:
