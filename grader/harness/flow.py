@@ -86,7 +86,7 @@ def _one_too_far(raised: IndexError, scope: Scope) -> Meant:
         ):
             start = call.args[0] if len(call.args) == 2 else None
             if start is None or (isinstance(start, ast.Constant) and start.value in (0, 1)):
-                yield "expression", ast.unparse(call), f"range({_one_less(call.args[-1])})"
+                yield "index", ast.unparse(call), f"range({_one_less(call.args[-1])})"
 
 
 def _one_less(end: ast.expr) -> str:
