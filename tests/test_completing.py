@@ -36,6 +36,9 @@ MENDED: dict[str, tuple[str, str, str]] = {
     "a line a space too far in": (RETURN, f" {RETURN}", ""),
     "a line a space too far out": (RETURN, RETURN[1:], ""),
     "a tabulator": (RETURN, RETURN.replace("        ", "\t"), ""),
+    "a merge that is not finished": (STEPS, f"<<<<<<< HEAD\n{STEPS}\n=======\n    for i in range(3):\n>>>>>>> theirs", f"\n{STEPS}\n\n\n"),
+    "a merge with what was there before": (STEPS, f"<<<<<<< HEAD\n{STEPS}\n||||||| base\n    for i in (1,):\n=======\n    for i in range(3):\n>>>>>>> theirs", f"\n{STEPS}\n\n\n\n\n"),
+    "a mark of a merge": (STEPS, f"<<<<<<< HEAD\n{STEPS}", f"\n{STEPS}"),
     "a block with nothing in it": ("class LowPassFilter:", "def helper(x):  # later\n\nclass LowPassFilter:", "def helper(x): pass  # later\n\nclass LowPassFilter:"),
     "print as a statement": ('print(f"Angular velocity: {gyro}")', 'print f"Angular velocity: {gyro}"', ""),
     "else if": ("        else:\n", "        else if self.alpha:\n", "        elif self.alpha:\n"),
@@ -80,7 +83,6 @@ def test_several_slips_are_put_right_one_after_the_other() -> None:
 LEFT = {
     "five slips": TEXT.replace("):\n", ")\n"),
     "an import that is not finished": _slipped("import numpy as np\n", "import numpy as\n"),
-    "a merge that is not finished": _slipped(STEPS, f"<<<<<<< HEAD\n{STEPS}"),
     "no program": "Dear player, this\nis my work. For\nthe lab!",
     "more than can be read again and again": "x = (\n" + "1 +\n" * 60_000,
 }

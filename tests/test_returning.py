@@ -21,6 +21,10 @@ LAST = {
     "with a print now and then": (READ, "a = 1\nb = 2\nif self.loud:\n    print(a)", "a, b"),
     "a dictionary": (MAPPING, "found = {'a': 1}\nprint('done')", "found"),
     "made by a call": (MAPPING, "found = dict(a=1)", "found"),
+    "filled by a loop": (MAPPING, "found = {'a': [0]}\nfor k in range(1):\n    found['a'][k] = 1", "found"),
+    "several that a loop fills": (
+        MAPPING, "a, b = [0], []\nfor k in range(1):\n    a[k] = 1\n    b.append(k)\na = tuple(a)", "{'a': a, 'b': b}",
+    ),
     "by itself": (MAPPING, "{'a': 1}", "{'a': 1}"),
     "of both branches": (
         UPDATE, "if self.y is None:\n    self.y = x\nelse:\n    self.y = 2 * x", "__import__('copy').copy(self.y)",
@@ -37,7 +41,9 @@ LEFT_ALONE = {
     "returns before": (UPDATE, "self.y = x\nif x:\n    return 1\nself.all.append(x)"),
     "branches that differ": (UPDATE, "if self.y is None:\n    self.y = x\nelse:\n    y = 2 * x"),
     "raises": (UPDATE, "self.y = x\nraise ValueError"),
-    "ends with a loop": (MAPPING, "found = {}\nfor name in 'ab':\n    found[name] = 1"),
+    "ends with a loop that fills nothing": (MAPPING, "found = {}\nfor name in 'ab':\n    print(name)"),
+    "ends with a loop that returns": (MAPPING, "found = {}\nfor name in 'ab':\n    found[name] = 1\n    return found"),
+    "ends with a loop where a value is wanted": (UPDATE, "for k in range(3):\n    self.y[k] = x[k]"),
     "three at once": (PAIR, "a, b, c = three()"),
     "one alone": (PAIR, "a = 1"),
     "no dictionary": (MAPPING, "found = 1"),

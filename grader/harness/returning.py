@@ -73,13 +73,20 @@ def _last(body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:
 
 
 def _filled_by(loop: ast.For | ast.While) -> ast.expr | None:
-    """The arrays and lists that a loop fills, under their own names."""
-    stored = [
-        each.value for each in ast.walk(loop) if isinstance(each, ast.Subscript) and isinstance(each.ctx, ast.Store)
-    ]
+    """The dictionary that a loop fills, or its arrays and lists under their own names."""
+    stored = [each for each in ast.walk(loop) if isinstance(each, ast.Subscript) and isinstance(each.ctx, ast.Store)]
     methods = [each for each in ast.walk(loop) if isinstance(each, ast.Attribute) and each.attr == "append"]
-    named = [each.id for each in [*stored, *(method.value for method in methods)] if isinstance(each, ast.Name)]
-    return _read(f"{{{', '.join(f'{name!r}: {name}' for name in dict.fromkeys(named))}}}") if named else None
+    named = list(dict.fromkeys(filter(None, map(_whose, [*stored, *methods]))))
+    if len(named) == 1:
+        return _read(named[0])
+    return _read(f"{{{', '.join(f'{name!r}: {name}' for name in named)}}}") if named else None
+
+
+def _whose(part: ast.expr) -> str:
+    """The variable of which something is a part, however deep; empty where it is of none."""
+    while isinstance(part, ast.Subscript | ast.Attribute):
+        part = part.value
+    return part.id if isinstance(part, ast.Name) else ""
 
 
 def _of_names(names: Sequence[str], body: Sequence[ast.stmt], kind: Kind) -> ast.expr | None:
