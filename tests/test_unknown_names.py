@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import linecache
+import re
 from types import ModuleType
 from typing import Any
 
@@ -37,12 +38,17 @@ def _run(text: str, *, drawing: bool = False) -> tuple[Any, slips.Slip | None]:
         return raised, slips.noticed()
 
 
+def _as_later(written: str) -> str:
+    """A statement as Python writes it from 3.11 on: no brackets around several names that are set."""
+    return re.sub(r"^\((\w+(?:, \w+)+)\) =", r"\1 =", written)
+
+
 def _until_it_runs(text: str, *, drawing: bool = False) -> tuple[Any, list[tuple[str, str]]]:
     taken = submission.STATE.slips
     while True:
         value, slip = _run(text, drawing=drawing)
         if slip is None or slip in taken:
-            return value, [(each["own"], each["meant"]) for each in taken]
+            return value, [(_as_later(each["own"]), each["meant"]) for each in taken]
         taken.append(slip)
 
 
