@@ -236,9 +236,10 @@ def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Conca
 
 
 def _errors(frame: Frame) -> int:
-    """How often the function raised."""
-    asked = [frame.fields, *(frame.fields.get("cases") or ())]
-    return sum(each.get("error") is not None for each in asked)
+    """How often the function raised, in a question of several cases in each; a process may claim anything to be these."""
+    cases = frame.fields.get("cases")
+    asked = [frame.fields, *(cases if isinstance(cases, list) else ())]
+    return sum(isinstance(each, Mapping) and each.get("error") is not None for each in asked)
 
 
 def _refused(name: str, fault: Fault, path: str) -> Missing:
