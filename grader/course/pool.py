@@ -166,7 +166,9 @@ class Pool:
             done, waiting = wait(self._given, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
             for desk in {self._given[future][0] for future in waiting}:
                 desk.stop_beyond(self._bounds)
-            for future in done:
+            for future in [
+                each for each in self._given if each in done
+            ]:  # of a desk in the order in which it was given them
                 if future not in self._given:  # it lay at a desk that has failed
                     continue
                 submission, outcome = self._taken(future)
