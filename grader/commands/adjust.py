@@ -12,7 +12,7 @@ from grader.ground.errors import RequestError
 
 
 def adjust(
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
+    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
     id_: Annotated[
         str | None,
         typer.Argument(metavar="ID", help="Whose marks: id, name or e-mail.", show_default=False),

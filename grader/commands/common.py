@@ -48,6 +48,12 @@ def either(names: Sequence[str]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
+def near(path: Path) -> str:
+    """Return how a path is shown: relative to the working folder where it lies below it."""
+    folder = Path.cwd()
+    return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
+
+
 def say(line: str) -> None:
     """One line on stderr, with the command's name in front."""
     from grader.ground.text import printable  # noqa: PLC0415

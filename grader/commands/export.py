@@ -12,7 +12,7 @@ from grader.platforms import registry
 
 
 def export(
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
+    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
     *,
     format_: Annotated[
         str, typer.Option("--format", "-f", metavar="F", help=f"{either(registry.names('fill', 'write'))}.")

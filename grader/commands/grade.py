@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, RungOption, SeedOption, console, either, one_of, say
+from grader.commands.common import RubricOption, RungOption, SeedOption, console, either, near, one_of, say
 from grader.ground.errors import RequestError
 from grader.platforms import registry
 
@@ -18,7 +18,10 @@ def grade(
     ],
     *,
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="OUT", help="Where results go; an earlier run is resumed.")
+        Path,
+        typer.Option(
+            "--out", "-o", metavar="OUT", resolve_path=True, help="Where results go; an earlier run is resumed."
+        ),
     ],
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="Markers at work; one a core by default.")
@@ -93,7 +96,7 @@ def grade(
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
         outcome = classroom.grade_class(order, found, audience)
-    terminal.show_class(outcome, str(out / "index.html"), screen)
+    terminal.show_class(outcome, near(out / "index.html"), screen)
     if spot := blind_spot(bundle):
         say(spot)
     if seed is None:

@@ -13,7 +13,7 @@ from grader.ground.errors import RequestError
 
 
 def review(
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="What `imugrade grade` wrote.")],
+    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
     *,
     port: Annotated[
         int, typer.Option("--port", min=0, max=65535, metavar="N", help="On which port; by default one that is free.")

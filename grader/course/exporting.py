@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course.publishing import outdated_pages
 from grader.course.record import Store
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
@@ -53,11 +54,20 @@ def export(order: Export) -> Written:
     Raises
     ------
     RequestError
-        If nothing was graded in OUT, the platform takes no grades, or the template is missing, not wanted or not the platform's.
+        If nothing was graded in OUT, the platform takes no grades, the template is missing, not wanted or not the platform's, or
+        reports that are asked for do not match the record.
     """
     marks = _way(order)
     with Store.existing(order.out) as store:
         standings = store.standings()
+        sent = [each for each in standings.values() if order.feedback and each.hand_in.reply]
+        outdated = outdated_pages(order.out, sent, store)
+    if outdated:
+        named = ", ".join(printable(id_, 80) for id_ in outdated[:5]) + ", …" * (len(outdated) > 5)
+        raise RequestError(
+            f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
+            "give the `imugrade grade` command again: it writes them anew"
+        )
     if order.unreadable == "blank":
         standings = given_out(standings)
     target = order.target or order.out / order.platform.gradebook

@@ -11,7 +11,6 @@ import multiprocessing
 import os
 import signal
 import sys
-import threading
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
@@ -19,11 +18,10 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
-from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
-from grader.engine.processes import begin_process, starting_ours
+from grader.engine.processes import starting_ours
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 
@@ -249,9 +247,7 @@ class _Desk:
         self.stopped = ""
         self.began: float | None = None
         context = multiprocessing.get_context("spawn")
-        in_main = threading.current_thread() is threading.main_thread()
-        begin = partial(begin_process, os.getcwd(), in_main)
-        with starting_ours():
+        with starting_ours() as begin:
             self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=begin)
             self._opened = self._executor.submit(_open, open_marker)
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import threading
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -19,7 +17,7 @@ from grader.course.record import Store, charts
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
-from grader.engine.processes import begin_process, context, starting_ours
+from grader.engine.processes import context, starting_ours
 from grader.engine.results import to_json
 from grader.ground.files import write_whole
 from grader.people.standing import Standing
@@ -57,6 +55,11 @@ def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab
     with Publisher(out, store, lab) as publisher:
         for standing in standings:
             publisher.put(standing)
+
+
+def outdated_pages(out: Path, standings: Iterable[Standing], store: Store) -> list[str]:
+    """Return the ids of the submissions whose `result.json` or `report.html` is missing, changed or older than the record."""
+    return [each.id for each in standings if not _Source.of(each, store).is_current(out)]
 
 
 class Publisher:
@@ -137,9 +140,8 @@ class Publisher:
 
 
 def _writers(processes: int) -> ProcessPoolExecutor:
-    in_main = threading.current_thread() is threading.main_thread()
-    with starting_ours():
-        executor = ProcessPoolExecutor(processes, context(), begin_process, (os.getcwd(), in_main))
+    with starting_ours() as begin:
+        executor = ProcessPoolExecutor(processes, context(), begin)
         for _ in range(processes):  # each starts with something to do
             executor.submit(int)
     return executor
@@ -169,14 +171,15 @@ class _Source:
         return folder / "result.json", folder / "report.html"
 
     def is_current(self, out: Path) -> bool:
+        """Return whether both files are those that were written last, from what is on record now."""
         record, report = self.paths(out)
         made_from = _digest(self.result, _bytes(record))
-        return made_from == self.known.record and self.facts(made_from) == self.known.report and report.is_file()
+        return made_from == self.known.record and self.facts(made_from, _bytes(report)) == self.known.report
 
-    def facts(self, made_from: str) -> str:
-        """A digest of all that the report says."""
+    def facts(self, made_from: str, page: bytes) -> str:
+        """Return a digest of the report and of all that it is made from."""
         standing = self.standing
-        return _digest(made_from, repr((standing.hand_in, standing.adjustments, standing.unseen)))
+        return _digest(made_from, page, repr((standing.hand_in, standing.adjustments, standing.unseen)))
 
 
 Digests = dict[str, str]
@@ -208,7 +211,7 @@ def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]
     if drawn_anew:
         of_figures = _of_figures(drawn_in(page), source)
     files[report] = page.encode("utf-8", "replace")
-    return files, f"{made_from} {source.facts(made_from)} {of_figures}"
+    return files, f"{made_from} {source.facts(made_from, files[report])} {of_figures}"
 
 
 @dataclass(frozen=True)

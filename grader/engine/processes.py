@@ -8,17 +8,24 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 
 @contextmanager
-def starting_ours() -> Iterator[None]:
-    """What is started in here is a process of ours, wherever this one was called, and whatever it is itself."""
+def starting_ours() -> Iterator[Callable[[], None]]:
+    """Start processes of the grader in this context, and yield what each of them calls first.
+
+    The context changes the working folder, so that a new Python imports no student's module. The yielded function returns the new
+    process to the folder that the caller works in. That folder is read before the change: relative paths mean the same in both.
+    """
+    in_main = threading.current_thread() is threading.main_thread()
+    begin = partial(_begin_process, os.getcwd(), in_main)
     with _interrupts_ignored(), _beside_no_student(), _though_a_daemon(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of idle threads of numpy's, which nothing here waits for
-        yield
+        yield begin
 
 
 def context() -> Any:
@@ -63,8 +70,8 @@ def _though_a_daemon() -> Iterator[None]:
             own["daemon"] = daemon
 
 
-def begin_process(folder: str, in_main: bool) -> None:
-    """What a process of ours does first: go back to the folder that it is to work in, and see to its own end."""
+def _begin_process(folder: str, in_main: bool) -> None:
+    """Enter the working folder and arrange that this process ends with its parent."""
     os.chdir(folder)
     leave_with_parent(in_main)
 

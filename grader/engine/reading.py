@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import sys
-import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
@@ -14,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, TypeVar
 
-from grader.engine.processes import begin_process, context, starting_ours
+from grader.engine.processes import context, starting_ours
 from grader.ground.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.intake.names import safe_id
@@ -150,11 +148,8 @@ class Reader:
         start = context()
         self._line, theirs = start.Pipe()
         copied = (self._line,) if start.get_start_method() == "fork" else ()
-        in_main = threading.current_thread() is threading.main_thread()
-        process = start.Process(
-            target=_serve, args=(theirs, copied, self._memory_bytes, os.getcwd(), in_main), daemon=True
-        )
-        with starting_ours(), theirs:
+        with starting_ours() as begin, theirs:
+            process = start.Process(target=_serve, args=(theirs, copied, self._memory_bytes, begin), daemon=True)
             process.start()
         self._process = process
         return self._line
@@ -170,10 +165,10 @@ class Reader:
         self._line = self._process = None
 
 
-def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, folder: str, in_main: bool) -> None:
+def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, begin: Callable[[], None]) -> None:
     for end in copied:  # a copy of this process's other end: while it is open, nobody has hung up
         end.close()
-    begin_process(folder, in_main)
+    begin()
     _bound_memory(memory_bytes)
     with suppress(EOFError, OSError):  # the run is over
         while True:

@@ -1,0 +1,82 @@
+"""Commands given with relative paths, by a class large enough that pages are written by several processes."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.classes import a_class, filters_alone, moodle, moodle_feedback
+
+MANY = 60
+RUBRIC = Path(__file__).parent.parent / "rubric.yaml"
+BESIDE_PYTHON = Path(os.__file__).parent
+"""Where the processes of the grader start: nothing may be left there."""
+
+
+def imugrade(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "grader", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def scores(out: Path) -> dict[str, float]:
+    with open(out / "gradebook.csv", encoding="utf-8-sig", newline="") as file:
+        return {row["id"]: float(row["total"]) for row in csv.DictReader(file)}
+
+
+def published(out: Path) -> dict[str, float]:
+    return {path.parent.name: json.loads(path.read_text())["score"] for path in out.glob("submissions/*/result.json")}
+
+
+def files_outside(folder: Path, out: Path) -> set[Path]:
+    return {path for path in folder.rglob("*") if not path.is_relative_to(out)}
+
+
+@pytest.fixture(scope="module")
+def graded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a class of 60, graded twice by the README's command: with the shipped rubric, then with another one."""
+    here = tmp_path_factory.mktemp("evening")
+    (here / "download").mkdir()
+    moodle(a_class(MANY, [filters_alone(1.0), filters_alone(0.5)]), here / "download").rename(here / "moodle.zip")
+    heavier = RUBRIC.read_text(encoding="utf-8").replace("follows_recursion: 6", "follows_recursion: 9")
+    assert heavier != RUBRIC.read_text(encoding="utf-8")
+    (here / "rub.yaml").write_text(heavier, encoding="utf-8")
+    before, beside = files_outside(here, here / "out"), set(BESIDE_PYTHON.iterdir())
+    for arguments in ((), ("--rubric", "rub.yaml")):
+        done = imugrade(here, "grade", "moodle.zip", "-o", "out", *arguments)
+        assert done.returncode == 0, done.stderr
+        assert "out/index.html" in done.stdout
+        assert str(here) not in done.stdout
+    assert files_outside(here, here / "out") == before
+    assert set(BESIDE_PYTHON.iterdir()) == beside
+    return here
+
+
+def test_pages_are_those_of_the_last_rubric(graded: Path) -> None:
+    assert len(published(graded / "out")) == MANY
+    assert published(graded / "out") == pytest.approx(scores(graded / "out"))
+
+
+def test_the_feedback_holds_the_pages_of_the_last_rubric(graded: Path) -> None:
+    exported = imugrade(graded, "export", "out", "--format", "csv", "-o", "marks.csv", "--feedback", "reports.zip")
+    assert exported.returncode == 0, exported.stderr
+    sent = moodle_feedback((graded / "reports.zip").read_bytes())
+    assert sorted(sent.values()) == sorted(path.read_bytes() for path in graded.glob("out/submissions/*/report.html"))
+
+
+def test_changed_pages_are_refused_by_export_and_written_anew_by_grade(graded: Path) -> None:
+    report = sorted(graded.glob("out/submissions/*/report.html"))[4]
+    page = report.read_bytes()
+    report.write_bytes(page.replace(b"</body>", b"<p>old</p></body>"))
+    refused = imugrade(graded, "export", "out", "--format", "csv", "-o", "new.csv", "--feedback", "new.zip")
+    assert refused.returncode == 2
+    assert f"1 of 60 reports do not match the record ({report.parent.name})" in refused.stderr
+    assert not (graded / "new.zip").exists()
+    again = imugrade(graded, "grade", "moodle.zip", "-o", "out", "--rubric", "rub.yaml")
+    assert again.returncode == 0, again.stderr
+    assert report.read_bytes() == page
