@@ -12,8 +12,8 @@ from grader.course.remarks import equal
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.code import Line, coloured, source
-from grader.desk.looks import address
 from grader.desk.overviews import framed
+from grader.desk.review_queue import address
 from grader.engine.fingerprint import lines_with
 from grader.ground.errors import RequestError
 from grader.ground.text import printable

@@ -11,8 +11,8 @@ from grader.course.adjusting import Wish
 from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
-from grader.desk.looks import address
 from grader.desk.overviews import all_looks, framed
+from grader.desk.review_queue import address
 from grader.ground.errors import RequestError
 from grader.people.standing import BONUS, TOTAL
 

@@ -9,8 +9,8 @@ from starlette.responses import RedirectResponse, Response
 
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
-from grader.desk.looks import KINDS, Look, looks
 from grader.desk.rendering import page
+from grader.desk.review_queue import KINDS, Look, looks
 from grader.ground.errors import RequestError
 
 

@@ -14,8 +14,8 @@ from grader.course.record import Appeal
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.code import Shelf, defined, named_lines, shelf, unshowable
-from grader.desk.looks import Look
 from grader.desk.overviews import all_looks, framed
+from grader.desk.review_queue import Look
 from grader.engine.evidence import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.ground.errors import RequestError
