@@ -16,8 +16,8 @@ from grader import __version__
 from grader.course.kept import pack
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
+from grader.desk.auth import Keys
 from grader.desk.classbook import Classbook
-from grader.desk.doors import Keys
 from grader.desk.serving import open_socket, server
 from grader.engine import rubric
 from grader.engine.evidence import Evidence

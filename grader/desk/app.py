@@ -13,8 +13,8 @@ from starlette.routing import Route
 from grader.course.record import OvertakenError
 from grader.desk import appeals, asking, comparing, costs, grouping, overviews, submissions
 from grader.desk.asking import Ask
+from grader.desk.auth import Doors, Keys
 from grader.desk.classbook import Classbook
-from grader.desk.doors import Doors, Keys
 from grader.desk.rendering import STATIC, page
 from grader.ground.errors import RequestError
 

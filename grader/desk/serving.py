@@ -9,8 +9,8 @@ from contextlib import suppress
 import uvicorn
 
 from grader.desk.app import application
+from grader.desk.auth import Keys
 from grader.desk.classbook import Classbook
-from grader.desk.doors import Keys
 from grader.ground.errors import RequestError
 
 _LOOPBACK = "127.0.0.1"
