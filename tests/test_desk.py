@@ -20,8 +20,8 @@ from grader.course.database import FILE_NAME
 from grader.course.groups import groups
 from grader.course.kept import LARGEST, pack, unpack
 from grader.course.record import Store
-from grader.desk.cliques import Clique, cliques
 from grader.desk.review_queue import looks
+from grader.desk.similarity_groups import Clique, cliques
 from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet

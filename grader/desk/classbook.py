@@ -15,7 +15,7 @@ from grader.course.kept import Kept, unpack
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Appeal, Store, Tick
 from grader.course.remarking import remark
-from grader.desk.cliques import Clique, cliques
+from grader.desk.similarity_groups import Clique, cliques
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.rubric import Rubric, load

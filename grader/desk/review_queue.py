@@ -10,7 +10,7 @@ from urllib.parse import quote
 from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick
 from grader.course.remarks import equal, not_understood, timed_out
-from grader.desk.cliques import Clique
+from grader.desk.similarity_groups import Clique
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.results import Result
 from grader.ground.text import printable
