@@ -36,13 +36,13 @@ def review(
       imugrade review out
     """
     try:
-        from grader.desk import appeals, classbook, serving  # noqa: PLC0415
+        from grader.desk import classbook, regrade_requests, serving  # noqa: PLC0415
     except ModuleNotFoundError as missing:
         raise RequestError(f"review needs {missing.name}, which comes with: pip install 'imugrade[desk]'") from missing
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     with closing(classbook.Classbook(LAB, out, rubric)) as book:
         for file in read_in or ():
-            print(f"{file}: {appeals.read_in(book, file)}")
+            print(f"{file}: {regrade_requests.read_in(book, file)}")
         serving.serve(book, author or login(), port, lambda address: print(address, flush=True))
     return 0

@@ -11,7 +11,7 @@ from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from grader.course.record import OvertakenError
-from grader.desk import appeals, asking, comparing, grouping, overviews, rubric_what_if, submissions
+from grader.desk import asking, comparing, grouping, overviews, regrade_requests, rubric_what_if, submissions
 from grader.desk.asking import Ask
 from grader.desk.auth import Doors, Keys
 from grader.desk.classbook import Classbook
@@ -27,7 +27,7 @@ PAGES: dict[str, Handler] = {
     "/groups/{kind}/{key}": grouping.show,
     "/alike": comparing.show_all,
     "/alike/{first}/{second}": comparing.show,
-    "/appeals": appeals.show,
+    "/appeals": regrade_requests.show,
     "/cost": rubric_what_if.show,
     "/submission/{id}": submissions.show,
     "/submission/{id}/picture/{place:int}": submissions.picture,
@@ -36,7 +36,7 @@ WRITES: dict[str, Handler] = {
     "/tick": overviews.tick,
     "/groups/{kind}/{key}": grouping.decide,
     "/decisions/take-back": grouping.take_back,
-    "/appeals": appeals.add,
+    "/appeals": regrade_requests.add,
     "/cost": rubric_what_if.save,
     "/submission/{id}/by-hand": submissions.by_hand,
 }
