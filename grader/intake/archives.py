@@ -29,6 +29,7 @@ MAX_IN_VAIN = 100  # reads behind the end of a tar: tarfile looks there for the 
 
 _FAT = 0  # "made by" of Windows tools, some of which write backslashes
 _UTF8 = 0x800  # flag: the name is UTF-8
+_TRAILING_BACKSLASH = ("cp932", "gbk", "big5")  # code pages with characters that end in the byte of a backslash
 _HEADERS = (
     tarfile.GNUTYPE_LONGNAME,
     tarfile.GNUTYPE_LONGLINK,
@@ -183,12 +184,25 @@ def _take_member(name: str, entry: zipfile.ZipInfo, pile: Pile, bytes_of: Callab
 
 
 def zip_name(entry: zipfile.ZipInfo) -> str:
-    """The path. `orig_filename` still has the NUL at which `filename` ends."""
+    """Return the path of an entry. `orig_filename` still has the NUL at which `filename` ends."""
     name = entry.orig_filename
-    if not entry.flag_bits & _UTF8:  # Finder writes UTF-8 and does not say so; zipfile takes it for code page 437
-        with suppress(UnicodeError):
-            name = name.encode("cp437").decode()
+    if not entry.flag_bits & _UTF8:  # zipfile takes these names for code page 437
+        name = _decoded(name.encode("cp437"), name)
     return name.replace("\\", "/") if entry.create_system == _FAT else name
+
+
+def _decoded(data: bytes, otherwise: str) -> str:
+    """Decode a name that does not state its encoding.
+
+    Finder writes UTF-8. East Asian Windows writes its code page, in which the second byte of a character may be that of a
+    backslash (0x5c). Such a page is tried only where a backslash would remain, and taken only if none remains in it.
+    """
+    for page in ("utf-8", *(_TRAILING_BACKSLASH if b"\\" in data else ())):
+        with suppress(UnicodeError):
+            text = data.decode(page)
+            if page == "utf-8" or "\\" not in text:
+                return text
+    return otherwise
 
 
 def _zip_objection(entry: zipfile.ZipInfo) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from grader.ground.text import printable
 from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, has_suffix, is_code, is_litter, joined
+from grader.intake.placeholders import placeholder
 
 MB = 1_000_000
 MAX_FILE = 16 * MB
@@ -79,6 +80,9 @@ class Pile:
         data = read()
         why = self._no_room(path, len(data))
         if why:
+            self.leave(path, why)
+            return
+        if why := placeholder(path, data):
             self.leave(path, why)
             return
         if path in self.files:

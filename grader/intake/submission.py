@@ -26,6 +26,7 @@ from grader.intake.names import (
     safe_id,
 )
 from grader.intake.pile import MAX_OPENINGS, Pile, Unreadable, listing
+from grader.intake.placeholders import is_empty_program
 from grader.intake.texts import as_programs
 
 
@@ -111,7 +112,9 @@ def read_submission(
     levels = {**dict.fromkeys(layout.inside, 0), **layout.above}
     files = {path: pile.files[outwards(layout.folder, level) + path] for path, level in levels.items()}
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
-    notes = (*layout.notes, *pile.notes())
+    empty = sorted(path for path in layout.inside if path in required and is_empty_program(files[path]))
+    unwritten = [f"{name} is empty: save it, check its size and hand it in again." for name in empty]
+    notes = (*unwritten, *layout.notes, *pile.notes())
     return Submission(id, name, files, notes, "ready", digest, layout.folder, layout.above)
 
 
