@@ -13,12 +13,16 @@ from typing import Any
 import numpy as np
 
 from . import seeing
+from .joining import MAX_PIECE, end_to_end, is_chain, joined
 from .values import Packer
 
 _MAX_AXES = 16
 _MAX_CURVES = 48
 _MAX_CURVES_IN_ALL = 200
 _MAX_POINTS = 6000
+_MAX_PIECES = (
+    20_000  # artists of a panel that are looked at: six curves of the lab's 1,500 samples, a call for each point
+)
 _MAX_TEXTS = 40
 _MAX_INKS = 8
 
@@ -125,31 +129,58 @@ def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
 
 def _curves(axes: Any, packer: Packer) -> list[dict[str, Any]]:
     room = min(_MAX_CURVES, _MAX_CURVES_IN_ALL - len(packer.arrays) // 2)
-    curves = [_line(line, axes, packer) for line in axes.get_lines()[: max(room, 0)]]
-    others = ((artist, drawn) for artist in (*axes.collections, *axes.patches) for drawn in _drawn_by(artist))
+    lines = joined(axes.get_lines()[:_MAX_PIECES], _points_on, _look_of_line)
+    curves = [_line(pieces, packer) for pieces in lines[: max(room, 0)]]
+    others = (
+        (pieces[0], drawn)
+        for pieces in joined((*axes.collections, *axes.patches)[:_MAX_PIECES], _points_in, _look_of_points)
+        for drawn in _drawn_by(pieces)
+    )
     for artist, (x, y, colour) in itertools.islice(others, max(room - len(curves), 0)):
         curves.append(_curve(artist, x, y, colour, packer) | _ink_of(artist, colour))
     return curves
 
 
-def _drawn_by(artist: Any) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
-    """Points and colour of every curve of an artist that is no single line: a collection of lines, stairs, scattered points."""
+def _points_on(line: Any) -> int:
+    return int(np.size(np.asarray(line.get_xdata())))
+
+
+def _look_of_line(line: Any) -> tuple[str, ...]:
+    return _colour(line.get_color()), str(line.get_linestyle()), str(line.get_marker()), _stroke(line)
+
+
+def _points_in(artist: Any) -> int:
+    """Return the number of scattered points; of any other artist, more than a piece of a curve has."""
+    from matplotlib.collections import PathCollection
+
+    return int(np.shape(artist.get_offsets())[0]) if isinstance(artist, PathCollection) else MAX_PIECE + 1
+
+
+def _look_of_points(points: Any) -> tuple[str, str]:
+    return _colour(_face(points)), _short(points.get_sizes()[:1])
+
+
+def _drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]:
+    """Yield points and colour of every curve of artists that are no lines: collections of lines, stairs, scattered points."""
     from matplotlib.collections import Collection, LineCollection
     from matplotlib.patches import StepPatch
 
+    artist = pieces[0]
     if isinstance(artist, Collection | StepPatch):
-        seeing.must_be_honest(artist)
+        seeing.must_be_honest(*pieces)
     if isinstance(artist, LineCollection):
-        colours = itertools.cycle(artist.get_edgecolor())
-        for segment, colour in zip(artist.get_segments(), colours, strict=False):
-            if len(segment) > 3:  # not a mark, as `vlines` makes them
+        segments, colours = list(artist.get_segments()), list(_plain_floats(artist.get_edgecolor()))
+        if is_chain(segments):
+            segments, colours = [end_to_end(segments)], colours[:1]
+        for segment, colour in zip(segments, itertools.cycle(colours), strict=False):
+            if len(segment) > MAX_PIECE:  # not a mark, as `vlines` makes them
                 yield segment[:, 0], segment[:, 1], colour
     elif isinstance(artist, StepPatch):
         values, edges, _ = artist.get_data()
         yield _plain_floats(edges)[:-1], _plain_floats(values), artist.get_edgecolor()
     elif isinstance(artist, Collection):
-        offsets = _plain_floats(artist.get_offsets())
-        if offsets.ndim == 2 and len(offsets) > 2:
+        offsets = np.concatenate([_plain_floats(piece.get_offsets()).reshape(-1, 2) for piece in pieces])
+        if len(offsets) > 2:
             yield offsets[:, 0], offsets[:, 1], _face(artist)
 
 
@@ -163,11 +194,11 @@ _FARTHEST = 1e12
 _NOTHING = ("None", "none", "", " ", None)
 
 
-def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
-    seeing.must_be_honest(line)
-    x, y = (
-        _plain_floats(get(orig=False)) for get in (line.get_xdata, line.get_ydata)
-    )  # dates and names as they are drawn
+def _line(pieces: list[Any], packer: Packer) -> dict[str, Any]:
+    seeing.must_be_honest(*pieces)
+    line, (x, y) = pieces[0], _points_of(pieces[0])
+    if len(pieces) > 1:
+        x, y = end_to_end(np.column_stack(_points_of(piece)) for piece in pieces).T
     stroke, marks = line.get_linestyle() not in _NOTHING, line.get_marker() not in _NOTHING
     inks = [line.get_color()] if stroke else []
     if marks:
@@ -183,6 +214,11 @@ def _line(line: Any, axes: Any, packer: Packer) -> dict[str, Any]:
         "inks": _inks(inks),
         "width": _bounded(min(widths, default=0.0)),
     }
+
+
+def _points_of(line: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return x and y as they are drawn: dates and names as numbers."""
+    return _plain_floats(line.get_xdata(orig=False)), _plain_floats(line.get_ydata(orig=False))
 
 
 def _stroke(line: Any) -> str:
@@ -226,7 +262,10 @@ def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
         sizes = artist.get_sizes() if hasattr(artist, "get_sizes") else ()
         inks = [*artist.get_facecolor()[:_MAX_POINTS], *artist.get_edgecolor()[:1]]
         return {"inks": _inks(inks), "width": float(np.sqrt(np.median(sizes))) if len(sizes) else 6.0}
-    return {"inks": _inks([colour]), "width": _bounded(np.max(artist.get_linewidth(), initial=0.0))}
+    shades = (
+        artist.get_edgecolor() if isinstance(artist, LineCollection) and is_chain(artist.get_segments()) else [colour]
+    )
+    return {"inks": _inks(shades), "width": _bounded(np.max(artist.get_linewidth(), initial=0.0))}
 
 
 def _inks(colours: Iterable[Any]) -> list[str]:

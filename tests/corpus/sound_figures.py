@@ -374,7 +374,60 @@ def plot_imu_data(imu_data):
     plt.close(fig)
 '''
 
+PLOT_PIECEWISE = '''\
+def plot_imu_data(imu_data):
+    """One call a point, or a segment, in a loop."""
+    fig, axes = plt.subplots(2, 1, figsize=(10, 7), sharex=True)
+    t = imu_data["time"]
+    for ax, name, unit in zip(axes, ("acceleration", "angular_velocity"), ("m/s^2", "rad/s")):
+        for k, (axis, colour) in enumerate(zip("xyz", "rgb")):
+            for i in range(0, len(t) - 1, STEP):
+                DRAW
+        ax.set_title(name.replace("_", " "))
+        ax.set_ylabel(f"{name.replace('_', ' ')} [{unit}]")
+        ax.legend()
+    axes[-1].set_xlabel("time [s]")
+    fig.savefig("imu_data.png")
+    plt.close(fig)
+'''
+ONE_LABEL = 'label=axis if i == 0 else "_"'
+PLOT_DOT_BY_DOT = PLOT_PIECEWISE.replace("STEP", "max(1, len(t) // 250)").replace(
+    "DRAW", f'ax.plot(t[i], imu_data[name][i, k], ".", color=colour, {ONE_LABEL})'
+)
+PLOT_SCATTER_BY_POINT = PLOT_PIECEWISE.replace("STEP", "max(1, len(t) // 250)").replace(
+    "DRAW", f"ax.scatter(t[i], imu_data[name][i, k], s=5, color=colour, {ONE_LABEL})"
+)
+PLOT_BY_SEGMENTS = PLOT_PIECEWISE.replace("STEP", "1").replace(
+    "DRAW", f"ax.plot(t[i : i + 2], imu_data[name][i : i + 2, k], color=colour, {ONE_LABEL})"
+)
+
+PLOT_SHADED_BY_TIME = '''\
+from matplotlib.collections import LineCollection
+
+
+def plot_imu_data(imu_data):
+    """Each curve in one hue that darkens with time, its name at its end."""
+    fig, axes = plt.subplots(2, 1, figsize=(10, 7), sharex=True)
+    t = imu_data["time"]
+    for ax, name, unit in zip(axes, ("acceleration", "angular_velocity"), ("m/s^2", "rad/s")):
+        for k, (axis, hue) in enumerate(zip("xyz", ("Reds", "Greens", "Blues"))):
+            points = np.column_stack([t, imu_data[name][:, k]])
+            segments = np.stack([points[:-1], points[1:]], axis=1)
+            ax.add_collection(LineCollection(segments, array=t[:-1], cmap=hue, norm=plt.Normalize(-t[-1], t[-1])))
+            ax.text(t[-1], points[-1, 1], f" {axis}", va="center")
+        ax.autoscale()
+        ax.set_title(name.replace("_", " "))
+        ax.set_ylabel(f"{name.replace('_', ' ')} [{unit}]")
+    axes[-1].set_xlabel("time [s]")
+    fig.savefig("imu_data.png")
+    plt.close(fig)
+'''
+
 FIGURES = {
+    "a_call_for_each_point": lab(plot=PLOT_DOT_BY_DOT),
+    "a_scatter_for_each_point": lab(plot=PLOT_SCATTER_BY_POINT),
+    "a_call_for_each_segment": lab(plot=PLOT_BY_SEGMENTS),
+    "curves_that_darken_with_time": lab(plot=PLOT_SHADED_BY_TIME),
     "a_picture_for_each_sensor": lab(plot=PLOT_TWO_FILES),
     "names_beside_the_curves_in_black": lab(plot=PLOT_NAMED_IN_BLACK),
     "main_file_draws_the_comparison": {

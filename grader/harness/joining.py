@@ -1,0 +1,62 @@
+"""Curves that were drawn piece by piece: one point or one segment a call, or one segment a shade."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Hashable, Iterable
+from typing import Any, TypeVar
+
+import numpy as np
+
+Artist = TypeVar("Artist")
+
+MAX_PIECE = 3
+"""Most points of a piece. A line of four points and more can be read as a curve of its own."""
+MIN_PIECES = 8
+"""Fewest pieces of one look that are taken as one curve: a plot has fewer marks (means, limits, events) of one look than that."""
+
+
+def joined(
+    artists: Iterable[Artist], size: Callable[[Artist], int], look: Callable[[Artist], Hashable]
+) -> list[list[Artist]]:
+    """Group the pieces of each curve, in the order in which they were drawn; any other artist is a group of its own.
+
+    Parameters
+    ----------
+    artists
+        The artists of one panel, in drawing order.
+    size
+        Returns the number of points of an artist.
+    look
+        Returns what a reader sees of it (colour, style, marker): pieces of one look are one curve.
+    """
+    artists = list(artists)
+    pieces: dict[Hashable, list[Artist]] = {}
+    for artist in artists:
+        if size(artist) <= MAX_PIECE:
+            pieces.setdefault(look(artist), []).append(artist)
+    groups: list[list[Artist]] = []
+    begun: set[Hashable] = set()
+    for artist in artists:
+        group = pieces.get(look(artist), []) if size(artist) <= MAX_PIECE else []
+        if len(group) < MIN_PIECES:
+            groups.append([artist])
+        elif look(artist) not in begun:
+            begun.add(look(artist))
+            groups.append(group)
+    return groups
+
+
+def end_to_end(parts: Iterable[np.ndarray]) -> np.ndarray:
+    """Concatenate pieces of shape (k, 2), without the points in which one piece ends and the next one begins."""
+    points = np.concatenate([np.asarray(part, dtype=float) for part in parts])
+    repeated = np.zeros(len(points), dtype=bool)
+    repeated[1:] = (points[1:] == points[:-1]).all(axis=1)
+    return np.asarray(points[~repeated])
+
+
+def is_chain(segments: list[Any]) -> bool:
+    """Return whether each segment begins where the one before it ends, as those of a curve whose shade changes do."""
+    if len(segments) < MIN_PIECES or any(len(segment) < 2 for segment in segments):
+        return False
+    return all(np.array_equal(before[-1], after[0]) for before, after in itertools.pairwise(segments))
