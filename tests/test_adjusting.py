@@ -211,7 +211,7 @@ LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
 def test_a_rubric_change_grades_again_only_if_marks_depend_on_it(
     old: str, new: str, again: list[str], run: Run, out: Path, tmp_path: Path
 ) -> None:
-    assert run("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, old, new))[0] == 0
+    assert run("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, old, new), "--change")[0] == 0
     assert marked(tmp_path) == sorted(["alice", "bob", *again])
 
 
@@ -237,10 +237,10 @@ def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(run: R
     roster.write_text(
         'id,name,section,submitted,due\nalice,"Müller, A.",B,2026-11-21T13:00Z,\nbob,Bob,A,2026-11-25T12:00Z,2026-11-30T00:00Z\nx,Gone,A,,\n'
     )
-    code, _, err = run(
-        "grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, *LATE), "--roster", roster
-    )
-    assert (code, err) == (0, "imugrade: in the roster, and nothing handed in: Gone\n")
+    given = ("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, *LATE), "--roster", roster)
+    code, _, err = run(*given, "--change")
+    change = "another late policy, a roster: 1 of 2 scores change, mean 17.0 to 10.0"
+    assert (code, err) == (0, f"imugrade: {change}\n{NO_SEED}imugrade: in the roster, and nothing handed in: Gone\n")
     assert marked(tmp_path) == ["alice", "bob"]
     assert (out / "gradebook.csv").read_text() == (
         "id,name,section,sensor_access,total,submitted,late,late_deduction,final,status\n"

@@ -526,7 +526,7 @@ def test_a_record_of_files_that_is_cut_short_is_refused(kept: int) -> None:
 def test_a_record_of_the_layout_before_is_read_and_grows(tmp_path: Path) -> None:
     out = make_class(tmp_path / "out", STUDENTS[:1])
     with sqlite3.connect(out / FILE_NAME) as old:
-        for table in ("files", "told", "decisions", "ticks", "appeals"):
+        for table in ("files", "told", "decisions", "ticks", "appeals", "settings", "former"):
             old.execute(f"DROP TABLE {table}")
         old.execute(
             "INSERT INTO adjustments VALUES (1, 'ada', 'filtering', 12, 'old', 'me', '2026-01-01T00:00:00+00:00', '{}', 0, 0)"

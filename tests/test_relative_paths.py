@@ -47,7 +47,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert heavier != RUBRIC.read_text(encoding="utf-8")
     (here / "rub.yaml").write_text(heavier, encoding="utf-8")
     before, beside = files_outside(here, here / "out"), set(BESIDE_PYTHON.iterdir())
-    for arguments in ((), ("--rubric", "rub.yaml")):
+    for arguments in ((), ("--rubric", "rub.yaml", "--change")):
         done = imugrade(here, "grade", "moodle.zip", "-o", "out", *arguments)
         assert done.returncode == 0, done.stderr
         assert "out/index.html" in done.stdout

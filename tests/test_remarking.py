@@ -252,7 +252,7 @@ def test_grading_a_class_again_with_other_points_opens_no_box(tmp_path: Path, mo
     keep(tmp_path, changed(), names)
     monkeypatch.setattr(classroom, "opener", no_box)
     order = classroom.Order(
-        tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), bundles.shipped(), jobs=1
+        tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), bundles.shipped(), jobs=1, change=True
     )
     outcome = classroom.grade_class(order, classroom.find(order), Nobody())
     assert (outcome.resumed, outcome.results["s06-id-as-address"].score) == (2, 96.0)

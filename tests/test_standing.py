@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.remarks import forgotten, gone, of_policy, of_scenarios, outdated, remarks
+from grader.course.remarks import gone, of_policy, outdated, remarks
 from grader.engine.results import to_json
 from grader.engine.rubric import LatePolicy
 from grader.ground.errors import RequestError
@@ -212,7 +212,7 @@ def test_a_name_is_spelt_from_each_of_its_words_on() -> None:
 
 def read(tmp_path: Path, text: str) -> list[roster.Listed]:
     (tmp_path / "r.csv").write_bytes(text.encode())
-    return roster.load(tmp_path / "r.csv")
+    return list(roster.load(tmp_path / "r.csv").people)
 
 
 def placed(tmp_path: Path, text: str) -> roster.Placed:
@@ -338,16 +338,6 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
     ]
 
 
-def test_another_secret_than_the_rest_had_is_told() -> None:
-    def made(id_: str, traces: str) -> Standing:
-        return Standing(id_, replace(result(), provenance={"traces_sha256": traces}))
-
-    assert list(of_scenarios({})) == list(of_scenarios({"a": made("a", "1"), "b": made("b", "1")})) == []
-    assert list(of_scenarios({id_: made(id_, traces) for id_, traces in zip("abcd", "1211", strict=True)})) == [
-        "graded with other scenarios than the rest (by another seed; grade them again with that of the class): b"
-    ]
-
-
 def test_what_a_late_policy_cannot_be_held_against_is_told() -> None:
     came, never = (
         HandIn((Person("Jane Doe", "a"),), "2026-11-20T22:00:00+00:00"),
@@ -369,15 +359,6 @@ def test_who_is_on_record_alone_is_told() -> None:
     assert list(gone(now, "abcdefgh")) == []
     assert list(gone(now, "abcdefg")) == [f"{told}h"]
     assert list(gone(now, "a")) == [f"{told}b; c; d; e; f; and 2 more"]
-
-
-def test_people_whom_the_run_before_knew_otherwise_are_told() -> None:
-    jane, plain = HandIn((Person("Doe, Jane", "a", section="2"),)), HandIn((Person("a", "a"),))
-    now = {id_: Standing(id_, result(), plain) for id_ in ("a", "b")}
-    assert list(forgotten({"a": plain, "b": plain, "gone": jane}, now)) == []
-    assert list(forgotten({"a": jane, "b": plain}, now)) == [
-        "names and sections are not those of the run before (give its --roster again to have them): a"
-    ]
 
 
 def test_a_long_list_is_told_whole(capsys: pytest.CaptureFixture[str]) -> None:

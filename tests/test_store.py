@@ -172,7 +172,7 @@ def test_a_record_of_another_layout_is_refused_with_both_numbers(tmp_path: Path)
     newer = sqlite3.connect(tmp_path / FILE_NAME)
     newer.execute("PRAGMA user_version = 7")
     newer.close()
-    with pytest.raises(RequestError, match=r"another version of imugrade \(layout 7, this one reads 3\)"):
+    with pytest.raises(RequestError, match=r"another version of imugrade \(layout 7, this one reads 4\)"):
         Store(tmp_path)
 
 

@@ -7,21 +7,33 @@ from typing import Annotated
 
 import typer
 
+from grader.commands.common import near
+from grader.ground.errors import RequestError
+
 
 def diff(
     first: Annotated[Path, typer.Argument(metavar="OUT1", help="A graded class.")],
-    second: Annotated[Path, typer.Argument(metavar="OUT2", help="The same class, graded another time.")],
+    second: Annotated[
+        Path | None,
+        typer.Argument(metavar="OUT2", help="The same class, graded another time.", show_default=False),
+    ] = None,
 ) -> int:
-    """Tell whose marks moved from one grading to another, by which checks, and what had changed.
+    """Tell whose scores changed from one grading to another, by which checks, and what had changed.
+
+    Of one class alone: from the version before the last change of its settings to now.
 
     \b
-    Example:
+    Examples:
       imugrade diff out-monday out-tuesday
+      imugrade diff out
     """
     from grader.course import differences  # noqa: PLC0415
     from grader.course.record import Store  # noqa: PLC0415
 
-    with Store.existing(first) as old, Store.existing(second) as new:
-        for line in differences.told(old.standings(), new.standings()):
+    with Store.existing(first) as old, Store.existing(second or first) as new:
+        before = old.standings() if second is not None else old.former()
+        if second is None and not before:
+            raise RequestError(f"{near(first)}: its settings never changed a score; give two gradings to compare")
+        for line in differences.told(before, new.standings()):
             print(line)
     return 0

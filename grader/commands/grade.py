@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from grader.commands.common import RubricOption, RungOption, SeedOption, console, either, near, one_of, say
 from grader.ground.errors import RequestError
 from grader.platforms import registry
+
+if TYPE_CHECKING:
+    from grader.course.class_settings import Change
 
 
 def grade(
@@ -44,8 +49,9 @@ def grade(
         ),
     ] = None,
     attempts: Annotated[
-        str, typer.Option("--attempts", metavar="WHICH", help="Of several by the same people, the latest or the best.")
-    ] = "latest",
+        str | None,
+        typer.Option("--attempts", metavar="WHICH", help="Which attempt to grade: latest (default) or best."),
+    ] = None,
     rubric: RubricOption = None,
     seed: SeedOption = None,
     only: Annotated[
@@ -56,6 +62,12 @@ def grade(
     min_score: Annotated[
         float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if a submission has fewer points.")
     ] = None,
+    change: Annotated[
+        bool, typer.Option("--change", help="Consent to a change of scores on record, by another rubric for example.")
+    ] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Tell what would be graded and which scores would change, and stop.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade again what is on record.")] = False,
     trust: Annotated[
         bool, typer.Option("--trust-submissions", help="Grade where nothing isolates students' code.")
@@ -64,6 +76,9 @@ def grade(
 ) -> int:
     """Grade a class. Killed or stopped, the same command goes on where it ended.
 
+    OUT remembers the rubric, the roster, the attempt rule and the scenarios: they need not be given again. What is given again and
+    would change scores on record is told first, and done with --change or a yes on a terminal; `imugrade diff OUT` then compares.
+
     \b
     Examples:
       imugrade grade submissions -o out
@@ -71,8 +86,7 @@ def grade(
       imugrade grade canvas.zip -o out --roster gradebook.csv
       imugrade grade submissions -o out --only alice --force
     """
-    from grader.course import classroom  # noqa: PLC0415
-    from grader.engine import rubric as rubrics  # noqa: PLC0415
+    from grader.course import class_settings, classroom  # noqa: PLC0415
     from grader.labs.imu.blind_spot import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
@@ -80,11 +94,15 @@ def grade(
 
     if cluster is not None and jobs is not None:
         raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
-    chosen = rubrics.load(LAB, rubric)
+    known = classroom.on_record(out)
+    class_settings.refuse_without_secret(known, seed)
+    chosen = class_settings.rubric_of(LAB, known, rubric)
     bundle = LAB.truth(seed, chosen.settings)
+    which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
     order = classroom.Order(
         tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
-        one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), roster, one_of("--attempts", attempts, ATTEMPTS),
+        one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), class_settings.roster_of(known, roster), which,
+        at_least=known.isolation if known and not change else "",
     )  # fmt: skip
     found = classroom.find(order)
     for line in found.told:
@@ -93,6 +111,13 @@ def grade(
         for line in (*classroom.listing(found), *(f"Not placed: {left}" for left in found.leftovers)):
             print(line)
         return 0
+    changed = classroom.change(order, found)
+    if dry_run:
+        for line in (classroom.counted(order, found), *([changed.told()] if changed else [])):
+            print(line)
+        return 0
+    if changed is not None:
+        order = replace(order, change=_agreed(changed, change))
     screen = console()
     with progress.Bar(screen) if screen.is_terminal else progress.Lines() as audience:
         outcome = classroom.grade_class(order, found, audience)
@@ -110,3 +135,11 @@ def grade(
         say(f"{many} as in the run before (`imugrade review` lists what needs a look)")
     below = min_score is not None and bool(outcome.below(min_score))
     return 3 if outcome.incomplete else int(below)
+
+
+def _agreed(changed: Change, change: bool) -> bool:
+    """Tell what other settings do to the scores; return whether a change of scores is wanted, which a terminal is asked for."""
+    if changed.moves_scores and not change:
+        return sys.stdin.isatty() and typer.confirm(f"{changed.told()}. Change them?")
+    say(changed.told())
+    return change

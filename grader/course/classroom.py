@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -11,13 +12,15 @@ from pathlib import Path
 from typing import Protocol
 
 from grader import __version__
-from grader.course import cluster
+from grader.course import class_settings, cluster
+from grader.course.class_settings import Change, ClassSettings
+from grader.course.database import FILE_NAME
 from grader.course.kept import pack
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
-from grader.course.remarks import forgotten, gone, of_policy, of_scenarios, outdated, remarks
+from grader.course.remarks import gone, of_policy, outdated, remarks
 from grader.engine.evidence import Evidence, unpacked
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
@@ -32,9 +35,11 @@ from grader.ground.text import printable
 from grader.intake import Submission
 from grader.people import lateness, roster
 from grader.people.identity import Meant
+from grader.people.roster import NO_ROSTER, Roster
 from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
 from grader.report.pages import drawn
+from grader.sandbox.rungs import RUNGS
 
 _WALL_PER_CPU = 5
 """Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
@@ -49,7 +54,8 @@ _WRITERS = 4
 class Order:
     """What is to be graded, where to, and how.
 
-    `only` empty means all; `jobs` None one a core; `cluster` None here; `shape` None what each path is recognised as.
+    `only` empty means all; `jobs` None one a core; `cluster` None here; `shape` None what each path is recognised as. `change`
+    is the consent to a change of scores that are on record. `at_least` is the isolation level that a marker has to offer.
     """
 
     paths: tuple[Path, ...]
@@ -63,8 +69,14 @@ class Order:
     rung: str | None = None
     cluster: str | None = None
     shape: str | None = None
-    roster: Path | None = None
+    roster: Roster = NO_ROSTER
     attempts: str = "latest"
+    change: bool = False
+    at_least: str = ""
+
+    @property
+    def settings(self) -> ClassSettings:
+        return ClassSettings.of(self.rubric, self.roster, self.attempts, self.traces)
 
 
 @dataclass(frozen=True)
@@ -119,7 +131,7 @@ def find(order: Order) -> Class:
     RequestError
         If there is nothing to grade, an id is unknown, or the roster cannot be read.
     """
-    listed = [] if order.roster is None else roster.load(order.roster)
+    listed = order.roster.people
     known = {each.who.key: each.who.name for each in listed if each.who.key}
     found = read_class(order.paths, order.rubric.lab.files, order.shape, order.attempts, known)
     submissions = _beside_out(found.entries, order)
@@ -130,7 +142,7 @@ def find(order: Order) -> Class:
     placed = roster.place(listed, {entry.id: _with_people(entry) for entry in submissions})
     entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
-    unknown = () if order.roster is None else placed.unknown
+    unknown = placed.unknown if listed else ()
     return Class(dated, found.leftovers, found.told, placed.absent, unknown)
 
 
@@ -156,6 +168,58 @@ def listing(found: Class) -> Iterator[str]:
         yield "  ".join(printable(text, 200) for text in (entry.id, people, hand_in.submitted, late) if text)
 
 
+def on_record(out: Path) -> ClassSettings | None:
+    """Return the settings that the class in OUT is graded by; None where none are on record."""
+    if not (out / FILE_NAME).is_file():
+        return None
+    with Store.existing(out) as store:
+        return store.settings()
+
+
+def change(order: Order, found: Class) -> Change | None:
+    """Compute what the settings of this run do to the scores on record; None where they are those on record.
+
+    Raises
+    ------
+    RequestError
+        If the class on record was graded on hidden scenarios and these are the public ones, or `only` a part of the class would be
+        graded by other settings than the rest.
+    """
+    if not (order.out / FILE_NAME).is_file():
+        return None
+    new = order.settings
+    with Store.existing(order.out) as store:
+        old = store.settings()
+        if old is not None and not class_settings.causes(old, new):
+            return None
+        standings = store.standings()
+        old = old or class_settings.derived(standings, new)
+    if old is None:
+        return None
+    if old.hidden and not new.hidden:
+        class_settings.refuse_without_secret(old, None)
+    several = Counter(entry.id for entry in found.entries)
+    hand_ins = {entry.id: entry.hand_in for entry in found.entries if several[entry.id] == 1}
+    changed = class_settings.change(old, new, order.rubric, standings, hand_ins)
+    if changed is not None and changed.moves_scores and order.only:
+        raise RequestError(f"--only grades a part of a class by the settings of all; leave it out ({changed.told()})")
+    return changed
+
+
+def counted(order: Order, found: Class) -> str:
+    """Return how many submissions a run would grade, and how many are on record; nothing is graded."""
+    kept: list[bool] = []
+    with Reader() as reader:
+        if (order.out / FILE_NAME).is_file():
+            with Store.existing(order.out) as store:
+                kept = [not order.force and store.has(_key(each, order)) for _, each in reader.each(found.entries)]
+    return f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record"
+
+
+def _key(submission: Submission, order: Order) -> Key:
+    return Key(submission.id, submission.sha256, order.rubric.sha256, order.traces.sha256, __version__)
+
+
 def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     """Grade every submission that is not recorded yet and write `order.out`.
 
@@ -165,13 +229,20 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     Raises
     ------
     RequestError
-        If OUT cannot be written or nothing here isolates students' code.
+        If OUT cannot be written, nothing here isolates students' code, or scores on record would change without `order.change`.
     GraderError
         If no marker can be opened.
     """
+    changed = change(order, found)
+    moves = changed is not None and changed.moves_scores
+    if changed is not None and moves and not order.change:
+        raise RequestError(
+            f"{changed.told()}; add --change to do it, or grade into another folder with -o. Nothing was changed"
+        )
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
-        before = store.hand_ins()
+        was = store.settings()
+        store.keep_settings(replace(order.settings, isolation=was.isolation if was else ""), keep_before=moves)
         told = {"leftover": found.leftovers, "absent": found.absent, "unknown": found.unknown}
         remarked = store.told().get("remark", [])
         store.keep_told({**told, "remark": remarked})
@@ -182,18 +253,25 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
                 run.grade(found.entries)
             finally:
                 standings = publish_class(order.out, store, order.rubric.lab)
+                _keep_isolation(store, standings)
         now = (
             *remarks(standings, found.absent, found.unknown),
-            *of_scenarios(standings),
             *of_policy(standings, order.rubric.late),
             *(() if order.only else gone(standings, {entry.id for entry in found.entries})),
         )
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
     outcome.remarks, outcome.known = (*outdated(standings), *new), len(now) - len(new)
-    if order.roster is None:
-        outcome.remarks += tuple(forgotten(before, standings))
     return outcome
+
+
+def _keep_isolation(store: Store, standings: Mapping[str, Standing]) -> None:
+    """Record the weakest isolation level of the class."""
+    levels = [rung.name for rung in RUNGS]
+    used = [name for each in standings.values() if (name := each.result.provenance.get("isolation")) in levels]
+    settings = store.settings()
+    if settings is not None and used:
+        store.keep_settings(replace(settings, isolation=max(used, key=levels.index)))
 
 
 class _Run:
@@ -212,9 +290,9 @@ class _Run:
         with Reader() as reader:
             for submission, marked in self._marked(entries, reader):
                 result = _result(submission, self._order, marked)
-                self._store.keep(self._key(submission), result)
+                self._store.keep(_key(submission, self._order), result)
                 slim = replace(result, evidence=Evidence())  # on record now; of a large class it would fill the memory
-                self._tell(self._key(submission), slim, result.evidence.figures)
+                self._tell(_key(submission, self._order), slim, result.evidence.figures)
         self._settle()
 
     def _settle(self) -> None:
@@ -240,7 +318,7 @@ class _Run:
     def _unrecorded(self, entries: Sequence[Entry], reader: Reader) -> Iterator[Submission]:
         """Submissions that are still to be marked; those on record are told on the way."""
         for entry, submission in reader.each(entries):
-            key = self._key(submission)
+            key = _key(submission, self._order)
             self._store.keep_files(submission.sha256, partial(pack, submission.files))
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
@@ -254,10 +332,6 @@ class _Run:
             else:
                 self._outcome.resumed += 1
                 self._tell(key, known)
-
-    def _key(self, submission: Submission) -> Key:
-        rubric, traces = self._order.rubric.sha256, self._order.traces.sha256
-        return Key(submission.id, submission.sha256, rubric, traces, __version__)
 
     def _tell(self, key: Key, result: Result, figures: Mapping[str, str] | None = None) -> None:
         """`figures`, drawn already, come with a result of this run; None with one that was on record."""
@@ -295,17 +369,25 @@ def _jobs(order: Order) -> int:
 
 def opener(order: Order) -> OpenMarker:
     """What each worker process makes its marker with."""
-    return partial(guarded_marker, order.rubric, order.traces, order.rung, order.trusted)
+    return partial(guarded_marker, order.rubric, order.traces, order.rung, order.trusted, order.at_least)
 
 
 @contextmanager
-def guarded_marker(rubric: Rubric, traces: Traces, rung: str | None, trusted: bool) -> Iterator[Marking]:
-    """A marker for other people's code: refused where nothing isolates it."""
+def guarded_marker(
+    rubric: Rubric, traces: Traces, rung: str | None, trusted: bool, at_least: str = ""
+) -> Iterator[Marking]:
+    """A marker for other people's code: refused where nothing isolates it, or less than the isolation level `at_least`."""
     with Marker(rubric, traces, rung=rung) as marker:
         if not marker.isolation.walled and not trusted:
             raise RequestError(
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "
                 "grade on Linux, or add --trust-submissions if you trust every one of them"
+            )
+        levels = [each.name for each in RUNGS]
+        if at_least in levels and levels.index(marker.isolation.name) > levels.index(at_least):
+            raise RequestError(
+                f"the class was graded at the isolation level {at_least}, and this machine offers {marker.isolation.name} "
+                "(`imugrade doctor` tells why); add --change to grade the rest at that level"
             )
         yield _Drawing(marker)
 

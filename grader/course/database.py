@@ -18,7 +18,7 @@ T = TypeVar("T")
 D = TypeVar("D", bound="Database")
 
 FILE_NAME = "results.sqlite"
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 _APPLICATION_ID = 0x494D5547  # "IMUG": tells our file from any other SQLite file
 _TABLES = """
 CREATE TABLE IF NOT EXISTS results (
@@ -73,12 +73,22 @@ CREATE {temp} TABLE appeals (
     UNIQUE (id, about, text)
 );
 """
+_SINCE_4 = """
+CREATE {temp} TABLE settings (number INTEGER PRIMARY KEY, at TEXT NOT NULL, record TEXT NOT NULL);
+CREATE {temp} TABLE former (
+    number INTEGER NOT NULL,
+    id TEXT NOT NULL,
+    seq INTEGER NOT NULL,
+    hand_in TEXT NOT NULL,
+    PRIMARY KEY (number, id)
+);
+"""
 _WIDER = """
 ALTER TABLE adjustments ADD COLUMN alone INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE adjustments ADD COLUMN decision INTEGER NOT NULL DEFAULT 0;
 """
 _SEEN_AS_3 = "CREATE TEMP VIEW adjustments AS SELECT *, 0 AS alone, 0 AS decision FROM main.adjustments;"
-"""A record of layout 2 that cannot be written is read as one of layout 3 that holds nothing new."""
+"""A record of an older layout that cannot be written is read as one that holds nothing new."""
 
 
 class Database:
@@ -133,13 +143,17 @@ class Database:
         """
         application, version, tables = self._identity()
         if (application, version, tables) == (0, 0, 0):
-            self._lay_out(_TABLES + _WIDER)
+            self._lay_out(_TABLES + _WIDER + _SINCE_3.format(temp=""))
         elif application != _APPLICATION_ID:
             raise RequestError(f"{self.path}: is not a record of imugrade; choose another folder with -o")
         elif version == 2 and self._writable:
-            self._lay_out(_WIDER)
+            self._lay_out(_WIDER + _SINCE_3.format(temp=""))
+        elif version == 3 and self._writable:
+            self._lay_out("")
         elif version == 2:
-            self._db.executescript(_SINCE_3.format(temp="TEMP") + _SEEN_AS_3)
+            self._db.executescript(_SINCE_3.format(temp="TEMP") + _SEEN_AS_3 + _SINCE_4.format(temp="TEMP"))
+        elif version == 3:
+            self._db.executescript(_SINCE_4.format(temp="TEMP"))
         elif version != SCHEMA_VERSION:
             raise RequestError(
                 f"{self.path}: was written by another version of imugrade (layout {version}, this one reads "
@@ -155,7 +169,7 @@ class Database:
         mark = f"PRAGMA application_id = {_APPLICATION_ID}; PRAGMA user_version = {SCHEMA_VERSION}"
         with self._transaction():
             if self._identity()[1] != SCHEMA_VERSION:
-                for statement in (script + _SINCE_3.format(temp="") + mark).split(";"):
+                for statement in (script + _SINCE_4.format(temp="") + mark).split(";"):
                     self._db.execute(statement)
 
     def _identity(self) -> tuple[int, int, int]:

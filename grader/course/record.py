@@ -12,9 +12,12 @@ import json
 from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import astuple, dataclass, replace
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import TypeVar
 
+from grader.course import class_settings
+from grader.course.class_settings import ClassSettings
 from grader.course.database import Database, ForeignError, foreign, read
 from grader.engine.evidence import Chart, unpacked
 from grader.engine.marks import fits, marked
@@ -38,6 +41,10 @@ SELECT id, submission_sha256, ?, traces_sha256, grader, status, ?, charts, finge
 ON CONFLICT (id, submission_sha256, rubric_sha256, traces_sha256, grader) DO UPDATE SET record = excluded.record
 """
 _ADJUSTMENT = "id, criterion, points, comment, author, at, beneath, alone, decision"
+_FORMER = """
+INSERT OR REPLACE INTO former
+SELECT ?, class.id, class.seq, coalesce(hand_ins.record, '') FROM class LEFT JOIN hand_ins ON hand_ins.id = class.id
+"""
 _HAND_IN = "INSERT OR REPLACE INTO hand_ins VALUES (?, ?)"
 _WHERE = "WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? AND traces_sha256 = ? AND grader = ?"
 
@@ -128,6 +135,60 @@ class Store(Database):
                     return result
         return None
 
+    def settings(self) -> ClassSettings | None:
+        """Return the settings that the class is graded by; None where none were kept."""
+        with self._told():
+            row = self._db.execute("SELECT record FROM settings ORDER BY number DESC LIMIT 1").fetchone()
+            return None if row is None else read(class_settings.from_json, row[0])
+
+    def keep_settings(self, settings: ClassSettings, *, keep_before: bool = False) -> None:
+        """Record the settings of the class.
+
+        With `keep_before` the results of now stay on record as those of the version before; otherwise the new settings take the
+        place of the last ones, whose scores they do not change.
+        """
+        if settings == self.settings():
+            return
+        with self._told(), self._transaction():
+            self._keep_settings(settings, keep_before)
+
+    def _keep_settings(self, settings: ClassSettings, keep_before: bool) -> None:
+        number = self._last_version()
+        if keep_before:
+            self._db.execute(_FORMER, (number,))
+        number += keep_before or not number
+        at = datetime.now(timezone.utc).isoformat(timespec="seconds")
+        self._db.execute(
+            "INSERT OR REPLACE INTO settings VALUES (?, ?, ?)", (number, at, class_settings.to_json(settings))
+        )
+
+    def _last_version(self) -> int:
+        return int(self._db.execute("SELECT coalesce(max(number), 0) FROM settings").fetchone()[0])
+
+    def former(self) -> dict[str, Standing]:
+        """Return the standings of the version before, with the overrides of now; empty where there is none."""
+        query = (
+            "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
+            "WHERE number = (SELECT max(number) FROM former) ORDER BY former.id"
+        )
+        adjustments = self.adjustments()
+        with self._told():
+            return {
+                id_: Standing(
+                    id_,
+                    _result(record),
+                    read(_hand_in, hand_in) if hand_in else NOTHING_KNOWN,
+                    adjustments.get(id_, ()),
+                )
+                for id_, record, hand_in in self._db.execute(query)
+            }
+
+    def has(self, key: Key) -> bool:
+        """Return whether a complete result is on record under this key."""
+        with self._told():
+            query = f"SELECT 1 FROM results {_WHERE} AND status != 'incomplete'"
+            return self._db.execute(query, astuple(key)).fetchone() is not None
+
     def remark_class(
         self, mark: Callable[[dict[str, Standing]], dict[str, Standing]], rubric: Rubric
     ) -> dict[str, Standing]:
@@ -138,6 +199,9 @@ class Store(Database):
         query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"
         with self._told(), self._transaction():
             after = mark(self.standings())
+            settings = self.settings()
+            if settings is not None:
+                self._keep_settings(settings.with_rubric(rubric), keep_before=True)
             for id_, submission, traces, grader, seq in self._db.execute(query).fetchall():
                 self._db.execute(_REMARK, (rubric.sha256, _text(after[id_].result), seq))
                 self._point_at(Key(id_, submission, rubric.sha256, traces, grader))

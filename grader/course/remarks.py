@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from grader.engine.results import Result
 from grader.engine.rubric import LatePolicy
 from grader.ground.text import printable
-from grader.people.standing import Adjustment, HandIn, Standing, summed, under, worth
+from grader.people.standing import Adjustment, Standing, summed, under, worth
 from grader.report import words
 
 A_LINE = 20  # names
@@ -30,18 +30,6 @@ def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: S
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, and nothing handed in", absent)
     yield from _lines("not in the roster, or not to be told apart there", unknown)
-
-
-def of_scenarios(standings: Mapping[str, Standing]) -> Iterator[str]:
-    """A line about those that were graded with other scenarios than most: a secret that was mistyped once."""
-    by_traces: defaultdict[str, list[str]] = defaultdict(list)
-    for standing in standings.values():
-        by_traces[str(standing.result.provenance.get("traces_sha256", ""))].append(standing.id)
-    _, *others = sorted(by_traces.values(), key=len, reverse=True) or [[]]
-    for ids in others:
-        yield from _lines(
-            "graded with other scenarios than the rest (by another seed; grade them again with that of the class)", ids
-        )
 
 
 def of_policy(standings: Mapping[str, Standing], policy: LatePolicy | None) -> Iterator[str]:
@@ -75,14 +63,6 @@ def outdated(standings: Mapping[str, Standing]) -> Iterator[str]:
     yield from lines[:OUTDATED]
     if len(lines) > OUTDATED:
         yield f"and {len(lines) - OUTDATED} more adjustments of marks that have moved since; the class page lists whose"
-
-
-def forgotten(before: Mapping[str, HandIn], now: Mapping[str, Standing]) -> Iterator[str]:
-    """A line about people whom the run before knew otherwise: a run takes what it is told, a roster included."""
-    changed = [id_ for id_, hand_in in before.items() if id_ in now and now[id_].hand_in.people != hand_in.people]
-    yield from _lines(
-        "names and sections are not those of the run before (give its --roster again to have them)", changed
-    )
 
 
 def timed_out(result: Result) -> bool:

@@ -10,6 +10,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, TypeVar
 
+from grader.course import class_settings
 from grader.course.adjusting import Made, Wish, decide
 from grader.course.kept import Kept, unpack
 from grader.course.publishing import publish_all, publish_class
@@ -18,7 +19,8 @@ from grader.course.remarking import remark
 from grader.desk.similarity_groups import Clique, cliques
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
-from grader.engine.rubric import Rubric, load
+from grader.engine.rubric import Rubric
+from grader.ground.errors import RequestError
 from grader.people.standing import Adjustment, Standing
 from grader.report.similarity import Pair, own_hashes, pairs
 
@@ -44,14 +46,19 @@ class Classbook:
     out
         What `imugrade grade` wrote.
     rubric
-        What it was graded by; None is the shipped one.
+        What-if starts from it; None is the one that the class was graded by.
     """
 
     def __init__(self, lab: Lab, out: Path, rubric: Path | None = None) -> None:
         self.lab, self.out = lab, out
-        self.rubric, self.rubric_path = load(lab, rubric), rubric
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))
+        try:
+            self.rubric = class_settings.rubric_of(lab, self.on_thread(self._store.settings), rubric)
+        except RequestError:
+            self.on_thread(self._store.close)
+            self.thread.shutdown()
+            raise
         self._seen = self._last = -1
         self._marked: dict[str, Standing] = {}
         self._made: dict[str, tuple[object, Any]] = {}

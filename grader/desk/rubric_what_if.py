@@ -5,7 +5,7 @@ from __future__ import annotations
 import statistics
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -63,7 +63,7 @@ def save(book: Classbook, ask: Ask) -> Response:
     write_whole(target, text)
     told = f"Saved as {target}"
     if ask.text("do") == "mark":
-        book.mark_by(changed)
+        book.mark_by(replace(changed, source=str(target)))
         told += ", and the class is marked by it"
     return RedirectResponse(f"/cost?told={quote(told)}", 303)
 
@@ -104,8 +104,8 @@ def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
     RubricError
         With all that is wrong with it.
     """
-    path = book.rubric_path or rubrics.shipped(book.lab)
-    data: dict[str, Any] = yaml.safe_load(path.read_bytes())
+    base = book.rubric
+    data: dict[str, Any] = yaml.safe_load(base.text)
     fields = {name: values[0].strip() for name, values in {**ask.query, **ask.form}.items() if values[0].strip()}
     for part in [*data["criteria"], *data["extensions"]]:
         if f"points:{part['id']}" in fields:
@@ -121,11 +121,11 @@ def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
         data["mistakes"] = {**(data.get("mistakes") or {}), **priced}
     model = data.get("model") or {}
     if model.get("path"):
-        model["path"] = str((path.parent / model["path"]).absolute())
-    source = str(path) if book.rubric_path else "the shipped rubric.yaml"
+        model["path"] = str(((base.folder or Path()) / model["path"]).absolute())
     body = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120)
-    text = _HEAD.format(when=now(), source=source) + body
-    return rubrics.parse(book.lab, text.encode(), source="what was entered", folder=Path()), text
+    text = _HEAD.format(when=now(), source=base.source) + body
+    own = base.own_checks
+    return rubrics.parse(book.lab, text.encode(), source="what was entered", folder=Path(), own=own), text
 
 
 def _number(text: str) -> float | int | str:

@@ -126,7 +126,7 @@ class Rubric:
     those that have a price: what each costs in a check that it loses, in place of the check's own points. `sha256` is that of all
     that marks depend on: a comment, the order of the lines or another late policy leaves it as it is; `asked_sha256` of what is
     asked alone: by a rubric with the same one, marks can be made anew from what is on record. `own_checks` are the instructor's,
-    which lie beside the file.
+    which lie beside the file. `text` is the whole file and `folder` what relative paths in it start from, for whoever keeps it.
     """
 
     lab: Lab
@@ -141,6 +141,8 @@ class Rubric:
     late: LatePolicy | None
     mistakes: Mapping[str, float]
     own_checks: OwnChecks
+    text: str = field(default="", repr=False)
+    folder: Path | None = None
 
     @property
     def parts(self) -> tuple[Criterion, ...]:
@@ -194,7 +196,9 @@ def load(lab: Lab, path: Path | None = None) -> Rubric:
     return parse(lab, data, source=source, folder=file.parent)
 
 
-def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | None = None) -> Rubric:
+def parse(
+    lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | None = None, own: OwnChecks | None = None
+) -> Rubric:
     """Validate the bytes of a rubric.
 
     Parameters
@@ -207,6 +211,8 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
         How the messages call the file.
     folder
         What relative paths in it start from; None is the working folder.
+    own
+        The instructor's own checks; None reads them from `folder`.
 
     Raises
     ------
@@ -224,7 +230,8 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     settings = {key: read(reader, keys.get(key), folder or Path()) for key, read in lab.settings.items()}
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
-    own = () if folder is None else own_checks(lab, folder)
+    if own is None:
+        own = () if folder is None else own_checks(lab, folder)
     if reader.problems and not own:  # told in one round with those that `match_checks` would find
         whole = [part for part in (*criteria, *extensions) if part.checks]
         named = {part.id for part in whole}
@@ -236,7 +243,10 @@ def parse(lab: Lab, data: bytes, *, source: str = "rubric.yaml", folder: Path | 
     priced = [mistakes] if mistakes else []
     digest = _digest(criteria, extensions, limits, *settings.values(), granted, *priced, *written)
     asked = _digest(limits, *settings.values(), *written)
-    return Rubric(lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, mistakes, own)
+    text = data.decode("utf-8", "surrogateescape")
+    return Rubric(
+        lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, mistakes, own, text, folder
+    )
 
 
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:

@@ -47,7 +47,19 @@ class Listed:
     group: str = ""
 
 
-def load(path: Path) -> list[Listed]:
+@dataclass(frozen=True)
+class Roster:
+    """The people of a class; `text` is the whole file and `source` its name, for whoever keeps it."""
+
+    people: tuple[Listed, ...] = ()
+    text: str = ""
+    source: str = ""
+
+
+NO_ROSTER = Roster()
+
+
+def load(path: Path) -> Roster:
     """Read a roster.
 
     Raises
@@ -63,8 +75,19 @@ def load(path: Path) -> list[Listed]:
         raise RequestError(f"{source}: cannot be read ({error.strerror}); give the path of a CSV file") from error
     if len(data) > MAX_BYTES:
         raise RequestError(f"{source}: is larger than {MAX_BYTES // 1_000_000} MB; give a roster")
+    return parse(data, source)
+
+
+def parse(data: bytes, source: str) -> Roster:
+    """Read the bytes of a roster; messages call it `source`.
+
+    Raises
+    ------
+    RequestError
+        As `load` does.
+    """
     try:
-        return list(_rows(data, source))
+        return Roster(tuple(_rows(data, source)), data.decode("utf-8", "surrogateescape"), source)
     except (UnicodeDecodeError, csv.Error) as error:
         raise RequestError(f"{source}: is not a CSV file; save it as one, in UTF-8") from error
 

@@ -1,0 +1,256 @@
+"""Settings of a class: the rubric, roster, attempt rule, scenarios and isolation level that its record keeps.
+
+A later command uses them where nothing else is said. What else is said is compared with them, and its effect on the scores is
+computed before anything is changed.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from grader import __version__
+from grader.engine.lab import Lab
+from grader.engine.marks import fits, marked
+from grader.engine.rubric import OwnChecks, Rubric, load, parse
+from grader.engine.traces import Traces
+from grader.ground.errors import RequestError
+from grader.people import lateness, roster
+from grader.people.roster import NO_ROSTER, Roster
+from grader.people.standing import HandIn, Standing
+
+_SCENARIOS = "other scenarios (another secret, robot model or version of MuJoCo)"
+
+
+@dataclass(frozen=True)
+class ClassSettings:
+    """What a class is graded by.
+
+    Attributes
+    ----------
+    rubric, rubric_source, rubric_folder, own_checks
+        The whole text of the rubric, the name of its file, the folder in which its relative paths start, and the instructor's own
+        checks beside it. The text is empty in settings that were derived from a record that kept none.
+    rubric_sha256, late
+        Digest of all in it that scores depend on, and its late policy as text.
+    roster, roster_source
+        The whole text of the roster, "" where there is none, and the name of its file.
+    attempts
+        Which of several attempts counts.
+    traces_sha256, hidden
+        Digest of the scenarios, and whether they come from a secret. To find the secret from the digest takes seconds of simulation
+        for each guess.
+    grader
+        Version of imugrade.
+    isolation
+        Weakest isolation level that a submission of the class was graded at; "" before the first one.
+    """
+
+    rubric: str
+    rubric_source: str
+    rubric_folder: str
+    own_checks: OwnChecks
+    rubric_sha256: str
+    late: str
+    roster: str
+    roster_source: str
+    attempts: str
+    traces_sha256: str
+    hidden: bool
+    grader: str = __version__
+    isolation: str = ""
+
+    @classmethod
+    def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
+        """Return the settings of a run that uses these."""
+        return cls(
+            **_of_rubric(rubric),
+            roster=people.text,
+            roster_source=people.source,
+            attempts=attempts,
+            traces_sha256=traces.sha256,
+            hidden=traces.name != "public",
+        )
+
+    def with_rubric(self, rubric: Rubric) -> ClassSettings:
+        """Return the same settings with another rubric."""
+        return replace(self, **_of_rubric(rubric))
+
+
+def _of_rubric(rubric: Rubric) -> dict[str, Any]:
+    return {
+        "rubric": rubric.text,
+        "rubric_source": rubric.source,
+        "rubric_folder": str(Path(rubric.folder or "").absolute()),
+        "own_checks": rubric.own_checks,
+        "rubric_sha256": rubric.sha256,
+        "late": repr(rubric.late),
+    }
+
+
+def to_json(settings: ClassSettings) -> str:
+    own = [(name, content.decode("utf-8", "surrogateescape")) for name, content in settings.own_checks]
+    return json.dumps({**asdict(settings), "own_checks": own}, ensure_ascii=True)
+
+
+def from_json(text: str) -> ClassSettings:
+    """Return the settings that `to_json` wrote; fields that this version does not know are ignored."""
+    record = json.loads(text)
+    own = tuple((name, content.encode("utf-8", "surrogateescape")) for name, content in record["own_checks"])
+    known = {field.name for field in fields(ClassSettings)}
+    return ClassSettings(**{**{name: value for name, value in record.items() if name in known}, "own_checks": own})
+
+
+def derived(standings: Mapping[str, Standing], now: ClassSettings) -> ClassSettings | None:
+    """Return what the results of a record without settings tell of them, for the rest `now`; None where there are no results."""
+    for standing in standings.values():
+        was = {
+            name: str(standing.result.provenance.get(name, "")) for name in ("rubric_sha256", "traces_sha256", "grader")
+        }
+        return replace(now, **was, rubric="", hidden=was["traces_sha256"] != now.traces_sha256)  # type: ignore[arg-type] # three of its texts
+    return None
+
+
+def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None) -> Rubric:
+    """Return the rubric of a class: the file at `path`, else the one on record, else the shipped one.
+
+    Raises
+    ------
+    RubricError
+        If it has problems.
+    """
+    if path is not None or settings is None or not settings.rubric:
+        return load(lab, path)
+    data = settings.rubric.encode("utf-8", "surrogateescape")
+    folder, own = Path(settings.rubric_folder), settings.own_checks
+    return parse(lab, data, source=settings.rubric_source, folder=folder, own=own)
+
+
+def roster_of(settings: ClassSettings | None, path: Path | None = None) -> Roster:
+    """Return the roster of a class: the file at `path`, else the one on record; empty where there is none.
+
+    Raises
+    ------
+    RequestError
+        If it is no roster.
+    """
+    if path is not None:
+        return roster.load(path)
+    if settings is None or not settings.roster:
+        return NO_ROSTER
+    return roster.parse(settings.roster.encode("utf-8", "surrogateescape"), settings.roster_source)
+
+
+@dataclass(frozen=True)
+class Change:
+    """Other settings than those on record, and what they do to the scores.
+
+    Attributes
+    ----------
+    causes
+        What differs, in words.
+    moved, of, means
+        How many of the scores that need no grading change, of how many, and their means before and after.
+    regraded
+        How many submissions on record are graded again, with a result that is not known yet.
+    chosen_anew
+        Whether another of several attempts may count.
+    """
+
+    causes: tuple[str, ...]
+    moved: int = 0
+    of: int = 0
+    means: tuple[float, float] | None = None
+    regraded: int = 0
+    chosen_anew: bool = False
+
+    @property
+    def moves_scores(self) -> bool:
+        """Whether a score on record changes, or may change."""
+        return bool(self.moved or self.regraded or self.chosen_anew)
+
+    def told(self) -> str:
+        """Return one line: what differs and what it does."""
+        effects = [f"{self.moved} of {self.of} scores change" if self.moved else "no score changes"] if self.of else []
+        if self.moved and self.means:
+            effects.append(f"mean {self.means[0]:.1f} to {self.means[1]:.1f}")
+        if self.regraded:
+            effects.append(f"{self.regraded} on record {'is' if self.regraded == 1 else 'are'} graded again")
+        if self.chosen_anew:
+            effects.append("of several attempts another one may count")
+        return f"{', '.join(self.causes)}: {', '.join(effects) or 'nothing is on record'}"
+
+
+def change(
+    old: ClassSettings,
+    new: ClassSettings,
+    rubric: Rubric,
+    standings: Mapping[str, Standing],
+    hand_ins: Mapping[str, HandIn],
+) -> Change | None:
+    """Compare settings and compute what the new ones do to the scores; None where they mean the same.
+
+    Parameters
+    ----------
+    rubric
+        The rubric of the new settings.
+    standings
+        The class as it is on record.
+    hand_ins
+        What the download and the new roster tell of each submission that would be graded now.
+    """
+    differences = causes(old, new)
+    if not differences:
+        return None
+    again = (old.traces_sha256, old.grader) != (new.traces_sha256, new.grader)
+    same = old.rubric_sha256 == new.rubric_sha256
+    kept = {} if again else {id_: each for id_, each in standings.items() if same or fits(each.result, rubric)}
+    known_of = hand_ins if old.roster != new.roster else {}
+    after = {
+        id_: _judged(each if same else replace(each, result=marked(each.result, rubric)), rubric, known_of.get(id_))
+        for id_, each in kept.items()
+    }
+    finals = [(kept[id_].final, each.final) for id_, each in after.items()]
+    known = [(was, now) for was, now in finals if was is not None and now is not None]
+    means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
+    moved = sum(was != now for was, now in finals)
+    chosen_anew = old.attempts != new.attempts and bool(standings)
+    return Change(differences, moved, len(finals), means, len(standings) - len(kept), chosen_anew)
+
+
+def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
+    """Return in words what differs between settings; text of a rubric that scores do not depend on does not count."""
+    rubric = "another rubric" if old.rubric_sha256 != new.rubric_sha256 else "another late policy"
+    found = {
+        rubric: (old.rubric_sha256, old.late) != (new.rubric_sha256, new.late),
+        "another roster" if old.roster else "a roster": old.roster != new.roster,
+        f"another attempt rule ({new.attempts} in place of {old.attempts})": old.attempts != new.attempts,
+        _SCENARIOS: old.traces_sha256 != new.traces_sha256,
+        f"another version of imugrade ({new.grader} in place of {old.grader})": old.grader != new.grader,
+    }
+    return tuple(words for words, differs in found.items() if differs)
+
+
+def _judged(standing: Standing, rubric: Rubric, found: HandIn | None) -> Standing:
+    """Return the standing by the late policy of a rubric, with another hand-in than on record where one is given."""
+    names = (standing.id, standing.result.submission)
+    return replace(standing, hand_in=lateness.judged(found or standing.hand_in, rubric.late, names))
+
+
+def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:
+    """Refuse to grade a class on public scenarios that was graded on hidden ones.
+
+    Raises
+    ------
+    RequestError
+        If the record was made with a secret and none is given.
+    """
+    if old is not None and old.hidden and seed is None:
+        raise RequestError(
+            "the class on record was graded on hidden scenarios; set IMUGRADE_SEED to the secret that it was graded with, or grade "
+            "into another folder with -o"
+        )

@@ -1,0 +1,88 @@
+"""The commands of a class in this process, with a made-up marker: what it finds stands in the submission."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader import __version__, cli
+from grader.course import classroom
+from grader.course.pool import Bounds
+from grader.engine.marks import marked
+from grader.engine.results import Result
+from grader.engine.rubric import Rubric, shipped
+from grader.engine.traces import Traces
+from grader.intake import Submission
+from grader.labs.imu.lab import LAB
+from tests.desk import Student, result_of
+
+Run = Callable[..., tuple[int, str, str]]
+CHECK = "filtering.follows_recursion"
+NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
+
+
+@contextmanager
+def commands(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str] | None = None
+) -> Iterator[Run]:
+    """Run `imugrade` in this process. A submission keeps of `CHECK` what the comment in its filters.py says; its id is put into `ran`."""
+
+    def mark_all(submissions, opener, jobs: int, bounds: Bounds):  # type: ignore[no-untyped-def] # as the pool has it
+        rubric, traces = opener.args[:2]
+        for each in submissions:
+            (ran if ran is not None else []).append(each.id)
+            yield each, _result(each, rubric, traces)
+
+    def command(*arguments: object) -> tuple[int, str, str]:
+        code = cli.main([str(argument) for argument in arguments])
+        told = capsys.readouterr()
+        return code, told.out, told.err.replace(NO_SEED, "")
+
+    monkeypatch.delenv("IMUGRADE_SEED", raising=False)
+    monkeypatch.setattr(classroom, "mark_all", mark_all)
+    yield command
+
+
+def _result(submission: Submission, rubric: Rubric, traces: Traces) -> Result:
+    if submission.status != "ready":
+        made = result_of(Student(submission.id, dict.fromkeys((c.id for c in rubric.checks), 0.0), status="empty"))
+    else:
+        kept = float(submission.files.get("filters.py", b"# 1").decode().strip("# \n"))
+        made = result_of(Student(submission.id, {CHECK: kept}))
+    provenance = {
+        "grader": __version__,
+        "rubric_sha256": rubric.sha256,
+        "traces_sha256": traces.sha256,
+        "submission_sha256": submission.sha256,
+        "isolation": "full",
+    }
+    return marked(replace(made, submission=submission.name, provenance=provenance), rubric)
+
+
+def hand_in(root: Path, **kept: object) -> Path:
+    """A folder for each, with the share of `CHECK` that it keeps; None is an empty folder."""
+    for name, each in kept.items():
+        (root / name).mkdir(parents=True, exist_ok=True)
+        if each is not None:
+            (root / name / "filters.py").write_text(f"# {each}\n")
+    return root
+
+
+def rubric_with(path: Path, *edits: tuple[str, str]) -> Path:
+    """The shipped rubric with these edits."""
+    text = shipped(LAB).read_text(encoding="utf-8")
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new, 1)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def column(table: Path, title: str, key: str = "id") -> dict[str, str]:
+    with open(table, encoding="utf-8-sig", newline="") as stream:
+        return {row[key]: row[title] for row in csv.DictReader(stream)}

@@ -1,0 +1,256 @@
+"""A class remembers what it was graded by: nothing changes a score on record without being told and agreed to."""
+
+from __future__ import annotations
+
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader.course.database import FILE_NAME
+from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
+from tests.desk import desk_over, words
+
+HEAVIER = ("follows_recursion: 6", "follows_recursion: 9")
+LATE = ("# late:\n", "late: {due: 2026-11-20T12:00Z, per_day: 10%}\n# late:\n")
+ROSTER = "id,name,submitted\nalice,Alice A,2026-11-21T13:00Z\nbob,Bob B,2026-11-20T11:00Z\n"
+
+
+@pytest.fixture
+def ran() -> list[str]:
+    """Ids of the submissions that were run, in order."""
+    return []
+
+
+@pytest.fixture
+def run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path
+) -> Iterator[Run]:
+    monkeypatch.chdir(tmp_path)
+    hand_in(tmp_path / "class", alice=1, bob=0.5, carol=0)
+    with commands(monkeypatch, capsys, ran) as command:
+        yield command
+
+
+def totals(title: str = "total") -> dict[str, float]:
+    return {id_: float(cell) for id_, cell in column(Path("out/gradebook.csv"), title).items()}
+
+
+@pytest.fixture
+def before(run: Run, tmp_path: Path) -> dict[str, float]:
+    """Scores of a class that was graded by a rubric of its own."""
+    rubric_with(tmp_path / "rub.yaml", HEAVIER)
+    assert run("grade", "class", "-o", "out", "--rubric", "rub.yaml")[0] == 0
+    return totals()
+
+
+def test_the_rubric_of_a_class_need_not_be_given_again(run: Run, before: dict[str, float], ran: list[str]) -> None:
+    Path("rub.yaml").unlink()
+    code, out, err = run("grade", "class", "-o", "out")
+    assert (code, err) == (0, "")
+    assert "0 graded · 3 on record" in out
+    assert totals() == before
+    hand_in(Path("class"), dora=0.5)
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert totals()["dora"] == before["bob"]
+    assert ran == ["alice", "bob", "carol", "dora"]
+
+
+def test_another_rubric_is_told_and_waits_for_consent(run: Run, before: dict[str, float], ran: list[str]) -> None:
+    rubric_with(Path("rub2.yaml"))
+    mean = sum(before.values()) / 3
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")
+    told = f"another rubric: 2 of 3 scores change, mean {mean:.1f} to"
+    assert code == 2
+    assert err.startswith(f"imugrade: {told}")
+    assert err.endswith("Nothing was changed\n")
+    assert totals() == before
+    code, out, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--dry-run")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0] == "3 would be graded · 0 on record"
+    assert told in out.splitlines()[1]
+    assert totals() == before
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")
+    assert code == 0
+    assert told in err
+    assert totals()["alice"] == before["alice"] == 100.0
+    assert totals()["bob"] > before["bob"]
+    assert ran == ["alice", "bob", "carol"]
+
+
+def test_a_yes_on_a_terminal_is_consent(run: Run, before: dict[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
+    rubric_with(Path("rub2.yaml"))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    asked: list[str] = []
+    answers = iter([False, True])
+    monkeypatch.setattr("typer.confirm", lambda text: asked.append(text) or next(answers))
+    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")[0] == 2
+    assert totals() == before
+    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")[0] == 0
+    assert totals()["bob"] > before["bob"]
+    assert len(asked) == 2
+    assert asked[0].endswith(". Change them?")
+
+
+def test_the_version_before_stays_and_diff_compares_with_it(run: Run, before: dict[str, float]) -> None:
+    code, _, err = run("diff", "out")
+    assert (code, err) == (2, "imugrade: out: its settings never changed a score; give two gradings to compare\n")
+    rubric_with(Path("rub2.yaml"))
+    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
+    code, out, _ = run("diff", "out")
+    assert code == 0
+    assert f"bob  {before['bob']:g} → {totals()['bob']:g}" in out
+    assert "  changed: the rubric" in out
+    assert "2 of 3 moved" in out
+
+
+def test_a_rubric_with_other_comments_changes_nothing(run: Run, before: dict[str, float]) -> None:
+    rubric_with(Path("rub.yaml"), HEAVIER, ("# The rubric", "# Our rubric"))
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub.yaml")
+    assert (code, err) == (0, "")
+    assert totals() == before
+
+
+def test_a_rubric_that_asks_other_things_says_how_many_are_graded_again(
+    run: Run, before: dict[str, float], ran: list[str]
+) -> None:
+    rubric_with(Path("rub2.yaml"), HEAVIER, ("submission_cpu_s: 120", "submission_cpu_s: 60"))
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")
+    assert code == 2
+    assert "another rubric: 3 on record are graded again" in err
+    assert len(ran) == 3
+
+
+def test_a_part_of_a_class_cannot_have_settings_of_its_own(run: Run, before: dict[str, float]) -> None:
+    rubric_with(Path("rub2.yaml"))
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--only", "bob", "--change")
+    assert code == 2
+    assert err.startswith("imugrade: --only grades a part of a class by the settings of all")
+    assert totals() == before
+
+
+def test_the_roster_and_the_attempt_rule_need_not_be_given_again(run: Run, tmp_path: Path) -> None:
+    rubric_with(tmp_path / "late.yaml", LATE)
+    Path("roster.csv").write_text(ROSTER)
+    assert (
+        run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv", "--attempts", "best")[0]
+        == 0
+    )
+    final = totals("final")
+    assert final["alice"] == 80.0
+    Path("roster.csv").unlink()
+    code, _, err = run("grade", "class", "-o", "out")
+    assert (code, err) == (0, "imugrade: 2 remarks as in the run before (`imugrade review` lists what needs a look)\n")
+    assert totals("final") == final
+    code, _, err = run("grade", "class", "-o", "out", "--attempts", "latest")
+    assert code == 2
+    assert "another attempt rule (latest in place of best)" in err
+
+
+def test_a_roster_that_moves_no_score_is_told_and_used(run: Run, before: dict[str, float]) -> None:
+    Path("roster.csv").write_text("id,name\nalice,Alice A\nbob,Bob B\ncarol,Carol C\n")
+    code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
+    assert (code, err) == (0, "imugrade: a roster: no score changes\n")
+    assert column(Path("out/gradebook.csv"), "name")["carol"] == "Carol C"
+    Path("roster.csv").write_text("id,name\nalice,Alice B\nbob,Bob B\ncarol,Carol C\n")
+    assert (
+        run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
+        == "imugrade: another roster: no score changes\n"
+    )
+    assert run("diff", "out")[0] == 2
+
+
+def test_other_dates_in_a_roster_are_told_with_what_they_do(run: Run, tmp_path: Path) -> None:
+    rubric_with(tmp_path / "late.yaml", LATE)
+    Path("roster.csv").write_text(ROSTER)
+    assert run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv")[0] == 0
+    final = totals("final")
+    Path("roster.csv").write_text(ROSTER.replace("11-20T11", "11-20T13"))
+    code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
+    assert code == 2
+    assert "another roster: 1 of 3 scores change, mean" in err
+    assert totals("final") == final
+
+
+def test_without_its_secret_a_class_is_not_graded(
+    run: Run, ran: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("IMUGRADE_CACHE", str(cache))
+    monkeypatch.setenv("IMUGRADE_SEED", "a secret of this class")
+    assert run("grade", "class", "-o", "out")[0] == 0
+    scores, so_far = totals(), list(ran)
+    assert "a secret of this class" not in Path("out", FILE_NAME).read_bytes().decode("latin-1")
+    hand_in(Path("class"), dora=1)
+    monkeypatch.delenv("IMUGRADE_SEED")
+    for more in ((), ("--change",), ("--dry-run",)):
+        code, _, err = run("grade", "class", "-o", "out", *more)
+        assert code == 2
+        assert err.startswith("imugrade: the class on record was graded on hidden scenarios; set IMUGRADE_SEED")
+    monkeypatch.setenv("IMUGRADE_SEED", "a secret of thas class")
+    code, _, err = run("grade", "class", "-o", "out")
+    assert code == 2
+    assert "other scenarios (another secret, robot model or version of MuJoCo): 3 on record are graded again" in err
+    assert (totals(), ran) == (scores, so_far)
+    monkeypatch.setenv("IMUGRADE_SEED", "a secret of this class")
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert ran == [*so_far, "dora"]
+
+
+def test_a_record_that_kept_no_settings_is_held_to_its_results(run: Run, before: dict[str, float]) -> None:
+    with sqlite3.connect(Path("out", FILE_NAME)) as record:
+        record.execute("DROP TABLE settings")
+        record.execute("DROP TABLE former")
+        record.execute("PRAGMA user_version = 3")
+    record.close()
+    code, _, err = run("grade", "class", "-o", "out")
+    assert code == 2
+    assert "another rubric: 2 of 3 scores change" in err
+    assert run("grade", "class", "-o", "out", "--rubric", "rub.yaml")[0] == 0
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert totals() == before
+
+
+def test_a_weaker_isolation_level_than_that_of_the_class_is_refused(run: Run, before: dict[str, float]) -> None:
+    hand_in(Path("class"), dora=1)
+    command = [
+        sys.executable,
+        "-m",
+        "grader",
+        "grade",
+        "class",
+        "-o",
+        "out",
+        "--rung",
+        "none",
+        "--trust-submissions",
+        "-j1",
+    ]
+    refused = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert refused.returncode == 2
+    assert "the class was graded at the isolation level full, and this machine offers none" in refused.stderr
+    assert totals() == before
+    done = subprocess.run([*command, "--change"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert totals().keys() == {*before, "dora"}
+
+
+def test_what_if_starts_from_the_rubric_of_the_class(run: Run, before: dict[str, float], tmp_path: Path) -> None:
+    rubric_with(tmp_path / "late.yaml", HEAVIER, LATE)
+    Path("roster.csv").write_text(ROSTER)
+    assert run("grade", "class", "-o", "out", "--rubric", "late.yaml", "--roster", "roster.csv", "--change")[0] == 0
+    assert totals("final")["alice"] == 80.0
+    with desk_over(Path("out").absolute()) as desk:
+        page = desk.get("/cost").text
+        assert f'name="weight:{CHECK}" inputmode="decimal" size="5" value="9"' in page
+        assert "marked by another rubric" not in words(page)
+        assert desk.post("/cost", {f"weight:{CHECK}": "6", "do": "mark"}).status == 303
+        desk.book.settled()
+    assert totals("final")["alice"] == 80.0
+    assert totals()["bob"] > before["bob"]
+    saved = totals()
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert totals() == saved
+    assert "2 of 3 moved" in run("diff", "out")[1]
