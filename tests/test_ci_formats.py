@@ -104,7 +104,7 @@ def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
         "Got       accel = [ 1.000  0.412 -0.031]",
         "Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i",
         "Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address",
-        "Again     imugrade check --only sensor_access",
+        "Rerun     imugrade check --only sensor_access",
     ]
     assert commands[-1][2] == "9.33 / 30"
 
@@ -239,7 +239,7 @@ def test_the_summary_has_the_table_and_what_was_lost() -> None:
 def test_the_summary_tells_of_every_check_of_the_plots() -> None:
     base = result(check(id="visualization.titles", title="The panels have a title"))
     plots = replace(base, criteria=(replace(base.criteria[0], id="visualization", title="Visualization"),))
-    assert "### Plots\n\n- ✓ The panels have a title — earned" in github.summary(plots, LAB)
+    assert "### Plots\n\n- ✓ The panels have a title — passed" in github.summary(plots, LAB)
 
 
 def test_no_text_of_a_submission_becomes_markdown_or_html() -> None:

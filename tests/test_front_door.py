@@ -58,7 +58,7 @@ def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_f
     assert ran.returncode == 1, ran.stdout + ran.stderr
     assert sum("::" in line and " PASSED " in line for line in lines) > 15
     assert any(line.startswith("imu_reader.py::sensor_access::follows_address FAILED") for line in lines)
-    assert f"imu_reader.py:{reader}: lost" in lines
+    assert f"imu_reader.py:{reader}: failed" in lines
     assert "filters.py:3: raised" in lines
     assert "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address" in lines
     assert any(line.startswith("FAILED filters.py::filtering::follows_recursion - ") for line in lines)
@@ -139,7 +139,7 @@ def test_a_criterion_a_check_or_a_file_is_asked_for_by_its_name(lab: Path) -> No
     [
         (["nowhere"], "imugrade: nowhere: there is no such file or folder"),
         (["filtering::nothing"], "imugrade: no check has such a name"),
-        (["plugins"], "imugrade: plugins: Nothing that the lab asks for was found in this submission."),
+        (["plugins"], "imugrade: plugins: This submission contains no file that the lab asks for."),
         (["--imugrade-rubric", "no.yaml"], "there is no such file; give the path of a rubric.yaml"),
     ],
 )

@@ -123,7 +123,7 @@ def test_the_terminal_tells_a_lost_check_with_the_labels_in_their_order() -> Non
         "\n"
         "Next  Step 2, get_imu_readings\n"
         "\n"
-        " ✗ lost     Reads the right sensor when the model's sensors are in another order     0 / 6\n"
+        " ✗ failed   Reads the right sensor when the model's sensors are in another order     0 / 6\n"
         "   Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\n"
         "   Got       accel = [ 1.000  0.412 -0.031]\n"
         "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\n"
@@ -144,7 +144,7 @@ def test_in_a_pipe_nothing_is_padded_or_broken() -> None:
         "\n"
         "Next  Step 2, get_imu_readings\n"
         "\n"
-        f" ✗ lost  {title}  0 / 6\n"
+        f" ✗ failed  {title}  0 / 6\n"
         "   Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\n"
         "   Got       accel = [ 1.000  0.412 -0.031]\n"
         "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\n"
@@ -204,13 +204,13 @@ def test_a_file_that_is_no_python_is_told_once_with_the_line_and_a_caret() -> No
         for name in ("one", "two", "three")
     ]
     assert (
-        " ✗ lost     one                                                            0 / 6\n"
+        " ✗ failed   one                                                            0 / 6\n"
         "   Expected  one\n"
         "   Got       SyntaxError: '(' was never closed at filters.py, line 3\n"
         "             f = g(\n"
         "                  ^\n"
-        " ✗ lost     two                                                            0 / 6\n"
-        " ✗ lost     three                                                          0 / 6\n"
+        " ✗ failed   two                                                            0 / 6\n"
+        " ✗ failed   three                                                          0 / 6\n"
         "   Try       Mend it.\n"
     ) in terminal(result(*rows), width=80)
 
@@ -220,7 +220,7 @@ def test_checks_that_were_told_the_same_are_one_block_and_others_are_not() -> No
     shown = terminal(
         result(lost(title="a", **same), lost(title="b", **same), lost(title="c", message="Got  x", **same))
     )
-    assert [block.count("✗ lost") for block in shown.split("\n\n")] == [0, 0, 2, 1, 0]
+    assert [block.count("✗ failed") for block in shown.split("\n\n")] == [0, 0, 2, 1, 0]
     assert "explain" not in shown
 
 
@@ -240,10 +240,10 @@ def test_points_gained_and_lost_since_the_last_check_are_marked() -> None:
     assert rows[0].endswith("12 / 18  +3")
     assert [row.split("  ")[-1] for row in rows if "Score" in row] == ["+3 since the last check"]
     assert [row.split() for row in rows if "was" in row] == [
-        ["✓", "earned", "Gained", "6", "/", "6,", "was", "0"],
-        ["✗", "lost", "Lost", "0", "/", "6,", "was", "3"],
+        ["✓", "passed", "Gained", "6", "/", "6,", "was", "0"],
+        ["✗", "failed", "Lost", "0", "/", "6,", "was", "3"],
     ]
-    assert sum("✓ earned" in row for row in rows) == 1
+    assert sum("✓ passed" in row for row in rows) == 1
 
 
 @pytest.mark.parametrize(
@@ -279,8 +279,7 @@ def test_a_submission_with_nothing_to_mark_is_told_in_one_line() -> None:
             result(*rows, status="empty", notes=("No .py or .ipynb file was found.",)), only=only, width=120
         )
         assert (
-            shown
-            == "alice: Nothing that the lab asks for was found in this submission. No .py or .ipynb file was found.\n"
+            shown == "alice: This submission contains no file that the lab asks for. No .py or .ipynb file was found.\n"
         )
 
 
@@ -288,14 +287,14 @@ def test_of_one_criterion_what_was_earned_is_told_too() -> None:
     assert terminal(result(check(lab_step=2)), only="sensor_access") == (
         " ✓ Sensor access  ████████████████████  6 / 6\n"
         "\n"
-        " ✓ earned   Reads the right sensor                                                   6 / 6\n"
+        " ✓ passed   Reads the right sensor                                                   6 / 6\n"
     )
 
 
 OUTCOMES: list[tuple[Outcome, str]] = [
-    ("passed", "earned"),
-    ("partial", "partly"),
-    ("failed", "lost"),
+    ("passed", "passed"),
+    ("partial", "partial"),
+    ("failed", "failed"),
     ("error", "raised"),
     ("timeout", "timed out"),
     ("crashed", "crashed"),
@@ -316,11 +315,11 @@ def test_points_that_are_open_are_a_dash_and_not_a_zero() -> None:
     made = result(check("not_judged", None), check(points=3.0), status="incomplete")
     assert re.search(r"\? Sensor access +– / 12\n", terminal(made))
     assert re.search(r"Score +– / 12\n", terminal(made))
-    assert "Those points are open, not lost." in Tags(report(made)).text
+    assert "Those points are open; they are not lost." in Tags(report(made)).text
     assert ">–<" in index({"a": made})
 
 
-@pytest.mark.parametrize(("points", "word"), [(0.0, "lost"), (2.0, "partly")])
+@pytest.mark.parametrize(("points", "word"), [(0.0, "failed"), (2.0, "partial")])
 def test_a_lost_check_to_which_a_price_leaves_points_is_called_partly_earned(points: float, word: str) -> None:
     assert words.row(check("failed", points), "filtering", LabName()).outcome.word == word
 
@@ -347,7 +346,7 @@ def test_what_to_read_and_to_run_stands_where_points_were_lost_and_nowhere_else(
         ("Next" in shown)
         == ("Again" in shown)
         == ("Lab 04-01, Step 2" in shown)
-        == (word not in ("earned", "skipped", "not judged"))
+        == (word not in ("passed", "skipped", "not judged"))
     )
 
 
@@ -435,10 +434,10 @@ def test_the_distribution_is_finer_towards_the_top_and_told_in_words() -> None:
 def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() -> None:
     given = Adjustment("sensor_access", 5.0, "", "Ada", "2026-11-21T21:00:00+00:00", {})
     page = Tags(index_page({"x": Standing("x", result(lost()), HandIn(), (given,))})).text
-    assert "Final: what counts, with points given by hand." in page
+    assert "Final: the grade, with overrides." in page
     assert "Bonus" not in page
     credit = replace(result(), extra_credit_cap=4.0)
-    assert "Bonus: extra credit of the extensions." in Tags(index({"a": credit})).text
+    assert "Bonus: extra credit for extensions." in Tags(index({"a": credit})).text
     assert "Final:" not in Tags(index({"a": result()})).text
 
 
@@ -448,7 +447,7 @@ def test_an_empty_class_has_an_index() -> None:
 
 def losses(page: str) -> str:
     """What stands before the criteria."""
-    return Tags(page[page.index('id="lost"') : page.index('id="sensor_access"')]).text
+    return Tags(page[page.index('id="deductions"') : page.index('id="sensor_access"')]).text
 
 
 def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
@@ -460,12 +459,12 @@ def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
     assert re.search(
         r"−12\s*Indexes sensordata with the sensor's id; the place is sensor_adr\[id\]\s*data\.sensordata is one flat row[^−]*"
         r"A large loss b\s*0 / 6\s*Expected[^−]*A large loss c\s*0 / 6\s*Try\s*data\.sensordata is flat: sensor i starts[^−]*"
-        r"Again\s*imugrade check --only sensor_access\s*−2\s*A small loss\s*✗lost\s*A small loss",
+        r"Rerun\s*imugrade check --only sensor_access\s*−2\s*A small loss\s*✗failed\s*A small loss",
         told,
     )
     assert told.count("accel ≈ ") == told.count("Try") == 1
-    assert "What cost points" not in report(result())
-    assert "Every check of the criteria was earned." in report(result())
+    assert "Deductions" not in report(result())
+    assert "All checks passed." in report(result())
 
 
 def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_asked() -> None:
@@ -477,9 +476,11 @@ def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_
     told = losses(report_page(Standing("x", result(*rows)), (), catalogue(LAB)))
     assert re.search(r"−18\s*filters\.py was not handed in", told)
     assert told.count("filters.py was not handed in") == 1
-    assert "2 checks, 12 points could not be reached before this is mended." in told
+    assert "2 checks, 12 points not graded until this is fixed." in told
     alone = losses(report(result(check(), check("skipped", 0.0, id="sensor_access.b", message="Needs a reader."))))
-    assert re.search(r"−6\s*Not reached\s*1 check, 6 points could not be asked\.", alone)
+    assert re.search(
+        r"−6\s*Not graded\s*1 check, 6 points not graded: the code that these checks need is missing\.", alone
+    )
 
 
 def test_where_nothing_came_the_mistake_says_what_it_was() -> None:
@@ -491,7 +492,7 @@ def test_where_nothing_came_the_mistake_says_what_it_was() -> None:
 def test_what_was_earned_or_not_reached_is_folded() -> None:
     page = report(result(check(), lost(), check("skipped", 0.0, id="sensor_access.b", message="Needs a reader.")))
     folded = re.findall(r"<details class=\"folded\">.*?<summary>(.*?)</summary>(.*?)</details>", page, re.DOTALL)
-    assert [heading for heading, _ in folded[:2]] == ["1 check not reached", "1 check earned"]
+    assert [heading for heading, _ in folded[:2]] == ["1 check not graded", "1 check passed"]
     assert "Needs a reader." in folded[0][1]
 
 
@@ -511,27 +512,30 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
     standing = Standing("x", result(lost()), hand_in, (given,))
     page = report_page(standing)
     text = Tags(page).text
-    assert re.search(r"Bob\s*3\.5 / 6 · automatic points 0 / 6", text)
-    assert re.search(r"Sensor access\s*5 / 6 given by Ada in place of 0: Shown in the lab\.", text)
+    assert re.search(r"Bob\s*3\.5 / 6 · automatic 0 / 6", text)
+    assert re.search(r"Sensor access\s*5 / 6 override by Ada, automatic 0: Shown in the lab\.", text)
     assert re.search(
-        r"−1\.5\s*Late\s*1 d 1 h; due 2026-11-20 20:00 UTC; handed in 2026-11-21 21:00 UTC; 2 days begun",
+        r"−1\.5\s*Late\s*1 d 1 h; due 2026-11-20 20:00 UTC; handed in 2026-11-21 21:00 UTC; counted as 2 days late",
         losses(page),
     )
     assert 'class="fill" width="83.3"' in page  # the bar shows the points that count
     row = Tags(index_page({"x": standing})).text
     assert re.search(r"Bob\s*Tue\s*5\s*0\s*1 d 1 h\s*3\.5\s*graded, adjusted", row)
-    assert "Points given by hand whose automatic marks have changed since: Bob." in row
+    assert "Overrides whose automatic points have changed since: Bob." in row
 
 
 def test_a_report_without_charts_says_where_there_are_some() -> None:
-    assert "drawn of public scenarios alone" in report(result())
-    assert "drawn of public scenarios alone" not in report(result(), *hostile_charts())
+    assert "drawn for public scenarios only" in report(result())
+    assert "drawn for public scenarios only" not in report(result(), *hostile_charts())
 
 
 def test_marks_of_two_rubrics_in_one_class_are_told() -> None:
     other = replace(result(), provenance={**result().provenance, "rubric_sha256": "f" * 64})
-    assert "Not marked alike: this class holds marks of 2 rubrics." in Tags(index({"a": result(), "b": other})).text
-    assert "Not marked alike" not in index({"a": result(), "b": result()})
+    assert (
+        "These results are not comparable: the class was graded with 2 rubrics."
+        in Tags(index({"a": result(), "b": other})).text
+    )
+    assert "not comparable" not in index({"a": result(), "b": result()})
 
 
 def test_equal_results_give_equal_pages() -> None:

@@ -105,7 +105,7 @@ def summary(result: Result, lab: Lab) -> str:
 
 
 def _table(result: Result) -> str:
-    lines = ["| Criterion | Points | Checks earned |", "| --- | ---: | ---: |"]
+    lines = ["| Criterion | Points | Checks passed |", "| --- | ---: | ---: |"]
     for part in rows.parts(result):
         earned = sum(check.outcome == "passed" for check in part.checks)
         unknown = any(check.points is None for check in part.checks)

@@ -39,7 +39,7 @@ def title(part: Part) -> str:
 def lines(check: CheckResult, part: Part, lab: LabName) -> list[words.Line]:
     """Expected, Got, Try, Read, Again: the same labels in the same order as in a report."""
     row = words.row(check, part.id, lab)
-    more = (words.Line("Read", row.read), words.Line("Again", row.again))
+    more = (words.Line("Read", row.read), words.Line("Rerun", row.again))
     return [*row.lines, *(line for line in more if line.text)]
 
 

@@ -1,4 +1,4 @@
-"""Lost checks by their cause, and what to do next: a mistake that costs ten checks is told once."""
+"""Failed checks grouped by fault, and what to do next. A fault that fails ten checks is reported once."""
 
 from __future__ import annotations
 
@@ -10,46 +10,48 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.ground.text import printable
 from grader.report import words
 
-_LAST = 99  # a check without a step of the sheet comes after those that have one
+_LAST = 99
+"""Sort key of a check without a lab step: it comes after those that have one."""
 
 
 @dataclass(frozen=True)
 class Cause:
-    """Checks that were lost for one reason: they show the same mistakes, or were told the same."""
+    """Checks that failed for one reason: they name the same faults, or have the same message."""
 
     checks: tuple[CheckResult, ...]
 
     @property
     def mistakes(self) -> tuple[str, ...]:
-        """What `imugrade explain` explains of it."""
+        """Ids for `imugrade explain`."""
         return told_mistakes(self.checks[0])
 
     @property
     def steps(self) -> tuple[int, ...]:
-        """The steps of the sheet to read."""
+        """Steps of the lab sheet to read."""
         return tuple(dict.fromkeys(check.lab_step for check in self.checks if check.lab_step is not None))
 
 
 def told_mistakes(check: CheckResult) -> tuple[str, ...]:
+    """Return the ids of the check's faults that a student may see."""
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)
 
 
 def part_of(check: CheckResult) -> str:
-    """The criterion or extension that a check is of."""
+    """Return the id of the criterion or extension that a check belongs to."""
     return check.id.partition(".")[0]
 
 
 def parts_of(result: Result, only: str | None) -> list[CriterionResult | ExtensionResult]:
-    """What is shown of a result: its criteria and the extensions that were tried, or the one that was asked for."""
+    """Return the criteria and the attempted extensions of a result, or only the one with the id `only`."""
     if result.status in ("empty", "unreadable"):
-        return []  # thirty rows would all say so
+        return []  # all rows would say the same
     attempted = [extension for extension in result.extensions if extension.attempted and extension.checks]
     parts: list[CriterionResult | ExtensionResult] = [*result.criteria, *attempted]
     return parts if only is None else [part for part in parts if part.id == only]
 
 
 def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
-    """The reasons in the order of the sheet's steps; what was not reached, or not judged, has none of its own."""
+    """Return the causes in the order of the lab steps. Checks that were skipped or not judged have no cause."""
     found: dict[tuple[str, ...], list[CheckResult]] = {}
     for check in sorted(checks, key=_step):
         if words.tells(check):
@@ -58,13 +60,13 @@ def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
 
 
 def told(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
-    """Each check of a cause with what it says that none before it has said; what to try is the same for all."""
+    """Return each check of a cause with the lines that no earlier check of it has. Hints are left out: see `going_on`."""
     known: set[str] = set()
     return [(check, _news(check, known)) for check in cause.checks]
 
 
 def _news(check: CheckResult, known: set[str]) -> list[words.Line]:
-    """What a check says that is not `known`, which grows by it."""
+    """Return the lines of a check that are not in `known`, and add them to it."""
     said = [line for line in words.row(check, "", LabName()).lines if line.label != "Try"]
     came = {line.text for line in said if line.label != "Expected"}
     if came <= known:
@@ -75,12 +77,12 @@ def _news(check: CheckResult, known: set[str]) -> list[words.Line]:
 
 
 def _where(said: Iterable[words.Line]) -> list[words.Line]:
-    """Of a call that did not come back, the line that names the place."""
+    """Return the first line of each `Got`, which names the place where a call failed."""
     return [words.Line(line.label, line.text.partition("\n")[0]) for line in said if line.label == "Got"]
 
 
 def going_on(cause: Cause, lab: LabName) -> list[words.Line]:
-    """What to try and to read, for all checks of a cause."""
+    """Return the hints and the reading of all checks of a cause."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
     )
@@ -91,12 +93,12 @@ def going_on(cause: Cause, lab: LabName) -> list[words.Line]:
 
 
 def again(cause: Cause) -> words.Line:
-    """How to run what it cost again."""
-    return words.Line("Again", f"imugrade check --only {part_of(cause.checks[0])}")
+    """Return the command that grades the failed criterion again."""
+    return words.Line("Rerun", f"imugrade check --only {part_of(cause.checks[0])}")
 
 
 def _sheet(cause: Cause, lab: LabName) -> str:
-    """``Lab 04-01, Steps 2, 5 and 6``"""
+    """Return the lab steps of a cause as ``Lab 04-01, Steps 2, 5 and 6``; "" without steps."""
     steps = [str(step) for step in cause.steps]
     plural = "s" if len(steps) > 1 else ""
     many = " and ".join(filter(None, (", ".join(steps[:-1]), *steps[-1:])))
@@ -108,7 +110,7 @@ def _step(check: CheckResult) -> int:
 
 
 def next_step(found: Iterable[Cause], lab: Lab) -> str:
-    """``Step 2, get_imu_readings``: where to go on; empty where nothing was lost."""
+    """Return where to continue, as ``Step 2, get_imu_readings``; "" if nothing failed."""
     first = next((each.checks[0] for each in found), None)
     if first is None:
         return ""
@@ -117,5 +119,5 @@ def next_step(found: Iterable[Cause], lab: Lab) -> str:
 
 
 def next_part(found: Iterable[Cause]) -> str:
-    """The criterion or extension of the next step."""
+    """Return the id of the criterion or extension of the next step."""
     return next((part_of(each.checks[0]) for each in found), "")

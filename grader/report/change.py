@@ -1,4 +1,4 @@
-"""What a check shows that the one before it did not: points gained and lost."""
+"""Points gained and lost since the last `imugrade check`."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from grader.report.words import number
 
 @dataclass(frozen=True)
 class Change:
-    """The points of each check at the last check, by its id, beside those of now."""
+    """Points of each check in the previous run, by check id."""
 
     before: Mapping[str, float]
 
     def since(self, criteria: Iterable[CriterionResult]) -> str:
-        """``+9.5 since the last check``; empty where it is not known what all of it was worth then."""
+        """Return ``+9.5 since the last check``; "" if the points of any check were unknown then."""
         points = _gained(self.before, [check for criterion in criteria for check in criterion.checks])
         if points is None:
             return ""
         return f"{_signed(points) if points else 'no change'} since the last check"
 
     def of(self, checks: Iterable[CheckResult]) -> str:
-        """``+6``; empty where nothing has changed."""
+        """Return the change as ``+6``; "" if nothing changed."""
         points = _gained(self.before, checks)
         return _signed(points) if points else ""
 
     def was(self, check: CheckResult) -> str:
-        """``, was 6``; empty where it is as it was."""
+        """Return the earlier points as ``, was 6``; "" if they are the same."""
         points = self.before.get(check.id)
         return f", was {number(points)}" if points is not None and points != check.points else ""
 
 
 def _gained(before: Mapping[str, float], checks: Iterable[CheckResult]) -> float | None:
-    """None where a check had not been judged then, or is not now."""
+    """Return the change in points; None if a check was not judged then or is not judged now."""
     points = 0.0
     for check in checks:
         if check.points is None or check.id not in before:

@@ -1,4 +1,4 @@
-"""From a chart's numbers to a drawing: scales, ticks, lines and bars in the units of an SVG, and the same in a sentence."""
+"""SVG geometry of the charts: scales, ticks, lines and bars, and a sentence for screen readers."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from grader.engine.evidence import Chart, Curve, Panel
 
 WIDTH, HEIGHT = 480, 220
 _TOP, _BOTTOM, _RIGHT = 8, 26, 10
-_DIGIT = 7.6  # width of one in the ticks' font
-_INTERVALS = 5  # about
+_DIGIT = 7.6  # width of a digit in the tick font, in SVG units
+_INTERVALS = 5  # approximate number of tick intervals
 _WIDE = ("true-x", "true-y", "true-z", "wanted")
-_SPOKEN = {"bars": "bars", "model": "dashed line", "not-seen": "not to be seen in the picture"} | dict.fromkeys(
+_SPOKEN = {"bars": "bars", "model": "dashed line", "not-seen": "not visible in the picture"} | dict.fromkeys(
     _WIDE, "wide line"
 )
 
 
 @dataclass(frozen=True)
 class Tick:
-    """Where a line of the grid stands, with its number."""
+    """Position and text of a grid line."""
 
     at: float
     text: str
@@ -29,7 +29,7 @@ class Tick:
 
 @dataclass(frozen=True)
 class Stroke:
-    """A curve: the points of a polyline, or for bars the path of their outline."""
+    """A curve: the points of a polyline, or the outline path of bars."""
 
     role: str
     name: str
@@ -39,7 +39,7 @@ class Stroke:
 
 @dataclass(frozen=True)
 class View:
-    """A panel in the units of its drawing; `told` says it to who does not see it."""
+    """One panel in SVG units; `told` describes it for screen readers."""
 
     title: str
     x_label: str
@@ -57,7 +57,7 @@ class View:
 
 
 def views(chart: Chart) -> tuple[View, ...]:
-    """Every panel that has something to show."""
+    """Return every panel that has a curve with two points or more."""
     return tuple(_view(panel) for panel in chart.panels if any(len(curve.x) > 1 for curve in panel.curves))
 
 
@@ -95,12 +95,12 @@ def _heights(curves: Iterable[Curve]) -> Iterable[float]:
 
 
 Onto = Callable[[Iterable[float]], list[float]]
-"""Where values stand in a drawing: all at once, as a chart has some thousands."""
+"""Maps values to SVG coordinates, a whole curve at once: a chart has thousands of values."""
 
 
 @dataclass(frozen=True)
 class _Scale:
-    """From `low` to `high`, with the numbers that are marked on it."""
+    """An axis from `low` to `high` with its tick values."""
 
     low: float
     high: float
@@ -127,7 +127,7 @@ class _Scale:
 
 
 def _even_ticks(low: float, high: float) -> list[float]:
-    """Multiples of 1, 2 or 5 times a power of ten."""
+    """Return tick values that are multiples of 1, 2 or 5 times a power of ten."""
     rough = (high - low) / _INTERVALS
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * m for m in (1, 2, 5, 10) if power * m >= 0.8 * rough)
@@ -136,7 +136,7 @@ def _even_ticks(low: float, high: float) -> list[float]:
 
 
 def _log_ticks(low: float, high: float) -> list[float]:
-    """Powers of ten; with 2 and 5 between them where there are fewer than three."""
+    """Return powers of ten, with 2 and 5 between them where there are fewer than three."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for steps in ((1,), (1, 2, 5)):
         ticks = [m * 10.0**power for power in powers for m in steps if low <= m * 10.0**power <= high]
@@ -146,7 +146,7 @@ def _log_ticks(low: float, high: float) -> list[float]:
 
 
 def _texts(ticks: tuple[float, ...], *, log: bool) -> list[str]:
-    """Numbers with a real minus; neighbours on an even scale with the same decimals."""
+    """Format tick values with a minus sign and, on a linear axis, the same number of decimals."""
     if log or len(ticks) < 2:
         return [f"{tick:.3g}" for tick in ticks]
     step, largest = ticks[1] - ticks[0], max(map(abs, ticks))
@@ -162,7 +162,7 @@ def _stroke(curve: Curve, across: Onto, up: Onto, y: _Scale) -> Stroke:
     shown = [b > 0 for b in curve.y] if y.log else repeat(True)
     places = zip(across(compress(curve.x, shown)), up(compress(curve.y, shown)), strict=True)
     flat = tuple(chain.from_iterable(places))
-    points = ("%.1f,%.1f " * (len(flat) // 2)) % flat  # at once: two thirds of the time
+    points = ("%.1f,%.1f " * (len(flat) // 2)) % flat  # one format call takes two thirds of the time of many
     return Stroke(curve.role, curve.name, curve.colour, points.rstrip())
 
 
@@ -177,7 +177,7 @@ def _bars(curve: Curve, across: Onto, up: Onto) -> str:
 
 
 def _legend(strokes: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
-    """One entry a name; the three curves of the truth are one."""
+    """Return one legend entry for each name; the three true curves share one."""
     truth = {"true": Stroke("wanted", "true", "", "")} if any(s.role.startswith("true-") for s in strokes) else {}
     named = {s.name: Stroke(s.role, s.name, s.colour, "") for s in strokes if s.name and not s.role.startswith("true-")}
     return tuple((truth | named).values())

@@ -1,4 +1,4 @@
-"""Item analysis: how hard each check was for a class, and whether who earns it does well elsewhere.
+"""Item analysis: difficulty and discrimination of each check over a class.
 
 References
 ----------
@@ -17,7 +17,7 @@ import numpy as np
 from grader.engine.results import CheckResult, Result
 
 FEWEST = 10
-"""Below this a correlation says nothing: with 10 submissions its standard error is 0.3."""
+"""Fewest submissions for a discrimination: with 10 its standard error is 0.3."""
 _WEAK = 0.1
 _ENOUGH = 30
 
@@ -31,11 +31,11 @@ class Item:
     judged
         Submissions for which it was judged.
     losers
-        How many of them lost something on it.
+        How many of them lost points on it.
     difficulty
-        Mean share of its points that was earned, 0 (hard) to 1 (easy).
+        Mean share of its points, 0 (hard) to 1 (easy).
     discrimination
-        Correlation of that share with the score on all other checks, −1 to 1; None where there is nothing to correlate.
+        Correlation of that share with the score on all other checks, −1 to 1; None if it cannot be estimated.
     """
 
     id: str
@@ -47,16 +47,16 @@ class Item:
 
     @property
     def doubtful(self) -> bool:
-        """Whether good submissions lose it as often as weak ones: the check, or what was taught, is worth a look."""
+        """Return whether strong submissions fail it as often as weak ones, so that the check should be reviewed."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
 
 
 def items(results: Iterable[Result]) -> list[Item]:
-    """Every check of the criteria, in the order of the rubric; results with open points count where they were judged."""
+    """Return every check of the criteria in the order of the rubric. A result counts for the checks that were judged."""
     rows: dict[str, list[tuple[CheckResult, float]]] = {}
     for result in results:
         if result.status in ("empty", "unreadable"):
-            continue  # nothing was asked of them
+            continue  # no check was run
         for criterion in result.criteria:
             for check in criterion.checks:
                 if check.points is not None and check.max_points:

@@ -1,4 +1,4 @@
-"""What an instructor sees of a class: rows, figures, mistakes, checks, machines and times; no rendering."""
+"""Content of the class page: table rows, statistics, common mistakes, checks, isolation and times. Nothing renders here."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from grader.report.similarity import Pair, pairs
 
 _SLOWEST = 5
 _EDGES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.98, 1.0)
-"""Where the bars of the distribution begin, as shares of all points."""
-_SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # one run has one of each
+"""Lower edges of the histogram bins, as shares of all points."""
+_SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # comparable results have one of each
 _LABELS = {
     "grader": "imugrade",
     "rubric_sha256": "rubrics",
@@ -31,7 +31,7 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class Cell:
-    """What is shown and what it is sorted by."""
+    """Text of a table cell, and its sort key."""
 
     text: str
     key: float
@@ -39,7 +39,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Entry:
-    """One row of the class table; `tags` are what it can be filtered by."""
+    """One row of the class table; `tags` are the filters that it matches."""
 
     name: str
     section: str
@@ -55,7 +55,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Choice:
-    """One way to filter: the tag, how it is called, how many rows have it."""
+    """One choice of a filter: the tag, its text, and how many rows have it."""
 
     tag: str
     text: str
@@ -64,7 +64,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Filter:
-    """One list of choices. Those of several lists go together."""
+    """One drop-down list. A row must match the choices of all lists."""
 
     id: str
     title: str
@@ -73,7 +73,7 @@ class Filter:
 
 @dataclass(frozen=True)
 class Bar:
-    """One bar of the distribution: how many, and its length in percent of the longest."""
+    """One bar of the histogram: its count, and its length in percent of the longest."""
 
     tag: str
     label: str
@@ -96,7 +96,7 @@ class Mistake:
 
 @dataclass(frozen=True)
 class CheckRow:
-    """An item with the criterion's title and the tag of those who lost it."""
+    """A check's item analysis, with its criterion's title and the tag of the submissions that lost points on it."""
 
     item: Item
     tag: str
@@ -113,7 +113,7 @@ class Alike:
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds a submission, and where they were marked."""
+    """Seconds per submission, and the isolation levels in use."""
 
     median_s: float
     most_s: float
@@ -131,7 +131,7 @@ def link(standing: Standing) -> Link:
 
 
 def columns(results: Iterable[Result]) -> dict[str, str]:
-    """Titles of all criteria by id, in the order in which they are first met."""
+    """Return the titles of all criteria by id, in the order of their first appearance."""
     titles: dict[str, str] = {}
     for result in results:
         for criterion in result.criteria:
@@ -140,7 +140,7 @@ def columns(results: Iterable[Result]) -> dict[str, str]:
 
 
 def entry(standing: Standing, criteria: Iterable[str], top: float) -> Entry:
-    """`top` is the most that there is to get."""
+    """Return a row of the class table; `top` is the maximum score."""
     result, late = standing.result, standing.late
     points = {criterion.id: standing.points(criterion) for criterion in result.criteria}
     score = None if result.status == "incomplete" else result.score
@@ -163,7 +163,7 @@ def _cell(points: float | None) -> Cell:
 
 
 def _tags(standing: Standing) -> Iterable[str]:
-    """Neither names nor other words of strangers are tags, but for sections, which are numbered by the page."""
+    """Return the filter tags of a submission. They contain no text from outside the grader."""
     yield f"status:{standing.result.status}"
     if standing.late is not None:
         yield "status:late"
@@ -177,7 +177,7 @@ def _tags(standing: Standing) -> Iterable[str]:
 
 
 def filters(entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]) -> list[Filter]:
-    """What a class is filtered by, each list with those of its tags that any row has."""
+    """Return the filters of the class table, each with the choices that match a row."""
     counts = Counter(tag for each in entries for tag in each.tags)
     wanted = {
         ("status", "Status"): [
@@ -194,7 +194,7 @@ def filters(entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Itera
 
 
 def numbers(entries: Iterable[Entry]) -> dict[str, int]:
-    """A number for each tag: in thousands of rows its name would be most of the page."""
+    """Return a number for each tag: the names would be most of the page for a class of thousands."""
     return {tag: number for number, tag in enumerate(dict.fromkeys(tag for each in entries for tag in each.tags))}
 
 
@@ -226,7 +226,7 @@ def _bin(score: float, top: float) -> int:
 
 
 def mistakes(standings: Iterable[Standing]) -> list[Mistake]:
-    """What was misunderstood, by how many (most first), and who."""
+    """Return the faults by how many submissions have them, most first, and which."""
     who: dict[str, list[Link]] = {}
     for standing in standings:
         for id_ in standing.result.misconceptions:
@@ -266,7 +266,7 @@ def timing(standings: Iterable[Standing]) -> Timing | None:
 
 
 def mixtures(results: Iterable[Result]) -> list[str]:
-    """What the marks of one class should not differ in, and do."""
+    """Return what differs between results of the class that must not differ, as ``2 rubrics``."""
     found: dict[str, set[object]] = {key: set() for key in _SINGLE}
     for result in results:
         for key in _SINGLE:

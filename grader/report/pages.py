@@ -1,4 +1,4 @@
-"""The pages: `report.html` for one submission, `index.html` for a class. One file each; nothing is fetched."""
+"""HTML pages: `report.html` for one submission, `index.html` for a class. Each is one file that loads nothing."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of
 
 _TEMPLATES = beside(__package__, "templates")
-_AT_ONCE = 200  # rows of a class that are laid out before all are asked for
-_TOLD = {  # the seed is not among them: a report may be handed to a student
+_AT_ONCE = 200
+"""Rows of the class table that are shown before "Show all": laying out thousands takes a browser seconds."""
+_TOLD = {  # without the seed: students receive this page
     "grader": "imugrade",
     "python": "Python",
     "mujoco": "MuJoCo",
@@ -37,7 +38,7 @@ _TOLD = {  # the seed is not among them: a report may be handed to a student
 
 @dataclass(frozen=True)
 class Figure:
-    """A chart, ready to be set."""
+    """A chart, ready for the template."""
 
     title: str
     caption: str
@@ -48,14 +49,14 @@ class Figure:
 
 
 Rows = tuple[tuple[str, words.Row], ...]
-"""Checks as they are set, each with its anchor."""
+"""Formatted checks, each with its anchor."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A criterion or an extension as a page shows it; `share` is the earned part in percent.
+    """A criterion or an extension on the page; `share` is the percentage of its points.
 
-    `folded` are the rows that say nothing new, each group below its heading: what was not reached, and what was earned.
+    `folded` is the HTML of the closed lists: checks that were not graded, and checks that passed.
     """
 
     id: str
@@ -69,8 +70,8 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Told:
-    """A check within its cause: with what it says that none before it has said."""
+class DeductedCheck:
+    """A check of a deduction, with the lines that no earlier check of the deduction has."""
 
     anchor: str
     row: words.Row
@@ -78,20 +79,23 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Loss:
-    """What cost points, by its cause: what it is and why, each check that it cost, how to go on."""
+class Deduction:
+    """One entry of "Deductions": a fault, why it is one, the checks that failed for it, and what to do next.
+
+    `waiting` counts the checks that could not be graded because of it.
+    """
 
     points: str
     title: str
     why: tuple[str, ...]
-    checks: tuple[Told, ...]
+    checks: tuple[DeductedCheck, ...]
     waiting: str
     going_on: tuple[words.Line, ...]
 
 
 @dataclass(frozen=True)
-class ByHand:
-    """What a person gave, beside the automatic points, or said."""
+class Override:
+    """Points or a comment that a person gave."""
 
     title: str
     points: str
@@ -101,12 +105,12 @@ class ByHand:
 
 
 Drawn = Mapping[str, str]
-"""The charts of each part, by its id, as they stand in a page."""
+"""HTML of the charts of each part, by the part's id."""
 _FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<section id="'
 
 
 def drawn(shown: Iterable[Chart]) -> Drawn:
-    """Charts, set. By far the most of what a page costs."""
+    """Render charts. This takes ten times as long as the rest of a page."""
     macros: Any = _environment().get_template("charts.html.j2").module
     found: dict[str, str] = {}
     for chart in shown:
@@ -117,7 +121,7 @@ def drawn(shown: Iterable[Chart]) -> Drawn:
 
 
 def drawn_in(page: str) -> Drawn:
-    """The same, out of a page that has them. Words of a student hold no tag there."""
+    """Extract the charts from an existing page. Text of students cannot contain a tag there, because it is escaped."""
     found = {}
     for section in page.split(_SECTION)[1:]:
         starts, ends = section.find(_FIGURE), section.rfind(_FIGURE_ENDS)
@@ -129,22 +133,22 @@ def drawn_in(page: str) -> Drawn:
 def report_page(
     standing: Standing, shown: tuple[Chart, ...] = (), catalogue: Mapping[str, Mistake] | None = None
 ) -> str:
-    """`report.html`: everything that one student is told.
+    """Return `report.html`, the report for one student.
 
     Parameters
     ----------
     standing
-        The result, and what stands beside it.
+        The result, with overrides and lateness.
     shown
-        Charts of what the submission answered; none of hidden scenarios.
+        Charts of public scenarios.
     catalogue
-        The lab's mistakes, to explain those that are named.
+        The lab's faults, by id, with their explanations.
     """
     return report_around(drawn(shown), standing, catalogue)
 
 
 def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mistake] | None = None) -> str:
-    """The same around charts that are drawn already."""
+    """Return `report.html` around charts that are already rendered."""
     result = standing.result
     extensions = [extension for extension in result.extensions if extension.checks]
     return _page(
@@ -156,11 +160,11 @@ def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mi
         total=_total(standing),
         automatic=words.total_points(result) if _changed(standing) else "",
         late=_late(standing),
-        by_hand=_by_hand(standing),
+        overrides=_overrides(standing),
         status=words.STATUS[result.status],
         parts=[_criterion(criterion, standing, figures) for criterion in result.criteria],
         extensions=[_extension(extension, result.lab, figures) for extension in extensions],
-        losses=_losses(result, catalogue or {}),
+        deductions=_deductions(result, catalogue or {}),
         marked=result.status not in ("empty", "unreadable"),
         charts=bool(figures),
         extra_credit=words.extra_credit(result),
@@ -174,16 +178,16 @@ def index_page(
     fingerprints: Mapping[str, tuple[int, ...]] | None = None,
     given: frozenset[int] = frozenset(),
 ) -> str:
-    """`index.html`: the class at a glance.
+    """Return `index.html`, the class page.
 
     Parameters
     ----------
     standings
-        Of each submission, by its id (which is its folder's name).
+        Every submission, by its id, which is its folder's name.
     fingerprints
-        Hashes of the code of each, by id, to tell which are alike.
+        Code hashes of each submission, by id, for similarity.
     given
-        Hashes of what the lab itself gives, which anyone may hand in.
+        Hashes of code that the lab hands out.
     """
     results = [standing.result for standing in standings.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
@@ -250,14 +254,14 @@ def _environment() -> Environment:
 
 @lru_cache
 def _inlined(name: str) -> tuple[Markup, str]:
-    """One of our own files and its hash: a page's policy allows these and nothing else."""
+    """Return a template file and its hash for the page's Content-Security-Policy, which allows nothing else."""
     text = (_TEMPLATES / name).read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
     return Markup(text), f"sha256-{digest}"
 
 
 def _criterion(criterion: CriterionResult, standing: Standing, figures: Drawn) -> Part:
-    """With the points that count: those by hand, where a person gave some."""
+    """Return a criterion with its final points, overrides included."""
     points = standing.points(criterion)
     share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
     rows, folded = _rows(criterion.checks, criterion.id, standing.result.lab)
@@ -276,10 +280,9 @@ def _extension(extension: ExtensionResult, lab: LabName, figures: Drawn) -> Part
 
 
 def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows, Markup]:
-    """What has something to say, and what is folded below a heading."""
-
+    """Return the rows with feedback, and the HTML of the folded lists."""
     rows = [(check.outcome, (_anchor(check), words.row(check, part, lab))) for check in checks]
-    headings = {"skipped": "not reached", "passed": "earned"}
+    headings = {"skipped": "not graded", "passed": "passed"}
     folded = {said: tuple(row for outcome, row in rows if outcome == of) for of, said in headings.items()}
     telling = tuple(row for outcome, row in rows if outcome not in headings)
     return telling, Markup().join(_folded(f"{_many(len(of), 'check')} {said}", of) for said, of in folded.items() if of)
@@ -287,7 +290,7 @@ def _rows(checks: Sequence[CheckResult], part: str, lab: LabName) -> tuple[Rows,
 
 @lru_cache(maxsize=1024)
 def _folded(heading: str, rows: Rows) -> Markup:
-    """What was earned reads the same in most reports of a class."""
+    """Render a folded list. It is cached because most reports of a class contain the same ones."""
     macros: Any = _environment().get_template("checks.html.j2").module
     return Markup(macros.folded(heading, rows))
 
@@ -300,19 +303,19 @@ def _anchor(check: CheckResult) -> str:
     return check.id.replace(".", "-")
 
 
-def _losses(result: Result, catalogue: Mapping[str, Mistake]) -> list[Loss]:
-    """What cost points by its cause, the dearest first, each with the checks that it kept from being asked."""
+def _deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deduction]:
+    """Return the deductions, largest first, each with the checks that could not be graded because of it."""
     checks = [check for criterion in result.criteria for check in criterion.checks]
     found = causes_of(checks)
     waiting = _waiting(checks, found)
-    dearest = sorted(found, key=lambda each: -words.points_lost((*each.checks, *waiting.get(each, ()))))
-    losses = [_loss(cause, waiting.get(cause, []), result.lab, catalogue) for cause in dearest]
+    largest = sorted(found, key=lambda each: -words.points_lost((*each.checks, *waiting.get(each, ()))))
+    known = [_deduction(cause, waiting.get(cause, []), result.lab, catalogue) for cause in largest]
     alone = waiting.get(None, [])
-    return [*losses, *([_unreached(alone)] if alone else [])]
+    return [*known, *([_unreached(alone)] if alone else [])]
 
 
 def _waiting(checks: Iterable[CheckResult], found: Iterable[Cause]) -> dict[Cause | None, list[CheckResult]]:
-    """What was not reached, by the first cause that its criterion lost points for; None where there is none."""
+    """Return the skipped checks by the first cause in their criterion; by None where their criterion has no cause."""
     first: dict[str, Cause] = {}
     for cause in found:
         for check in cause.checks:
@@ -324,14 +327,16 @@ def _waiting(checks: Iterable[CheckResult], found: Iterable[Cause]) -> dict[Caus
     return waiting
 
 
-def _loss(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue: Mapping[str, Mistake]) -> Loss:
+def _deduction(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
     named = [catalogue[each] for each in cause.mistakes if each in catalogue]
     title = _title(cause, named)
     told = tuple(
-        Told(_anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines))
+        DeductedCheck(
+            _anchor(check), words.row(check, part_of(check), lab), () if _says(title, lines) else tuple(lines)
+        )
         for check, lines in causes.told(cause)
     )
-    return Loss(
+    return Deduction(
         words.minus(words.points_lost((*cause.checks, *waiting))),
         title,
         tuple(mistake.explanation.strip() for mistake in named),
@@ -342,7 +347,7 @@ def _loss(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue: Map
 
 
 def _title(cause: Cause, named: Sequence[Mistake]) -> str:
-    """What was done, where that has a name; where the name fits anywhere, what came in this submission."""
+    """Return the title of a deduction: the fault's name, or what this submission returned if the name fits any file."""
     if not named:
         known = [words.misconception(each) for each in cause.mistakes]
         return _sentence("; ".join(known)) if known else printable(cause.checks[0].title, 300)
@@ -353,38 +358,38 @@ def _title(cause: Cause, named: Sequence[Mistake]) -> str:
 
 
 def _says(title: str, lines: Iterable[words.Line]) -> bool:
-    """Whether the title of a cause has said already what came: nobody has to read it twice."""
+    """Return whether the title already contains what the submission returned."""
     return title in {_sentence(line.text) for line in lines if line.label == "Got"}
 
 
 def _sentence(text: str) -> str:
-    """With a capital, unless it begins with a name of the lab's."""
+    """Capitalize a text unless it begins with an identifier."""
     return text[:1].upper() + text[1:] if text.partition(" ")[0].isalpha() else text
 
 
-def _unreached(checks: list[CheckResult]) -> Loss:
-    return Loss(words.minus(words.points_lost(checks)), "Not reached", (), (), _count(checks), ())
+def _unreached(checks: list[CheckResult]) -> Deduction:
+    return Deduction(words.minus(words.points_lost(checks)), "Not graded", (), (), _count(checks), ())
 
 
 def _count(checks: Sequence[CheckResult]) -> str:
-    """``5 checks, 14 points``"""
+    """Return the number and points of checks as ``5 checks, 14 points``; "" without checks."""
     points = words.number(round(words.points_lost(checks), 2))
     return f"{_many(len(checks), 'check')}, {points} points" if checks else ""
 
 
 def _changed(standing: Standing) -> bool:
-    """Whether what counts is not what was marked automatically."""
+    """Return whether the final points differ from the automatic ones."""
     return standing.final is not None and round(standing.final, 2) != round(standing.result.total, 2)
 
 
 def _total(standing: Standing) -> tuple[str, str]:
-    """What counts, and of how many: the final points where people or dates have changed them."""
+    """Return the final points and the maximum."""
     points, most = words.total_points(standing.result).split(" / ")
     return (words.number(standing.final or 0.0), most) if _changed(standing) else (points, most)
 
 
 def _late(standing: Standing) -> tuple[str, str] | None:
-    """What lateness takes off, and the instants that it follows from."""
+    """Return the late deduction and the times that it follows from; None if the submission is not late."""
     late = standing.late
     if late is None:
         return None
@@ -392,13 +397,13 @@ def _late(standing: Standing) -> tuple[str, str] | None:
         words.late(standing),
         f"due {words.instant(late.due)}" if late.due else "",
         f"handed in {words.instant(standing.hand_in.submitted)}" if standing.hand_in.submitted else "",
-        f"{_many(late.days, 'day')} begun" if late.days and not late.refused else "",
+        f"counted as {_many(late.days, 'day')} late" if late.days and not late.refused else "",
     ]
     return words.minus(standing.deduction) if standing.deduction else "0", "; ".join(filter(None, facts))
 
 
-def _by_hand(standing: Standing) -> list[ByHand]:
-    """Points and words of people, in the order in which they are on record."""
+def _overrides(standing: Standing) -> list[Override]:
+    """Return the overrides and comments, in the order of the record."""
     titles = {
         criterion.id: (criterion.title, criterion.max_points, criterion.points)
         for criterion in standing.result.criteria
@@ -410,7 +415,7 @@ def _by_hand(standing: Standing) -> list[ByHand]:
         title, most, automatic = titles.get(given.criterion, (given.criterion.capitalize(), 0.0, 0.0))
         points = "" if given.points is None else words.number(given.points)
         found.append(
-            ByHand(
+            Override(
                 printable(title, 300),
                 f"{points} / {words.number(most)}" if points and most else points,
                 words.number(automatic) if points and most else "",

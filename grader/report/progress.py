@@ -1,4 +1,4 @@
-"""How a run over a class goes on: a bar on a terminal, one plain line a submission in a pipe."""
+"""Progress of a class run: a bar on a terminal, one line per submission in a pipe."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from grader.report import words
 
 
 def told(id_: str, result: Result) -> str:
-    """``alice 87.5``: whom and what, in a line's end."""
+    """Return a submission's id and score as ``alice 87.5``."""
     score = "not judged" if result.status == "incomplete" else words.number(result.score)
     status = f" ({result.status})" if result.status in ("empty", "unreadable") else ""
     return f"{printable(id_, words.NAME_LIMIT)} {score}{status}"
 
 
 class Lines:
-    """``12/300 alice 87.5`` for what is marked now; lines come out at once, also through a pipe. What is on record is counted."""
+    """Print ``12/300 alice 87.5`` for each submission graded in this run. Resumed results count but print no line."""
 
     def __init__(self) -> None:
         self._total = 0
@@ -41,7 +41,7 @@ class Lines:
 
 
 class Bar:
-    """A bar with count, rate and time left."""
+    """Progress bar with count, rate and time left."""
 
     def __init__(self, console: Console) -> None:
         self._progress = Progress(

@@ -1,4 +1,4 @@
-"""Submissions whose code is alike beyond what the sheet gives: a reason to look, never a verdict."""
+"""Code similarity between submissions, beyond the code that the lab hands out. A reason to review, not a verdict."""
 
 from __future__ import annotations
 
@@ -15,19 +15,22 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 FEWEST = 20
-"""Common hashes, of about seven tokens each: some 15 lines."""
+"""Fewest shared hashes of a similar pair: about 15 lines, as one hash stands for about seven tokens."""
 _SHARE = 0.5
+"""Least share of the smaller submission's own hashes that a similar pair has in common."""
 _COMMON = 0.5
+"""A hash in more than this share of the class is taken for handed-out code."""
 _CLASS = 6
+"""In a small class, a hash must be in more than this many submissions for that."""
 _MOST = 50
 _TOKENS_A_LINE = 9
 _BLOCK = 256
-"""Submissions that are compared with the class at a time: memory grows with the class, not with its square."""
+"""Submissions compared with the class at a time, so that memory grows with the class and not with its square."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two submissions: `common` hashes, and their share of the smaller submission's own ones."""
+    """Two similar submissions: shared hashes, and their share of the smaller submission's own hashes."""
 
     first: str
     second: str
@@ -36,14 +39,14 @@ class Pair:
 
     @property
     def lines(self) -> int:
-        """About how many lines of code that is: a hash every 6.5 tokens, some nine tokens a line."""
+        """Estimated shared lines of code: a hash every 6.5 tokens, nine tokens a line."""
         return round(self.common * (WINDOW + 1) / 2 / _TOKENS_A_LINE)
 
 
 def pairs(
     fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int] = frozenset(), most: int = _MOST
 ) -> list[Pair]:
-    """The most alike, the largest share first; neither what the lab gives nor what half of the class has counts.
+    """Return the most similar pairs, largest share first. Code of the lab, and code that half of the class has, does not count.
 
     Parameters
     ----------
@@ -71,16 +74,16 @@ def pairs(
 
 
 def own_hashes(fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]) -> dict[str, frozenset[int]]:
-    """What each has without what the lab gives and what half of the class has."""
+    """Return each submission's hashes without those of the lab and those that half of the class has."""
     own = {id_: frozenset(hashes) - given for id_, hashes in fingerprints.items()}
     counts = Counter(value for hashes in own.values() for value in hashes)
-    most = max(_CLASS, _COMMON * len(own))  # a handout that the grader does not know
+    most = max(_CLASS, _COMMON * len(own))  # handed-out code that the grader does not know
     common = {value for value, count in counts.items() if count > most}
     return {id_: hashes - common for id_, hashes in own.items()}
 
 
 def _holds(ids: list[str], own: Mapping[str, frozenset[int]]) -> csr_array:
-    """(n, hashes) matrix of which submission holds which hash."""
+    """Return the sparse matrix (submission, hash) of which submission contains which hash."""
     from scipy.sparse import csr_array  # noqa: PLC0415 - slow to import, and pages of one submission do not need it
 
     place = {value: k for k, value in enumerate(sorted(frozenset().union(*(own[id_] for id_ in ids))))}

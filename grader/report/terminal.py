@@ -23,7 +23,7 @@ from grader.report.lines import LABEL, Setting
 WIDTH = 100
 _BAR = 20  # columns
 _NEVER_CALLED = frozenset({"file-missing", "name-missing", "does-not-import", "not-written"})
-_STYLE = {"earned": "green", "partly": "yellow", "lost": "red", "blank": "bright_black"}
+_STYLE = {"passed": "green", "partial": "yellow", "failed": "red", "blank": "bright_black"}
 
 
 class ClassTotals(Protocol):

@@ -1,4 +1,4 @@
-"""What a bundle of traces holds, as text and as files."""
+"""Listing and saving of trace bundles for `imugrade traces`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from grader.ground.text import printable
 
 
 def listing(traces: Traces) -> str:
-    """Name, versions and hash of a bundle, then its scenarios with their arrays' shapes."""
+    """Return a bundle's name, hash and versions, then its scenarios with the shapes of their arrays."""
     versions = ", ".join(f"{name} {number}" for name, number in traces.versions.items())
     head = [f"{traces.name} traces, {traces.sha256[:16]}, recorded with {versions}"]
     return "\n".join([*head, *(line for scenario in traces.scenarios.values() for line in _described(scenario))])
@@ -29,7 +29,7 @@ def _described(scenario: Scenario) -> list[str]:
 
 
 def save(traces: Traces, out: Path) -> Path:
-    """Write a bundle, readable by its owner alone (it may be secret), as `<name>.npz` and `<name>.json`.
+    """Write a bundle as `<name>.npz` and `<name>.json`, readable only by its owner because it may be secret.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def save(traces: Traces, out: Path) -> Path:
 
 
 def files(traces: Traces) -> dict[str, bytes]:
-    """What `save` writes, by suffix, for who packs it up."""
+    """Return the files that `save` writes, by suffix."""
     with tempfile.TemporaryDirectory(prefix="imugrade-") as scratch:
         path = save(traces, Path(scratch))
         return {suffix: path.with_suffix(suffix).read_bytes() for suffix in (".json", ".npz")}

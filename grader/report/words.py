@@ -1,6 +1,6 @@
-"""How a result is told: the same words, labels and order on the terminal and on the pages.
+"""Words, labels and number formats of a result, shared by the terminal, the pages and the CI formats.
 
-Nothing in here renders; every text that may stem from a submission comes out `printable`.
+Nothing here renders. Every text that may come from a submission is made `printable`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
 
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120
-FOR_THE_INSTRUCTOR = frozenset({"tampering"})  # costs nothing by itself, and is not told to students
+FOR_THE_INSTRUCTOR = frozenset({"tampering"})
+"""Faults that deduct nothing and are shown to the instructor only."""
 
 
 @dataclass(frozen=True)
 class Word:
-    """An outcome in a word and a sign; `kind` is one of the four ways of colouring it: never the colour alone."""
+    """Word, sign and kind of an outcome. `kind` is one of four CSS classes; the sign keeps it readable without colour."""
 
     word: str
     sign: str
@@ -31,27 +32,27 @@ class Word:
 
 
 _WORDS: dict[Outcome, Word] = {
-    "passed": Word("earned", "✓", "earned"),
-    "partial": Word("partly", "◐", "partly"),
-    "failed": Word("lost", "✗", "lost"),
-    "error": Word("raised", "✗", "lost"),
-    "timeout": Word("timed out", "✗", "lost"),
-    "crashed": Word("crashed", "✗", "lost"),
+    "passed": Word("passed", "✓", "passed"),
+    "partial": Word("partial", "◐", "partial"),
+    "failed": Word("failed", "✗", "failed"),
+    "error": Word("raised", "✗", "failed"),
+    "timeout": Word("timed out", "✗", "failed"),
+    "crashed": Word("crashed", "✗", "failed"),
     "skipped": Word("skipped", "–", "blank"),
     "not_judged": Word("not judged", "?", "blank"),
 }
 
 STATUS: dict[Status, str] = {
     "graded": "",
-    "incomplete": "Part of this could not be judged, through a fault of the grader. Those points are open, not lost.",
-    "empty": "Nothing that the lab asks for was found in this submission.",
+    "incomplete": "The grader failed on a part of this submission. Those points are open; they are not lost.",
+    "empty": "This submission contains no file that the lab asks for.",
     "unreadable": "This submission could not be opened.",
 }
 
 
 @dataclass(frozen=True)
 class Line:
-    """One labelled line below a check: Expected, Got, Try, Read or Again; without a label, a plain sentence."""
+    """One labelled line below a check: Expected, Got, Try, Read or Rerun. A line without a label is a plain sentence."""
 
     label: str
     text: str
@@ -59,7 +60,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Row:
-    """One check, ready to be set."""
+    """One check, formatted for a page or the terminal."""
 
     outcome: Word
     title: str
@@ -70,7 +71,7 @@ class Row:
 
 
 def row(check: CheckResult, part: str, lab: LabName) -> Row:
-    """Set one check of the criterion or extension `part` of a lab."""
+    """Format one check of the criterion or extension `part` of a lab."""
     lost = tells(check)
     return Row(
         outcome=_WORDS[_outcome(check)],
@@ -83,33 +84,33 @@ def row(check: CheckResult, part: str, lab: LabName) -> Row:
 
 
 def _outcome(check: CheckResult) -> Outcome:
-    """A lost check that a price of the rubric leaves some points is partly earned: the word and the number agree."""
+    """Return `partial` for a failed check that keeps points through a deduction of the rubric, else its own outcome."""
     some = check.points is not None and 0.0 < check.points < check.max_points
     return "partial" if some and check.outcome == "failed" else check.outcome
 
 
 def tells(check: CheckResult) -> bool:
-    """Whether a check tells of something that can be mended; a skipped one points to the check that does."""
+    """Return whether a check has feedback of its own. A skipped check refers to the check that it needs."""
     return check.outcome not in ("passed", "skipped", "not_judged")
 
 
 def number(points: float) -> str:
-    """At most two decimals, without idle zeros: 20, 87.5, 13.33."""
+    """Format points with at most two decimals and no trailing zeros: 20, 87.5, 13.33."""
     return f"{points:.2f}".rstrip("0").rstrip(".")
 
 
 def minus(points: float) -> str:
-    """``−9.5``, with a real minus."""
+    """Format a deduction as ``−9.5``, with a minus sign instead of a hyphen."""
     return f"−{number(round(points, 2))}"
 
 
 def points_lost(checks: Iterable[CheckResult]) -> float:
-    """What checks have cost; what was not judged has cost nothing."""
+    """Return the points that checks deducted. A check that was not judged deducts nothing."""
     return sum(check.max_points - check.points for check in checks if check.points is not None)
 
 
 def fraction(points: float | None, of: float) -> str:
-    """``14 / 20``; points that are not known are a dash."""
+    """Format points as ``14 / 20``; unknown points are a dash."""
     return f"{'–' if points is None else number(points)} / {number(of)}"
 
 
@@ -118,7 +119,7 @@ def criterion_points(criterion: CriterionResult) -> str:
 
 
 def extension_points(extension: ExtensionResult) -> str:
-    """``4 of 5 shown`` where an extension earns nothing, its points where it is extra credit."""
+    """Format an extension as ``4 of 5 shown``, or as points where the rubric makes it extra credit."""
     if extension.max_points:
         return fraction(extension.points, extension.max_points)
     shown = sum(check.outcome == "passed" for check in extension.checks)
@@ -126,7 +127,7 @@ def extension_points(extension: ExtensionResult) -> str:
 
 
 def extra_credit(result: Result) -> str:
-    """``10 / 10``; empty where extensions earn nothing."""
+    """Format the extra credit as ``10 / 10``; "" where extensions earn no points."""
     return "" if result.extra_credit_cap is None else fraction(result.extra_credit, result.extra_credit_cap)
 
 
@@ -136,7 +137,7 @@ def total_points(result: Result) -> str:
 
 
 def unjudged(criterion: CriterionResult) -> bool:
-    """Whether a check of it could not be judged: its points are then unknown."""
+    """Return whether a check of the criterion was not judged, so that its points are unknown."""
     return any(check.points is None for check in criterion.checks)
 
 
@@ -145,12 +146,12 @@ def name(result: Result) -> str:
 
 
 def person(standing: Standing) -> str:
-    """Who handed in, or what was handed in where nobody is known."""
+    """Return the names of the people who submitted, or the submission's name where nobody is known."""
     return printable(standing.name, NAME_LIMIT) or "(no name)"
 
 
 def late(standing: Standing) -> str:
-    """``2 d 3 h``; empty where it is not late."""
+    """Format how late a submission is as ``2 d 3 h``; "" if it is not late."""
     if standing.late is None:
         return ""
     if standing.late.seconds is None:
@@ -161,7 +162,7 @@ def late(standing: Standing) -> str:
 
 
 def instant(stamp: str) -> str:
-    """``2026-11-20 20:00 UTC``, from ISO 8601; what is none is left as it is."""
+    """Format an ISO 8601 time as ``2026-11-20 20:00 UTC``. Other text is returned unchanged."""
     try:
         return f"{datetime.fromisoformat(stamp):%Y-%m-%d %H:%M %Z}".strip()
     except ValueError:
@@ -173,12 +174,12 @@ def notes(result: Result) -> list[str]:
 
 
 def mistakes(result: Result) -> list[str]:
-    """The known mistakes that a student is told of, in words."""
+    """Return the names of the faults that a student may see."""
     return [misconception(id_) for id_ in result.misconceptions if id_ not in FOR_THE_INSTRUCTOR]
 
 
 def misconception(id_: str) -> str:
-    """``sensor-id-as-address`` in words."""
+    """Return a fault id such as ``sensor-id-as-address`` as words."""
     return printable(id_, 80).replace("-", " ")
 
 

@@ -80,11 +80,13 @@ def test_a_mistake_leads_to_those_who_made_it_and_a_name_to_the_report(watched: 
     mistake = page.get_by_role("button", name="variance as std")
     mistake.click()
     assert column(page, "Name") == ["s09-variance-as-std"]
-    expect(page.get_by_label("Mistake")).to_have_value(mistake.get_attribute("data-only") or "")
+    expect(page.locator("select#mistake")).to_have_value(mistake.get_attribute("data-only") or "")
     expect(mistake).to_have_attribute("aria-pressed", "true")
     page.locator("#submissions").get_by_role("link", name="s09-variance-as-std").click()
     expect(page.get_by_role("heading", level=1)).to_have_text("s09-variance-as-std")
-    expect(page.locator(".losses h3").first).to_have_text("Takes the standard deviation as a variance, or squares it")
+    expect(page.locator(".deductions h3").first).to_have_text(
+        "Takes the standard deviation as a variance, or squares it"
+    )
     page.locator(".check.brief a").first.click()
     expect(page.locator(".check:target h4")).to_have_text(
         "The noise of each sensor has the standard deviation that was asked for"
@@ -168,7 +170,7 @@ def test_of_a_large_class_the_first_rows_are_laid_out_and_all_on_demand_and_on_p
 def test_other_tables_sort_as_well(watched: Watched) -> None:
     page = watched.open(INDEX)
     table = page.locator("table.items")
-    table.get_by_role("button", name="Earned").click()
+    table.get_by_role("button", name="Average").click()
     shares = [int(cell.split()[0]) for cell in table.locator("tbody tr td:nth-child(4)").all_inner_texts()]
     assert shares == sorted(shares, reverse=True)
 
