@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from functools import cache
 
 from grader.engine import rubric
 from grader.engine.lab_box import open_box
@@ -38,12 +39,18 @@ class Lasting:
         """It stays open for the next one."""
 
 
-@contextmanager
-def opener() -> Iterator[Opened]:
-    """What opens markers with one box."""
-    with open_box(LAB) as box:
+@cache
+def shared() -> Box:
+    """The box of this process, opened when it is first used; `close` ends it."""
+    return open_box(LAB)
 
-        def opened(truth: Traces, by: Rubric | None = None) -> Marker:
-            return Marker(by or rubric.load(LAB), truth, box=Lasting(box))  # type: ignore[arg-type] # speaks as a box does
 
-        yield opened
+def close() -> None:
+    if shared.cache_info().currsize:
+        shared().close()
+        shared.cache_clear()
+
+
+def opened(truth: Traces, by: Rubric | None = None) -> Marker:
+    """A marker with the shared box."""
+    return Marker(by or rubric.load(LAB), truth, box=Lasting(shared()))  # type: ignore[arg-type] # speaks as a box does

@@ -16,16 +16,19 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from grader.engine.marking import Marker
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
-from tests.boxes import Opened, opener
-from tests.tapes import suite
+from tests import boxes
+from tests.boxes import Opened
+from tests.recordings import Marking, store
+from tests.recordings.marker import Counts, RecordedMarker, without_charts
 
 SECRET = "a secret that must not leave 4711"
 FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_cluster")
@@ -40,13 +43,56 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.stem not in FIRST)
+    for item in items:
+        if "player" in getattr(item, "fixturenames", ()):
+            item.add_marker("recorded")
+
+
+# --- recordings: counted by each test worker, told once ---------------------------------------------------------------
+
+_COUNTED = pytest.StashKey[dict[str, float]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[_COUNTED] = dict.fromkeys(("recorded", "compared", "seconds"), 0)
+    Counts.compare_all = config.option.markexpr == "recorded"
+    if not hasattr(config, "workerinput"):
+        store.tidy_up()
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    boxes.close()
+    mine = {name: getattr(Counts, name) for name in session.config.stash[_COUNTED]}
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["recordings"] = mine
+    else:
+        _count(session.config, mine)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any, error: object) -> None:
+    _count(node.config, getattr(node, "workeroutput", {}).get("recordings", {}))
+
+
+def _count(config: pytest.Config, more: Mapping[str, float]) -> None:
+    for name, number in more.items():
+        config.stash[_COUNTED][name] += number
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Tell how many submissions ran in a real sandbox, and how long that took of all test workers' time."""
+    counted = config.stash[_COUNTED]
+    if counted["recorded"] or counted["compared"]:
+        terminalreporter.write_line(
+            f"{counted['recorded']} submissions recorded in {store.FOLDER}, {counted['compared']} compared with a real sandbox: "
+            f"{counted['seconds']:.0f} s of the test workers' time"
+        )
 
 
 @pytest.fixture(scope="session")
-def opened() -> Iterator[Opened]:
+def opened() -> Opened:
     """Opens markers with one box, for whatever is marked by other traces or another rubric."""
-    with opener() as opens:
-        yield opens
+    return boxes.opened
 
 
 @pytest.fixture(scope="session")
@@ -70,7 +116,6 @@ def hidden(cache: Path) -> Traces:
 
 
 @pytest.fixture(scope="session")
-def player() -> Iterator[suite.Marking]:
-    """The same from tapes, for what a test of `tests.tapes.suite` marks."""
-    with suite.opened() as marking:
-        yield marking
+def player() -> Marking:
+    """A marker that judges from recordings by the lab's own rubric and data, without charts."""
+    return RecordedMarker(without_charts())

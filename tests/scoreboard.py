@@ -35,7 +35,7 @@ from tests.corpus.nothing import NOTHING, Nothing
 from tests.corpus.pieces import verbatim
 from tests.corpus.sound import SOUND, WRAPPED
 from tests.corpus.writing import Files, write
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
 ONE_FAULT = ("faulty", "lookalikes")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from grader.engine.results import Result
 from grader.intake import Submission
 from tests.corpus.writing import Files
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 Changes = dict[str, str]
 """What stands in the place of what, in one file."""

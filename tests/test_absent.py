@@ -9,8 +9,8 @@ import pytest
 
 from grader.harness import absent
 from tests.corpus.pieces import edit, tidy
+from tests.recordings import Marking
 from tests.slips import lost_by, marked
-from tests.tapes import Marking
 
 
 @pytest.fixture

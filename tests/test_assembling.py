@@ -9,8 +9,8 @@ import pytest
 
 from tests.corpus.pieces import tidy, verbatim
 from tests.corpus.writing import Files
+from tests.recordings import Marking
 from tests.slips import Changes, Slip, changed, costs_what_it_is
-from tests.tapes import Marking
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 RECORD, READ = {"data_collection.returns_named_arrays": 3.0}, {"sensor_access.returns_two_vectors": 3.0}

@@ -9,8 +9,8 @@ import pytest
 from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
 from tests.corpus.faulty import FAULTY
 from tests.corpus.pieces import lab
+from tests.recordings import Marking
 from tests.scoreboard import Case, graded_by, recast
-from tests.tapes import Marking
 
 SAMPLE = (
     "state-of-the-class",

@@ -36,8 +36,8 @@ from tests.boxes import Opened
 from tests.corpus import extensions as corpus
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import write
+from tests.recordings.marker import corpus_marker
 from tests.scoreboard import extension, handed_in
-from tests.tapes import player as tapes
 
 FOLDER = Path(reference.__file__).parent
 FloatArray = NDArray[np.float64]
@@ -70,14 +70,14 @@ def lost(result: ExtensionResult) -> set[str]:
 # --- marking --------------------------------------------------------------------------------------------------------
 
 
-def _from_its_tape(part: str, name: str, source: str) -> Result:
+def _from_its_recording(part: str, name: str, source: str) -> Result:
     case = extension(part, name, source)
-    return tapes.player().insert(case).mark(handed_in(case), only=case.only)
+    return corpus_marker().mark(handed_in(case), only=case.only)
 
 
 @pytest.mark.parametrize(("part", "style"), SOUND)
 def test_a_sound_extension_passes_every_check_whatever_its_style(part: str, style: str) -> None:
-    result = _from_its_tape(part, f"{part}-{style}", corpus.SOUND_EXTENSIONS[part][style])
+    result = _from_its_recording(part, f"{part}-{style}", corpus.SOUND_EXTENSIONS[part][style])
     (extension,) = result.extensions
     assert extension.attempted
     assert [(c.id, c.outcome, c.message) for c in extension.checks if c.outcome != "passed"] == []
@@ -86,7 +86,7 @@ def test_a_sound_extension_passes_every_check_whatever_its_style(part: str, styl
 
 @pytest.mark.parametrize("faulty", FAULTY, ids=lambda faulty: faulty.name)
 def test_a_faulty_extension_loses_what_it_gets_wrong_and_is_told_why(faulty: corpus.FaultyExtension) -> None:
-    result = _from_its_tape(faulty.extension, faulty.name, faulty.source)
+    result = _from_its_recording(faulty.extension, faulty.name, faulty.source)
     gone = lost(result.extensions[0])
     assert gone >= set(faulty.loses)
     assert gone == set(faulty.loses) or faulty.extension == "complementary_filter"

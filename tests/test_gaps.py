@@ -10,8 +10,8 @@ from grader.harness import gaps, stepping
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import Files, notebook
+from tests.recordings import Marking
 from tests.scoreboard import Case, handed_in
-from tests.tapes import Marking
 
 TEXT = """\
 import math

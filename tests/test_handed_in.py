@@ -28,9 +28,8 @@ from reference.imu_reader import MODEL_PATH, simulate_and_collect
 from tests import handed_pictures
 from tests.boxes import Opened
 from tests.corpus.pieces import COMPARE, PLOT_LOOP, lab
+from tests.recordings.marker import corpus_marker, recorded_corpus
 from tests.scoreboard import handed_in
-from tests.tapes.player import player
-from tests.tapes.storing import taped
 
 BOTH = {0, 1}
 NOISE = Image.fromarray(np.random.default_rng(1).integers(0, 256, (600, 900, 3), np.uint8))
@@ -289,11 +288,11 @@ def test_under_a_secret_the_picture_is_still_of_the_public_run(figure: Any, hidd
 
 @pytest.mark.quick
 def test_no_sound_submission_pays_for_a_look_at_its_picture(figure: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ten of the corpus, from their tapes, which have no answer about a picture."""
+    """Ten of the corpus, with a picture beside them."""
     picture, looked = {"imu_data.png": content(figure)}, []
     monkeypatch.setattr(Student, "picture", lambda _, name: looked.append(name))
-    for case in [case for case in taped() if case.part == "sound"][::16]:
+    for case in [case for case in recorded_corpus() if case.part == "sound"][::16]:
         handed = handed_in(case)
-        result = player().insert(case).mark(replace(handed, files=handed.files | picture))
+        result = corpus_marker().mark(replace(handed, files=handed.files | picture))
         assert _notes_of(result) == []
     assert looked == []

@@ -9,8 +9,8 @@ from grader.engine.results import Result
 from grader.intake import Submission
 from tests.corpus.module_level import EDITS, LAYOUTS, Edit, above
 from tests.corpus.writing import as_bytes
+from tests.recordings import Marking
 from tests.scoreboard import Case, Verdict, look_at_edit
-from tests.tapes import Marking
 
 _WAITING = (
     "loop-", "long-", "waits-", "live-", "thread-", "demo-below-a-guard",

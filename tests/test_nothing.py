@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.corpus.nothing import NOTHING, Nothing
+from tests.recordings import Marking
 from tests.scoreboard import Case, handed_in
-from tests.tapes import Marking
 
 
 @pytest.mark.parametrize("nothing", NOTHING, ids=lambda nothing: nothing.name)

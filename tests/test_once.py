@@ -13,7 +13,7 @@ from grader.intake import Submission
 from tests.corpus.faults import Faulty
 from tests.corpus.faulty_interfaces import INTERFACE_FAULTS
 from tests.corpus.pieces import COLLECT_LOOKUP, COMPARE, PLOT_LOOP, edit, lab
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 READER = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
 CONSTANT = READER + "    return np.array([0.0, 0.0, -9.81]), np.zeros(3)\n"

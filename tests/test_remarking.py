@@ -15,7 +15,6 @@ from grader.course import classroom, remarking
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric
-from grader.engine.lab_box import open_box
 from grader.engine.marking import Marker
 from grader.engine.marks import marked
 from grader.engine.results import Result, to_json
@@ -28,10 +27,9 @@ from grader.people.lateness import judged
 from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
 from grader.report import charts
 from grader.report.pages import drawn_in
-from grader.sandbox.box import Box
 from tests.examples import FOLDER, folders
 from tests.made_up import Nobody, lost, result
-from tests.tapes import PlayingBox, RecordingBox, Tape
+from tests.recordings.marker import RecordedMarker
 
 SHIPPED = rubric.shipped(LAB).read_text(encoding="utf-8")
 LATE = "late: {due: 2026-11-20T23:59+01:00, per_day: 10}\n"
@@ -61,38 +59,15 @@ def changed(*edits: tuple[str, str], text: str = SHIPPED) -> Rubric:
 
 
 @cache
-def recorded(name: str) -> tuple[Result, Tape]:
-    """One of the example class, marked by the shipped points in a box, and what the box answered."""
-    box = RecordingBox(_box())
-    marker = Marker(changed(), bundles.shipped(), box=box)  # type: ignore[arg-type] # speaks as a box does
-    return marker.mark(read_submission(FOLDER / name, LAB.files)), box.tape
-
-
-@cache
-def _box() -> Box:
-    return open_box(LAB, None)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _box_is_closed() -> Iterator[None]:
-    yield
-    if _box.cache_info().currsize:
-        _box().close()
-
-
 def found(name: str) -> Result:
-    return recorded(name)[0]
+    """One of the example class, marked by the shipped points."""
+    return RecordedMarker(changed()).mark(read_submission(FOLDER / name, LAB.files))
 
 
 def regraded(by: Rubric) -> dict[str, Result]:
     """The example class, asked and judged again from the start."""
-    box = PlayingBox(_box().rung.name)
-    marker = Marker(by, bundles.shipped(), box=box)  # type: ignore[arg-type]
-    results = {}
-    for folder in folders():
-        box.tape = recorded(folder.name)[1]
-        results[folder.name] = marker.mark(read_submission(folder, LAB.files))
-    return results
+    marker = RecordedMarker(by)
+    return {folder.name: marker.mark(read_submission(folder, LAB.files)) for folder in folders()}
 
 
 def text(graded: Result) -> str:

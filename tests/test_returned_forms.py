@@ -8,8 +8,8 @@ import pytest
 
 from tests.corpus.pieces import edit, tidy, verbatim
 from tests.corpus.writing import Files
+from tests.recordings import Marking
 from tests.slips import Slip, costs_what_it_is
-from tests.tapes import Marking
 
 FORM = "wrong-return-type"
 

@@ -8,8 +8,8 @@ import pytest
 
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import Files
+from tests.recordings import Marking
 from tests.slips import lost_by, marked
-from tests.tapes import Marking
 
 READER, NOISY, FILTER = "imu_reader.py", "noisy_imu.py", "filters.py"
 RETURNED = "return acceleration, angular_velocity"

@@ -6,7 +6,7 @@ import pytest
 
 from grader.intake import Submission
 from tests.corpus.unforeseen_habits import HABITS, Habit
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 
 @pytest.mark.parametrize("habit", HABITS, ids=lambda habit: habit.name)

@@ -14,7 +14,7 @@ from grader.labs.imu.diagnosis.noise import Facts, bias_mistakes
 from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.digits import told_apart
 from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 
 def _marked(player: Marking, sample: Unforeseen) -> CriterionResult:

@@ -7,7 +7,7 @@ import pytest
 from grader.engine.results import CheckResult
 from grader.intake import Submission
 from tests.corpus.unforeseen_plots import FAULTY, SOUND, Unforeseen
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 CRITERION = "visualization"
 

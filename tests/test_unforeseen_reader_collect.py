@@ -19,7 +19,7 @@ from grader.labs.imu.compare import told
 from grader.labs.imu.diagnosis import collection, handling
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
-from tests.tapes import Marking
+from tests.recordings import Marking
 
 EVERYWHERE = {  # faults that reach into other criteria: into the plot by the recording's form, into all by a shared class
     "class-with-the-id-as-address",

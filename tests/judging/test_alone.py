@@ -1,4 +1,4 @@
-"""Every check has a submission of the corpus that loses it and it alone; `losses.yaml` says which, and the tapes prove it."""
+"""Every check has a submission of the corpus that loses it and it alone; `losses.yaml` says which, and the recordings prove it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 
 from grader.engine import rubric
 from grader.labs.imu.lab import LAB
-from tests.tapes.losses import pinned
+from tests.recordings.losses import pinned
 
 RECURSION = "filtering.follows_recursion"
 WITH_THE_RECURSION = ("filtering.reduces_noise", "filtering.preserves_signal")

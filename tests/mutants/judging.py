@@ -1,6 +1,6 @@
 """Mutants of the judging itself: checks, diagnosis, findings, rubric, recordings; each is looked at without a box.
 
-A mutant meets the unit tests that come to the line it changes (arrays in, findings out), then tapes that do. It is killed by a test that
+A mutant meets the unit tests that come to the line it changes (arrays in, findings out), then recorded cases that do. It is killed by a test that
 fails, or by a case that is not judged as the corpus says. Each one runs in a process forked from one that has loaded everything: the
 function that is changed gets its new code there, and where a table or a class is changed all is imported anew.
 """
@@ -37,8 +37,8 @@ from tests.mutants import grading
 from tests.mutants.grading import Reasons
 from tests.mutants.operators import Mutant, mutants
 from tests.mutants.reach import Collected, Reach, collecting, measured, remembering
+from tests.recordings.marker import recorded_corpus
 from tests.scoreboard import Case, Verdict
-from tests.tapes.storing import shelf, taped
 
 ROOT = Path(grader.__file__).parents[1]
 _PLACES = (
@@ -52,14 +52,14 @@ _PLACES = (
 )
 _LOADED = (mpl, np, pytest, scipy.special, yaml)
 """What every mutant needs and none changes: loaded here, before the fork."""
-_KEPT = ("grader.ground", "grader.sandbox", "grader.intake", "tests.tapes.storing", "tests.corpus", "tests.mutants")
+_KEPT = ("grader.ground", "grader.sandbox", "grader.intake", "tests.corpus", "tests.mutants")
 """Modules that stand below what is mutated, or hold data: they stay as they are."""
 _CPU_S = 180
 """Of one mutant; one that takes more is in a loop without an end."""
 _TESTS_S, _ALL_TESTS_S = 8.0, 60.0
 """Of the tests that a mutant meets, its file's own first, then the quickest: of one that is known to survive, and of any other."""
 _CASES, _MOST_CASES = 30, 120
-"""Tapes that a mutant is held against, likewise."""
+"""Recorded cases that a mutant is held against, likewise."""
 
 
 def files() -> list[str]:
@@ -117,7 +117,6 @@ def is_python(mutant: Mutant) -> bool:
 
 def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mutant, str]]], None]) -> None:
     """Tell each mutant with what killed it; "" for a survivor."""
-    shelf()
 
     def judge(collected: Collected) -> None:
         judged = _Judged(collected, measured(collected, files(), _verdict, jobs))
@@ -127,11 +126,11 @@ def ends(chosen: Sequence[Mutant], jobs: int, tell: Callable[[Iterator[tuple[Mut
     collecting(ROOT, judge)
 
 
-_ENDS = ("", "unit tests", "tapes")
+_ENDS = ("", "unit tests", "cases")
 
 
 class _Judged:
-    """Mutants against the tests and tapes that come to what they change."""
+    """Mutants against the tests and cases that come to what they change."""
 
     def __init__(self, collected: Collected, reach: Reach) -> None:
         self._collected = collected
@@ -171,7 +170,7 @@ class _Judged:
             fails = bool(tests) and _fails(tests)
         if fails:
             return "unit tests"
-        return "tapes" if _fails_on_a_tape(_sample(reached, cases)) else ""
+        return "cases" if _fails_on_a_case(_sample(reached, cases)) else ""
 
     def _reached_by_name(self, mutant: Mutant) -> set[str]:
         """What comes to a line that speaks of what a statement of a module gives a value to."""
@@ -335,7 +334,7 @@ def _change(mutant: Mutant) -> None:
     sys.meta_path.insert(0, _Finder(mutant))
 
 
-# ---------------------------------------------------------------- tests and tapes anew
+# ---------------------------------------------------------------- tests and cases anew
 
 
 def _fails(tests: Sequence[str]) -> bool:
@@ -346,24 +345,25 @@ def _fails(tests: Sequence[str]) -> bool:
     return code != pytest.ExitCode.OK
 
 
-def _fails_on_a_tape(cases: Sequence[Case]) -> bool:
-    from tests.tapes.losses import disagreements
+def _fails_on_a_case(cases: Sequence[Case]) -> bool:
+    from tests.recordings.losses import disagreements
+    from tests.recordings.marker import verdict
 
     try:
-        return any(disagreements(_verdict(case)) for case in cases)
+        return any(disagreements(verdict(case, records=False)) for case in cases)
     except Exception:  # the checks cannot be loaded, or judging stops at a loss
         return True
 
 
 def _verdict(case: Case) -> Verdict:
-    from tests.tapes.player import player
+    from tests.recordings.marker import verdict
 
-    return player().verdict(case)
+    return verdict(case)
 
 
 def _sample(reached: Set[str], most: int) -> list[Case]:
     """Cases that come there, sound ones and others, spread over the corpus."""
-    there = [case for case in taped() if case.id in reached]
+    there = [case for case in recorded_corpus() if case.id in reached]
     faulty = [case for case in there if case.part != "sound"]
     sound = [case for case in there if case.part == "sound"]
     return [*_spread(faulty, most), *_spread(sound, most // 5)]

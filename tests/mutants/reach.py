@@ -1,4 +1,4 @@
-"""Which tests, and which tapes, come to which line of what is mutated: measured once, so that a mutant meets those that can tell.
+"""Which tests, and which recorded cases, come to which line of what is mutated: measured once, so that a mutant meets those that can tell.
 
 The tests are those without a box. They are collected once, and every mutant runs some of them in a fork of the process that did.
 """
@@ -22,15 +22,15 @@ from typing import Any
 import coverage
 import pytest
 
+from tests.recordings.marker import recorded_corpus
 from tests.scoreboard import Case
-from tests.tapes.storing import taped
 
 _ALSO = ("test_rubric",)
 """Files of tests without a box that are not marked as quick, since they are few."""
-_BATCHES = "tests/tapes/test_corpus.py"
-"""Judges all tapes together; a mutant meets them one by one."""
+_BATCHES = "tests/recordings/test_corpus.py"
+"""Judges all cases together; a mutant meets them one by one."""
 Lines = Mapping[str, Mapping[int, frozenset[str]]]
-"""By file and line: what came there, tests by their names and tapes by those of their cases."""
+"""By file and line: what came there, tests and cases by their names."""
 
 
 @dataclass(frozen=True)
@@ -94,9 +94,9 @@ def collecting(root: Path, then: Callable[[Collected], None]) -> int:
 
 
 def measured(collected: Collected, files: Sequence[str], judge: Callable[[Case], object], jobs: int) -> Reach:
-    """Run all tests and judge all tapes once, in processes that end with it."""
-    tests, tapes = list(collected.items), list(taped())
-    shares = [(tests[i::jobs], tapes[i::jobs]) for i in range(jobs)]
+    """Run all tests and judge all cases once, in processes that end with it."""
+    tests, cases = list(collected.items), list(recorded_corpus())
+    shares = [(tests[i::jobs], cases[i::jobs]) for i in range(jobs)]
     with ThreadPoolExecutor(jobs) as pool:
         made = list(pool.map(lambda share: _in_a_fork(lambda: _measure(collected, files, judge, *share)), shares))
     lines: defaultdict[str, defaultdict[int, frozenset[str]]] = defaultdict(lambda: defaultdict(frozenset))
@@ -129,14 +129,14 @@ def _measure(
     files: Sequence[str],
     judge: Callable[[Case], object],
     tests: Sequence[str],
-    tapes: Sequence[Case],
+    cases: Sequence[Case],
 ) -> Reach:
     root = Path(__file__).parents[2]
     tool = coverage.Coverage(data_file=None, include=[str(root / file) for file in files], messages=False)
     seconds: dict[str, float] = {}
     known = remembering(files)
     tool.start()
-    for name, run in _runs(collected, tests, judge, tapes):
+    for name, run in _runs(collected, tests, judge, cases):
         for function in known:
             function.cache_clear()
         tool.switch_context(name)
@@ -160,7 +160,7 @@ def remembering(files: Sequence[str]) -> list[Any]:
 
 
 def _runs(
-    collected: Collected, tests: Sequence[str], judge: Callable[[Case], object], tapes: Sequence[Case]
+    collected: Collected, tests: Sequence[str], judge: Callable[[Case], object], cases: Sequence[Case]
 ) -> Iterator[tuple[str, Callable[[], object]]]:
     yield from ((test, lambda test=test: collected.fails([test])) for test in tests)  # type: ignore[misc]
-    yield from ((case.id, lambda case=case: judge(case)) for case in tapes)  # type: ignore[misc]
+    yield from ((case.id, lambda case=case: judge(case)) for case in cases)  # type: ignore[misc]

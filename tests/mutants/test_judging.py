@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 
 import pytest
@@ -12,7 +11,7 @@ from grader.labs.imu.diagnosis import noise, reading
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
 from tests.mutants.reach import remembering
-from tests.tapes.storing import taped
+from tests.recordings.marker import recorded_corpus, verdict
 
 FILE = "grader/labs/imu/recordings.py"
 SOURCE = (judging.ROOT / FILE).read_text("utf-8")
@@ -78,11 +77,11 @@ def test_what_a_function_remembers_is_found_to_be_forgotten() -> None:
     assert not remembering(["grader/labs/imu/diagnosis/noise.py"])
 
 
-def test_what_is_imported_anew_judges_a_tape_as_before() -> None:
-    importlib.import_module("tests.tapes.player")  # as what collects the tests does
-    cases = [case for case in taped() if case.id == "faulty/weights-exchanged"]
+def test_what_is_imported_anew_judges_a_case_as_before() -> None:
+    cases = [case for case in recorded_corpus() if case.id == "faulty/weights-exchanged"]
+    verdict(cases[0])  # recorded
     child = os.fork()
     if not child:
         judging._change(_at("_LEAN ="))
-        os._exit(len(cases) != 1 or judging._fails_on_a_tape(cases))
+        os._exit(len(cases) != 1 or judging._fails_on_a_case(cases))
     assert os.waitpid(child, 0)[1] == 0

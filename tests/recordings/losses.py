@@ -1,4 +1,4 @@
-"""What each faulty submission of the corpus loses: `python -m tests.tapes.losses` judges their tapes and writes `losses.yaml` anew.
+"""What each faulty submission of the corpus loses: `python -m tests.recordings.losses` judges them and writes `losses.yaml` anew.
 
 The file pins partial credit: for every case the checks that it loses, each with the share of its points that is kept, and nothing
 where the check could not be asked. Where a change of the judging moves a mark, the file says which, and the change of the file is
@@ -18,9 +18,8 @@ import yaml
 
 from grader.engine.results import CheckResult, Result
 from tests import fault_table
+from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import Case, Verdict
-from tests.tapes.player import player
-from tests.tapes.storing import taped
 
 FILE = Path(__file__).parent / "losses.yaml"
 PARTS = ("faulty", "lookalikes", "pairs", "extensions")
@@ -52,24 +51,24 @@ def pins(case: Case) -> bool:
     return case.part in PARTS
 
 
-def disagreements(verdict: Verdict) -> list[str]:
+def disagreements(said: Verdict) -> list[str]:
     """Where a case is judged otherwise than the corpus and `losses.yaml` say, a line each."""
-    case = verdict.case
-    found = [f"{case.id}: {kind}: {text}" for kind, text in verdict.troubles]
-    if pins(case) and verdict.result is not None and losses(verdict.result) != pinned().get(case.id, {}):
-        found.append(f"{case.id}: loses {losses(verdict.result)}, pinned is {pinned().get(case.id, {})}")
+    case = said.case
+    found = [f"{case.id}: {kind}: {text}" for kind, text in said.troubles]
+    if pins(case) and said.result is not None and losses(said.result) != pinned().get(case.id, {}):
+        found.append(f"{case.id}: loses {losses(said.result)}, pinned is {pinned().get(case.id, {})}")
     return found
 
 
 def _lost_by(case: Case) -> Losses:
-    result = player().verdict(case).result
+    result = verdict(case).result
     assert result is not None, case.id
     return losses(result)
 
 
 def main() -> int:
-    argparse.ArgumentParser(prog="python -m tests.tapes.losses", description=__doc__).parse_args()
-    chosen = [case for case in taped() if pins(case)]
+    argparse.ArgumentParser(prog="python -m tests.recordings.losses", description=__doc__).parse_args()
+    chosen = [case for case in recorded_corpus() if pins(case)]
     with ProcessPoolExecutor(2) as pool:
         judged = pool.map(_lost_by, chosen, chunksize=10)
         found = {case.id: dict(its) for case, its in zip(chosen, judged, strict=True) if its}

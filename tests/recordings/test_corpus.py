@@ -1,0 +1,48 @@
+"""The whole corpus, judged from recordings on every change."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import pytest
+
+from tests import fault_table
+from tests.recordings.losses import disagreements, pinned, pins
+from tests.recordings.marker import recorded_corpus, verdict
+from tests.scoreboard import MORE_THAN_ONE, ONE_FAULT, Case
+
+pytestmark = [pytest.mark.quick, pytest.mark.recorded]
+FAULTY = ("faulty", "lookalikes", "pairs")
+_MANY = 48
+BATCHES = [recorded_corpus()[first::_MANY] for first in range(_MANY)]
+"""Every case once, spread so that each batch takes about as long as another."""
+
+
+@pytest.mark.parametrize("cases", BATCHES, ids=range(len(BATCHES)))
+def test_every_case_is_judged_as_the_corpus_says(cases: Sequence[Case]) -> None:
+    assert [line for case in cases for line in disagreements(verdict(case))] == []
+
+
+def test_the_corpus_is_as_large_as_it_was() -> None:
+    parts = Counter(case.part for case in recorded_corpus())
+    assert parts["sound"] >= 150
+    assert sum(parts[part] for part in FAULTY) >= 350
+    assert parts["broken"] >= 150
+    assert parts["extensions"] >= 50
+
+
+def test_losses_are_pinned_of_cases_that_there_are() -> None:
+    assert set(pinned()) <= {case.id for case in recorded_corpus() if pins(case)}
+
+
+def test_single_faults_that_cost_more_than_one_check_are_few_and_have_a_reason() -> None:
+    single = [case for case in recorded_corpus() if case.part in ONE_FAULT]
+    several = {case.name for case in single if sum(kept is not None for kept in pinned().get(case.id, {}).values()) > 1}
+    assert several == set(MORE_THAN_ONE)
+    assert len(several) <= 0.02 * len(single)
+
+
+def test_the_handbooks_table_of_faults_is_that_of_the_corpus() -> None:
+    kept = fault_table.FILE.read_text(encoding="utf-8")
+    assert kept == fault_table.page(pinned()), "run python -m tests.recordings.losses and commit what it writes"
