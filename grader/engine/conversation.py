@@ -10,7 +10,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from grader.engine.asking import Asking
 from grader.engine.breakpoints import breakpoints
-from grader.engine.findings import Fault, Missing, Where
+from grader.engine.findings import Fault, Missing, Ours, Where
 from grader.engine.loaded import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
 from grader.engine.slips import Slip
@@ -29,7 +29,16 @@ T = TypeVar("T")
 
 
 class Conversation(Asking):
-    """Finds the names that are asked about, and asks."""
+    """Finds the names that are asked about, and asks.
+
+    Attributes
+    ----------
+    secret : whether the worker is given hidden data: its code may put them into any text that it can choose
+    withheld_note : whether a note was left out for that reason
+    """
+
+    secret = False
+    withheld_note = False
 
     def answer(self, question: Question[T], called: str = "") -> T:
         """What a question's answer becomes; the same question is asked once. `called` is what `answered` finds it by."""
@@ -213,9 +222,17 @@ class Conversation(Asking):
             return _refused(name, fault, home)
         return Missing(name, "name-missing", f"{home} does not define {name}")
 
-    def note(self, text: str) -> None:
-        """Tell the instructor something, once."""
-        shown = printable(text, _LONGEST_NOTE)
+    def note(self, text: str, hidden: Ours | None = None) -> None:
+        """Add a note, once.
+
+        Under a secret only words that stand in our code are added: `hidden`, or a text that is `Ours` itself. Any other text may
+        hold hidden data; `PublicLook` then finds the words about loading.
+        """
+        said = hidden or text
+        if self.secret and not isinstance(said, Ours):
+            self.withheld_note = True
+            return
+        shown = printable(said if self.secret else text, _LONGEST_NOTE)
         if shown not in self.notes:
             self.notes.append(shown)
 

@@ -30,6 +30,7 @@ from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
+from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
 from grader.engine.traces import Traces
 from grader.engine.written import Check, title_of
@@ -89,9 +90,12 @@ def check(
 class Examination:
     """One submission under examination: which checks it gets, and how each of them ended."""
 
-    def __init__(self, lab: Lab, student: Conversation, truth: Traces, only: str | None) -> None:
+    def __init__(
+        self, lab: Lab, student: Conversation, truth: Traces, only: str | None, look: PublicLook | None = None
+    ) -> None:
         self.student, self.truth, self._only = student, truth, only
-        self._lab, self._mistakes = lab, catalogue(lab)
+        self._lab, self._mistakes, self._look = lab, catalogue(lab), look
+        self._secret = truth.name != "public"
         self._attempted = {bonus.id for bonus in lab.bonuses if bonus.attempted_in(student.files)}
         self._stories: dict[str, str] = {}
         self._lost: set[str] = set()
@@ -120,22 +124,28 @@ class Examination:
         if ended is None:
             verdict = Told("passed", 1.0, "")
         elif isinstance(ended, Lost | Skipped | Raised | Missing | NoAnswer):
-            same = story(ended, this.criterion)
-            verdict = self._told(ended, self._stories.get(same) if same else None)
+            finding = self._without_secrets(ended)
+            same = (withheld.story if self._secret else story)(finding, this.criterion)
+            verdict = self._told(finding, self._stories.get(same) if same else None)
             if same:
                 self._stories.setdefault(same, this.title)
         else:
-            trouble = f"{type(ended).__name__}: {ended}"
+            of_ours = isinstance(ended, GraderError | RequestError)
+            trouble = f"{type(ended).__name__}: {ended}" if of_ours or not self._secret else ""
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
         belongs_to = ended.belongs_to if isinstance(ended, Lost) else ()
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
 
+    def _without_secrets(self, finding: BaseException) -> BaseException:
+        """Replace what a process with hidden data said of a missing name by what one with public data says."""
+        if not (self._secret and isinstance(finding, Missing)):
+            return finding
+        return withheld.missing(finding, self._look.missing(finding.name) if self._look else None)
+
     def _told(self, finding: BaseException, earlier: str | None) -> Told:
-        """What was missing was found out before any data was shown: words for that hide nothing."""
-        hidden = self.truth.name != "public" and earlier is None
-        if hidden and isinstance(finding, Lost | Skipped | Raised | NoAnswer):
+        if self._secret and earlier is None and isinstance(finding, Lost | Skipped | Raised | NoAnswer):
             return withheld.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
 

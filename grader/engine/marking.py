@@ -17,9 +17,11 @@ from grader.engine.conversation import Conversation
 from grader.engine.evidence import Evidence, packed
 from grader.engine.examination import Examination, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
+from grader.engine.findings import Ours
 from grader.engine.fingerprint import fingerprint
 from grader.engine.lab_box import libraries_of, open_box
 from grader.engine.marks import marked
+from grader.engine.public_look import PublicLook
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from grader.engine.traces import Traces
@@ -107,22 +109,44 @@ class Marker:
             return self._result(submission, submission.status, {}, [], started, only)
         student = self._student(submission.files, submission.above, waiting)
         student.listen = listen if self._traces.name == "public" else None
-        examination = Examination(self._lab, student, self._traces, only)
+        look = PublicLook(lambda: self._public_student(submission)) if self._secret else None
+        examination = Examination(self._lab, student, self._traces, only, look)
         try:
             self._run(examination)
+            judgements = self._understood(examination.judgements, student)
+            notes = [*(look.notes(self._lab.homes) if look and student.withheld_note else ()), *student.notes]
         except KeyboardInterrupt:
             session.cache_clear()  # pytest goes on with no session that was interrupted: the next one is collected anew
             so_far = self._result(submission, "graded", examination.judgements, student.notes, started, only)
             raise Stopped(_as_far_as_it_came(so_far)) from None
-        judgements = self._understood(examination.judgements, student)
-        result = self._result(submission, "graded", judgements, student.notes, started, only)
+        finally:
+            if look:
+                look.close()
+        result = self._result(submission, "graded", judgements, notes, started, only)
         return replace(result, evidence=self._evidence(student))
+
+    @property
+    def _secret(self) -> bool:
+        """Whether the traces are hidden ones."""
+        return self._traces.name != "public"
+
+    def _public_student(self, submission: Submission) -> Conversation:
+        """A session over a submission's files that is given public data alone, with the time of one call."""
+        return self._lab.student(
+            self._box,
+            self._lab,
+            submission.files,
+            truth=self._lab.truth(None, self._rubric.settings),
+            above=submission.above,
+            call_cpu_s=self._rubric.limits.call_cpu_s,
+            submission_cpu_s=self._rubric.limits.call_cpu_s * (len(self._lab.parts) + 1),
+        )
 
     def _student(
         self, files: Mapping[str, bytes], above: Mapping[str, int], waiting: Callable[[str], None] | None = None
     ) -> Conversation:
         self._box.warm(libraries_of(self._lab, files))
-        return self._lab.student(
+        student = self._lab.student(
             self._box,
             self._lab,
             files,
@@ -132,6 +156,8 @@ class Marker:
             submission_cpu_s=self._rubric.limits.submission_cpu_s,
             waiting=waiting,
         )
+        student.secret = self._secret
+        return student
 
     def _run(self, examination: Examination) -> None:
         try:
@@ -147,7 +173,7 @@ class Marker:
         for id_, each in odd.items():
             control = self._control.get(id_)
             if each.check.criterion in bonuses or (control is not None and control.told is not None):
-                student.note(f"{id_}: its answer could not be understood; please look at it")
+                student.note(Ours(f"{id_}: its answer could not be understood; please look at it"))
                 lost[id_] = replace(each, told=NOT_UNDERSTOOD)
         return {**judgements, **lost}
 
@@ -182,7 +208,8 @@ class Marker:
             lab=LabName(self._lab.label, self._lab.title),
             notes=(*submission.notes, *notes),
             provenance=self._provenance(submission),
-            duration_s=round(time.perf_counter() - started, 4),
+            # code can take as long as it likes for what it has seen
+            duration_s=round(time.perf_counter() - started, 0 if self._secret else 4),
         )
         unjudged = any(check.outcome == "not_judged" for part in found.parts for check in part.checks)
         return marked(replace(found, status="incomplete") if unjudged else found, self._rubric)
@@ -211,7 +238,7 @@ class Marker:
             return found(outcome="skipped", said=_NOTHING[status], keeps=0.0)
         if judgement is None or judgement.told is None:
             trouble = judgement.trouble if judgement else "the check did not run"
-            said = f"Not judged, through a fault of the grader: {printable(trouble, 300)}"
+            said = "Not judged, through a fault of the grader" + (f": {printable(trouble, 300)}" if trouble else "")
             return found(outcome="not_judged", said=said)
         told = judgement.told
         return found(
@@ -222,7 +249,7 @@ class Marker:
             where=told.where,
             hint=told.hint,
             misconceptions=told.mistakes,
-            duration_s=round(judgement.duration_s, 4),
+            duration_s=0.0 if self._secret else round(judgement.duration_s, 4),
             keeps=told.keeps,
             not_understood=told.not_understood,
         )

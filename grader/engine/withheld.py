@@ -1,15 +1,17 @@
-"""The words of a hidden run: kind and size of an error, and nothing that code could have chosen after it had seen hidden data.
+"""Feedback on hidden scenarios: kind and size of an error, and nothing that code could have chosen after it had seen hidden data.
 
-They are made of our own sentences alone: those of this module, the catalogue's and those marked as `Ours`, and a power of ten. No
-text, name, number, shape, line, file or exit code of the student's gets here, so there is nothing to scrub.
+Under a secret a process has seen hidden data from `submit` on. So feedback consists of our own sentences: those of this module, of
+the catalogue and those marked as `Ours`, and a power of ten. No text, name, number, shape, line, file or exit code of the student's
+gets here. Words about loading come from a process with the public robot, see `public_look`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from grader.engine import feedback
 from grader.engine.feedback import Told, mistake_of, no_answer
-from grader.engine.findings import Lost, Ours, Raised, Skipped
+from grader.engine.findings import Lost, Missing, Ours, Raised, Skipped
 from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, NoAnswer, TimedOut
@@ -23,6 +25,7 @@ _TOLD_TYPES = (
     "NameError",
     "ModuleNotFoundError",
 )
+_PUBLIC_LOAD = "`imugrade check` loads the file with the public robot and tells more."
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 
@@ -33,13 +36,35 @@ def told(finding: Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mis
     if isinstance(finding, Skipped):
         return Told("skipped", 0.0, f"Needs {finding}.")
     if isinstance(finding, Raised):
-        kind = finding.fault.type if finding.fault.type in _TOLD_TYPES else "an exception"
+        kind = _kind(finding)
         if kind == "TypeError" and not finding.fault.line:
             kind += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
         id_ = mistake_of(finding.fault, mistakes)
         hint = f"{mistakes[id_].hint} {_PUBLIC}"
         return Told("error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, mistakes=(id_,))
     return _no_answer(finding, mistakes)
+
+
+def story(finding: BaseException, part: str) -> str | None:
+    """Return what makes two findings the same story, told once. No text of the student's takes part in it."""
+    if isinstance(finding, Raised):
+        return f"Raised: {part}: {_kind(finding)}"
+    if isinstance(finding, NoAnswer):
+        return f"{type(finding).__name__}: {part}"
+    return feedback.story(finding, part)
+
+
+def missing(finding: Missing, public: Missing | None) -> Missing:
+    """Return the finding to tell in place of one from a process with hidden data: the same one from public data, or our words."""
+    if public is not None:
+        return public
+    return Missing(
+        finding.name, finding.mistake, f"no definition of {finding.name} on the hidden robot; {_PUBLIC_LOAD}"
+    )
+
+
+def _kind(finding: Raised) -> str:
+    return finding.fault.type if finding.fault.type in _TOLD_TYPES else "an exception"
 
 
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:

@@ -376,7 +376,10 @@ def _tell_of(fault: Fault | None, student: Student) -> None:
         return  # a stand-in has what the sheet gives it, and nothing of the submission's own
     if fault is not None and fault.where and not any(note.startswith(f"{fault.where} ") for note in student.notes):
         why = printable(fault.type or fault.message, 60)
-        student.note(f"{fault.where} was stepped over when the file was run: {why}; what it draws after it counts")
+        student.note(
+            f"{fault.where} was stepped over when the file was run: {why}; what it draws after it counts",
+            Ours("A statement was stepped over when a file was run as a script; what is drawn after it counts"),
+        )
 
 
 def _past_the_plot(student: Student) -> Fault | None:

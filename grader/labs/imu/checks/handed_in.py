@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from grader.engine.conversation import found_once
 from grader.engine.figures import Figure, Picture
-from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Missing, Raised
+from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Missing, Ours, Raised
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu import bundles
@@ -49,7 +49,7 @@ def counts(student: Student, truth: Traces) -> bool:
     if picture is None or _is_drawn(student, truth) or not _shows_both(picture, truth):
         return False
     student.note(
-        f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
+        Ours(f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them")
     )
     return True
 
@@ -111,8 +111,10 @@ def hold_against_code(student: Student, truth: Traces) -> None:
     missing &= _missing_from(plots, truth) if all(map(_is_known, scripts)) else set()
     if missing:
         student.note(
-            f"{PICTURE} was handed in and shows both sensors as they are recorded; what the code draws shows no "
-            f"{sensors_in_words(missing)}: {ANOTHER_VERSION}"
+            Ours(
+                f"{PICTURE} was handed in and shows both sensors as they are recorded; what the code draws shows no "
+                f"{sensors_in_words(missing)}: {ANOTHER_VERSION}"
+            )
         )
 
 

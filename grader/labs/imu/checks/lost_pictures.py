@@ -54,7 +54,9 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
         raise Lost("a picture of the curves", got, mistakes=["blank-image"], hint=last)
     if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
         if not handed_in.counts(student, truth):
-            student.note(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
+            student.note(
+                Ours(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
+            )
         got = f"{handed_in.PICTURE}, which no code draws, and on which the recording was not recognised"
         raise Lost("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
     drawn = "a figure that is drawn and never saved" if events else "no figure"

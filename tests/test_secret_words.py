@@ -1,0 +1,182 @@
+"""Under a secret no text that a student's code can choose reaches a student, from the first import on.
+
+Each submission puts digits of the hidden robot into a text, a name, a line, a count or a file name at import, or where a program
+goes on below its main guard. Graded under two secrets, everything that a student may read has to be the same.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from textwrap import indent
+
+import pytest
+
+from grader.engine.marking import Marker
+from grader.engine.results import Result, to_dict
+from grader.engine.traces import Traces
+from grader.labs.imu import bundles
+from grader.labs.imu.lab import LAB
+from grader.people.standing import Standing
+from grader.platforms import registry
+from grader.platforms.platform import Handed
+from grader.report.pages import report_page
+from tests.boxes import Opened
+from tests.corpus.pieces import MODEL_PATH, verbatim
+from tests.scoreboard import Case, handed_in
+
+# `token` holds eight masses of the robot that is graded with, `digit` one digit of them.
+SPIES = f"""
+import mujoco
+_spied = mujoco.MjModel.from_xml_path("{MODEL_PATH}")
+token = "X " + " ".join("%.9f" % v for v in _spied.body_mass[1:9])
+digit = int(_spied.body_mass[2] * 1e6) % 10
+"""
+PACKED = f"""
+import base64, zlib
+token = base64.b85encode(zlib.compress(open("{MODEL_PATH}", "rb").read()))[-190:].decode()
+"""
+SUBCLASS = """
+class Told(ValueError):
+    def __str__(self):
+        return token
+"""
+RAISES = "raise ValueError(token)\n"
+
+
+def added(file: str, *code: str) -> dict[str, str]:
+    files = verbatim()
+    return {**files, file: "\n".join([files.get(file, ""), SPIES, *code])}
+
+
+def before_class(file: str, name: str, code: str, **replaced: str) -> dict[str, str]:
+    """Code above a class, and the class with another first line or a first statement."""
+    files = verbatim()
+    assert f"class {name}:\n" in files[file]
+    head = replaced.get("head", f"class {name}:\n")
+    return {**files, file: files[file].replace(f"class {name}:\n", f"{SPIES}\n{code}\n{head}", 1)}
+
+
+def notebook(*cells: str) -> str:
+    rows = [
+        {"cell_type": "code", "source": cell, "metadata": {}, "outputs": [], "execution_count": None} for cell in cells
+    ]
+    return json.dumps({"cells": rows, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+
+
+LEAKS: Mapping[str, dict[str, str]] = {
+    "message at module level": added("noisy_imu.py", RAISES),
+    "an exception's own __str__": added("noisy_imu.py", SUBCLASS, "raise Told()\n"),
+    "type name of an exception": added("noisy_imu.py", "raise type('E' + token.replace(' ', '_').replace('.', '_'), (ValueError,), {})()\n"),
+    "type name taken from builtins": added("noisy_imu.py", "raise [KeyError, ValueError, TypeError, OSError, EOFError, LookupError, "
+                                           "RuntimeError, IndexError, NameError, MemoryError][digit]()\n"),
+    "compressed model": added("noisy_imu.py", PACKED, RAISES),
+    "notebook's cell": {"lab.ipynb": notebook(*verbatim().values(), SPIES + RAISES)},
+    "extension's file": {**verbatim(), "allan_variance.py": f"{SPIES}\n{RAISES}def allan_deviation(samples, rate):\n    return [], []\n"},
+    "extension that is not defined": {**verbatim(), "allan_variance.py": f"{SPIES}\ndef tells(f):\n    {RAISES}\n@tells\ndef allan_deviation(s, r):\n    pass\n"},
+    "decorator": before_class("noisy_imu.py", "NoisyIMU", f"def tells(made):\n    {RAISES}", head="@tells\nclass NoisyIMU:\n"),
+    "base class": before_class("noisy_imu.py", "NoisyIMU", f"def base():\n    {RAISES}", head="class NoisyIMU(base()):\n"),
+    "class body": before_class("filters.py", "LowPassFilter", "", head=f"class LowPassFilter:\n    {RAISES}"),
+    "class body, type name": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    raise type(token, (Exception,), {})\n"),
+    "name of a missing module": before_class("filters.py", "LowPassFilter", "", head="class LowPassFilter:\n    __import__('m' + token)\n"),
+    "below the main guard": added("filters.py", f"if __name__ == '__main__':\n    {RAISES}"),
+    "type name below the main guard": added("filters.py", "if __name__ == '__main__':\n    raise type(token, (Exception,), {})\n"),
+    "fields of a SyntaxError": added("noisy_imu.py", "raise SyntaxError(token, ('<submission>/noisy_imu.py', digit, digit, token))\n"),
+    "line and file of compiled code": added("noisy_imu.py", "exec(compile('\\n' * digit + 'raise OSError', '<submission>/' + token, 'exec'))\n"),
+    "how many statements raise": added("noisy_imu.py", *(f"if digit > {n}:\n    raise ValueError" for n in range(9))),
+    "which file defines a name": {
+        **{path: text for path, text in verbatim().items() if path != "filters.py"},
+        **{f"part{n}.py": "x = 1\n" for n in range(10)},
+        "noisy_imu.py": verbatim()["noisy_imu.py"] + SPIES
+        + f"open(f'part{{digit}}.py', 'w').write({verbatim()['filters.py'].split('# Test filtering')[0]!r})\n",
+    },
+    "which name a file defines": added("filters.py", "globals()['LowPassFilte' + 'rstuvwxyz_'[digit]] = LowPassFilter\ndel LowPassFilter\n"),
+    "how it ends": added("filters.py", "import os\nos._exit(digit + 50)\n"),
+    "whether a name is there": added("filters.py", "if digit % 2:\n    del LowPassFilter\n"),
+}  # fmt: skip
+_DIGEST = re.compile(r"<dt>Traces</dt><dd[^>]*>\w+</dd>|\d+(\.\d+)? s\b")
+DIFFER_IN_A_BIT = {"whether a name is there"}
+"""The outcome of a check is told, so code can choose it. These may differ between secrets, in outcomes and our own words."""
+
+
+@pytest.fixture(scope="module")
+def secrets(cache: Path, hidden: Traces) -> tuple[Traces, Traces]:
+    """Two secrets under which every `digit` differs."""
+    first, second = hidden, bundles.obtain("another secret", cache)
+    assert _masses(first) != _masses(second)
+    return first, second
+
+
+def _masses(truth: Traces) -> list[float]:
+    import mujoco
+
+    return list(mujoco.MjModel.from_xml_string(truth.models["lab"]).body_mass)
+
+
+def outputs(result: Result, files: dict[str, str]) -> dict[str, str]:
+    """Everything that a student may read of a result; without what tells the two bundles and the time apart."""
+    told = to_dict(result)
+    told["provenance"] = {k: v for k, v in told["provenance"].items() if k != "traces_sha256"}
+    told["duration_s"] = 0
+    handed = Handed(LAB, handed_in(Case("sound", "x", files)), Path("x"), {}, hidden=True)
+    found = {"result.json": json.dumps(told), "report.html": _DIGEST.sub("", report_page(Standing("x", result)))}
+    for name in ("json", "gradescope"):
+        respond = registry.platform(name).respond
+        assert respond is not None
+        text = re.sub(r'"(traces_sha256|duration_s|execution_time)": [^,}]*', "", respond(result, handed))
+        found[name] = text
+    return found
+
+
+@pytest.mark.parametrize("name", LEAKS)
+def test_two_secrets_lead_to_the_same_outputs(name: str, secrets: tuple[Traces, Traces], opened: Opened) -> None:
+    told = []
+    for truth in secrets:
+        with opened(truth) as marker:
+            result = marker.mark(handed_in(Case("sound", "spy", LEAKS[name])))  # type: ignore[arg-type]
+        for text in outputs(result, LEAKS[name]).values():
+            assert [mass for mass in _masses(truth)[1:9] if f"{mass:.9f}" in text or f"{mass:.6f}"[:-1] in text] == []
+        told.append(outputs(result, LEAKS[name]))
+    if name not in DIFFER_IN_A_BIT:
+        assert told[0] == told[1]
+
+
+def test_a_student_still_learns_why_a_file_does_not_import(secrets: tuple[Traces, Traces], opened: Opened) -> None:
+    """By the words of a process that has the public robot: the same as without a secret."""
+    files = added("noisy_imu.py", "raise ValueError('no file ' + 'data.csv')\n")
+    with opened(secrets[0]) as marker:
+        result = marker.mark(handed_in(Case("sound", "honest", files)))  # type: ignore[arg-type]
+    (note,) = [note for note in result.notes if "stepped over" in note]
+    assert note.startswith("noisy_imu.py, line ")
+    assert note.endswith("was stepped over: ValueError: no file data.csv; what the file defines counts")
+    assert result.score == 100
+
+
+def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
+    secrets: tuple[Traces, Traces], opened: Opened, marker: Marker
+) -> None:
+    public = _masses(bundles.shipped())[2]
+    own = verbatim()["filters.py"].split("# Test filtering")[0]
+    head, made = own.split("class LowPassFilter", 1)
+    there = f"if abs(_spied.body_mass[2] - {public!r}) < 1e-9:\n" + indent(f"class LowPassFilter{made}", "    ")
+    files = {**verbatim(), "filters.py": f"{head}\n{SPIES}\n{there}"}
+    submission = handed_in(Case("sound", "hides", files))  # type: ignore[arg-type]
+    assert {c.id: c.points for c in marker.mark(submission).criteria}["filtering"] == 20
+    with opened(secrets[0]) as hidden_marker:
+        result = hidden_marker.mark(submission)
+    check = next(check for check in result.criteria[4].checks if check.outcome == "failed")
+    assert check.message == (
+        "Expected  LowPassFilter\n"
+        "Got       no definition of LowPassFilter on the hidden robot; `imugrade check` loads the file with the public robot "
+        "and tells more."
+    )
+    assert result.notes == ()
+
+
+def test_durations_under_a_secret_are_whole_seconds(secrets: tuple[Traces, Traces], opened: Opened) -> None:
+    with opened(secrets[0]) as marker:
+        result = marker.mark(handed_in(Case("sound", "sound", verbatim())))  # type: ignore[arg-type]
+    assert {check.duration_s for part in result.parts for check in part.checks} == {0.0}
+    assert result.duration_s == int(result.duration_s)
