@@ -148,7 +148,7 @@ def test_an_empty_submission_is_empty(tmp_path: Path, pack: Pack) -> None:
 
 def test_any_program_or_notebook_makes_a_submission(tmp_path: Path) -> None:
     assert list(read_submission(as_folder(tmp_path, {"x/lab.ipynb": b"{}"}), LAB.files).files) == ["lab.ipynb"]
-    assert list(read_submission(as_zip(tmp_path, {"Lab.PY": b""}), LAB.files).files) == ["Lab.PY"]
+    assert list(read_submission(as_zip(tmp_path, {"Lab.PY": b""}), LAB.files).files) == ["Lab.py"]
     assert list(read_submission(saved(tmp_path, "one.py", b"x = 1"), LAB.files).files) == ["one.py"]
 
 

@@ -27,7 +27,7 @@ from grader.intake.names import (
 )
 from grader.intake.pile import MAX_OPENINGS, Pile, Unreadable, listing
 from grader.intake.placeholders import is_empty_program
-from grader.intake.texts import as_programs
+from grader.intake.texts import as_programs, in_lower_case
 
 
 @dataclass(frozen=True)
@@ -103,6 +103,7 @@ def read_submission(
         pile = _gather(path, sources)
     except Unreadable as reason:
         return _nothing_to_mark(id, name, "unreadable", (str(reason),), {})
+    in_lower_case(pile, required)
     as_programs(pile, required)
     layout = lay_out(pile, required)
     if layout is None:

@@ -1,13 +1,33 @@
-"""Programs that came as texts: editors and mail programs add a `.txt` that the folder's window hides."""
+"""File names as Python needs them: suffixes in lower case, and without the `.txt` that editors and mail programs add."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 
-from grader.intake.names import folded, is_code
+from grader.intake.names import CODE, folded, has_suffix, is_code
 from grader.intake.pile import Pile, listing
 
 _ADDED = ".txt"
+_LOWERED = (*CODE, ".png")
+
+
+def in_lower_case(pile: Pile, required: Collection[str]) -> None:
+    """Rename `imu_reader.PY` to `imu_reader.py`: Python imports no other suffix.
+
+    A name all in capitals is written in small letters, and so is one that the lab asks for. A file stays as it is where another one
+    has that name.
+    """
+    asked = {folded(name): name for name in required}
+    renamed = []
+    for path in sorted(path for path in pile.files if has_suffix(path, _LOWERED) and not path.endswith(_LOWERED)):
+        folder, slash, name = path.rpartition("/")
+        stem, _, suffix = name.rpartition(".")
+        plain = asked.get(folded(name)) or f"{stem.lower() if stem.isupper() else stem}.{suffix.lower()}"
+        if folder + slash + plain not in pile.files:
+            pile.files[folder + slash + plain] = pile.files.pop(path)
+            renamed.append(path)
+    if renamed:
+        pile.remarks.append(f"Read under a name in small letters, as Python needs it: {listing(renamed)}.")
 
 
 def as_programs(pile: Pile, required: Collection[str]) -> None:

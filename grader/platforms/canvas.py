@@ -242,7 +242,7 @@ def _first_name(name: str, given: set[str]) -> str:
     if again is None:
         return name
     plain = again[1] + again[2]
-    return plain if plain in given or (again[2] == ".py" and again[1].isidentifier()) else name
+    return plain if plain in given or (again[2].casefold() == ".py" and again[1].isidentifier()) else name
 
 
 def _numbered_archives(names: Iterable[str]) -> set[str]:

@@ -14,7 +14,17 @@ from grader.ground.text import printable
 from grader.intake.downloads import Download, Sources, open_download
 from grader.intake.folders import is_link, status_of
 from grader.intake.layout import MAX_LEVELS
-from grader.intake.names import ARCHIVES, CODE, FOREIGN_ARCHIVES, distinct_ids, has_suffix, is_code, is_litter, original
+from grader.intake.names import (
+    ARCHIVES,
+    CODE,
+    FOREIGN_ARCHIVES,
+    distinct_ids,
+    folded,
+    has_suffix,
+    is_code,
+    is_litter,
+    original,
+)
 from grader.intake.pile import LINK
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.standing import NOTHING_KNOWN, HandIn
@@ -248,11 +258,14 @@ def _is_submission(folder: Path, required: Collection[str]) -> bool:
     """Whether a folder is one submission: a required file lies in it, or code does and no submissions do."""
     entries = [entry for entry in _listed(folder) if not _is_ignored(entry)]
     names = [entry.name for entry in entries if entry.is_file(follow_symlinks=False)]
-    if any(name in required for name in names):
+    asked = set(map(folded, required))
+    if any(folded(name) in asked for name in names):
         return True
     if not any(is_code(name) for name in names):
         return False
-    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds(folder, required.__contains__)
+    return not any(has_suffix(name, ARCHIVES) for name in names) and not _holds(
+        folder, lambda name: folded(name) in asked
+    )
 
 
 def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
