@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import tempfile
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.dont_write_bytecode = False
@@ -23,6 +24,7 @@ from typing import Any
 import pytest
 
 from grader.engine.marking import Marker
+from grader.engine.recording import CACHE_VARIABLE
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from tests import boxes
@@ -58,6 +60,15 @@ def pytest_configure(config: pytest.Config) -> None:
     Counts.compare_all = config.option.markexpr == "recorded"
     if not hasattr(config, "workerinput"):
         store.tidy_up()
+        _use_an_empty_cache(config)
+
+
+def _use_an_empty_cache(config: pytest.Config) -> None:
+    """No test reads or writes what the user's own commands keep; recordings stay where they are."""
+    os.environ[store.VARIABLE] = str(store.FOLDER)  # for the test workers, which are started later
+    folder = tempfile.TemporaryDirectory(prefix="imugrade-tests-")
+    config.add_cleanup(folder.cleanup)
+    os.environ[CACHE_VARIABLE] = folder.name
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

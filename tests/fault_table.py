@@ -1,4 +1,4 @@
-"""The handbook's page *fault × checks lost*, made from the corpus: `python -m tests.recordings.losses` writes it."""
+"""The handbook's page *fault × checks lost*, made from the corpus: `python -m tests.regenerate` writes it."""
 
 from __future__ import annotations
 

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.examples import files
+
 ROOT = Path(__file__).parent.parent
 PACKAGE = "dm_control>=1.0.20,<2"
 _FOLDERS = ("suite", "third_party/ant", "locomotion/soccer/assets/boxhead")
@@ -70,7 +72,7 @@ def rubric_for(folder: Path, model: Path | str | None, accelerometer: str, gyros
 def exchanged(folder: Path, accelerometer: str, gyroscope: str, file: str = "humanoid-sensors.xml") -> Path:
     """The sheet's own code with the names of these sensors, and of this model's file."""
     folder.mkdir(parents=True, exist_ok=True)
-    for path in (ROOT / "submissions_example" / "s01-sheet-verbatim").iterdir():
+    for path in files("s01-sheet-verbatim"):
         content = path.read_bytes()
         if path.suffix == ".py":
             for old, new in (

@@ -1,8 +1,6 @@
 """From the kit's starter files to 100: the steps of a student, and what `imugrade check --watch` shows after each save.
 
-    python -m tests.session
-
-records it anew, in `session.txt`.
+`python -m tests.regenerate` records it anew, in `session.txt`.
 """
 
 from __future__ import annotations
@@ -99,7 +97,3 @@ def _lasting(text: str, folder: Path) -> str:
     """Without what is another the next time."""
     named = text.replace(str(folder), "my_lab").replace(folder.name, "my_lab")
     return "$ imugrade check my_lab --watch\n" + re.sub(r"checked at \d\d:\d\d:\d\d", "checked at 12:00:00", named)
-
-
-if __name__ == "__main__":
-    RECORD.write_text(replayed(), encoding="utf-8")

@@ -14,7 +14,7 @@ import pytest
 
 import grader
 from grader import cli
-from grader.commands import checking, completion, history
+from grader.commands import checking, completion
 from grader.course import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
@@ -232,23 +232,6 @@ def test_watching_checks_again_after_each_save_and_not_in_between(
     with pytest.raises(KeyboardInterrupt):
         watch()
     assert seen == [0, 2]
-
-
-def test_what_a_check_remembers_is_no_change_of_a_watched_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    hand_in(tmp_path)
-    pauses = iter([lambda: history.remember(tmp_path, result(), {}), lambda: None])
-
-    def pause(_: float) -> None:
-        next(pauses, interrupt)()
-
-    monkeypatch.setattr("grader.commands.checking.time.sleep", pause)
-    seen: list[None] = []
-    with pytest.raises(KeyboardInterrupt):
-        seen.extend(checking.saves(tmp_path))
-    assert len(seen) == 1
-    assert (tmp_path / ".imugrade" / "last_check.json").exists()
 
 
 def interrupt() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,7 +16,8 @@ import pytest
 from grader.engine.results import from_dict
 from grader.engine.rubric import shipped
 from grader.labs.imu.lab import LAB
-from tests.examples import FOLDER, folders, summary
+from tests.examples import FOLDER, expected, files, folders, summary
+from tests.generated import STALE
 from tests.made_up import without_durations
 
 SCHEMA = json.loads(
@@ -50,13 +52,24 @@ def _record(out: Path, name: str) -> dict[str, Any]:
     return record
 
 
-def test_every_example_gets_what_its_folder_says(out: Path) -> None:
+def test_every_example_gets_what_the_table_says(out: Path) -> None:
     """One test, not one an example: workers share the tests of a module, and each would grade the class."""
-    expected = {folder.name: json.loads((folder / "expected.json").read_text(encoding="utf-8")) for folder in folders()}
-    records = {name: _record(out, name) for name in expected}
+    records = {folder.name: _record(out, folder.name) for folder in folders()}
     for record in records.values():
         jsonschema.validate(record, SCHEMA)
-    assert {name: summary(from_dict(record)) for name, record in records.items()} == expected
+    assert {name: summary(from_dict(record)) for name, record in records.items()} == expected(), STALE
+
+
+def test_what_tools_leave_in_an_example_is_no_part_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = [path.name for path in files("s06-id-as-address")]
+    shutil.copytree(FOLDER / "s06-id-as-address", tmp_path / "s06-id-as-address")
+    monkeypatch.setattr("tests.examples.FOLDER", tmp_path)
+    for name in (".imugrade/repro.py", "__pycache__/filters.pyc", ".ipynb_checkpoints/lab.ipynb", ".DS_Store"):
+        for left in (tmp_path / name, tmp_path / "s06-id-as-address" / name):
+            left.parent.mkdir(exist_ok=True)
+            left.touch()
+    assert [folder.name for folder in folders()] == ["s06-id-as-address"]
+    assert [path.name for path in files("s06-id-as-address")] == before
 
 
 def test_the_class_is_finished_although_one_loops_for_ever_and_one_kills_its_interpreter(out: Path) -> None:

@@ -59,7 +59,7 @@ def test_points_of_another_rubric_or_another_truth_are_not_compared(tmp_path: Pa
 )
 def test_whatever_stands_in_its_place_is_no_history_and_no_complaint(tmp_path: Path, content: str) -> None:
     history.remember(tmp_path, result(), {})
-    place = tmp_path / ".imugrade" / "last_check.json"
+    place = history.place_of(tmp_path)
     known = json.loads(place.read_text())
     if content.startswith('{"points": {'):
         content = json.dumps({**known, "points": json.loads(content)["points"]})
@@ -67,31 +67,26 @@ def test_whatever_stands_in_its_place_is_no_history_and_no_complaint(tmp_path: P
     assert history.recalled(tmp_path, result()) == {}
 
 
-def test_nothing_is_kept_of_an_archive_a_folder_that_is_missing_or_a_place_that_leads_elsewhere(tmp_path: Path) -> None:
-    elsewhere = tmp_path / "elsewhere"
-    for folder in ("me", "elsewhere"):
-        (tmp_path / folder).mkdir()
-    (tmp_path / "me" / ".imugrade").symlink_to(elsewhere)
-    (tmp_path / "me.zip").touch()
-    for path in (tmp_path / "me", tmp_path / "me.zip", tmp_path / "no"):
-        assert history.remember(path, result(check()), {}) == POINTS
-    assert list(elsewhere.iterdir()) == []
-    assert not (tmp_path / "no").exists()
+def test_each_path_has_a_memory_of_its_own_whichever_way_it_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "a")
+    history.remember(tmp_path / "a", result(check()), {})
+    monkeypatch.chdir(tmp_path / "a")
+    for path in (tmp_path / "link", tmp_path / "b" / ".." / "a", Path()):
+        assert history.recalled(path, result()) == POINTS
+    assert history.recalled(tmp_path / "b", result()) == {}
 
 
-def test_a_file_where_the_cache_should_be_is_left_alone(tmp_path: Path) -> None:
-    (tmp_path / ".imugrade").write_text("mine")
-    history.remember(tmp_path, result(), {})
+def test_where_nothing_can_be_kept_there_is_no_history_and_no_complaint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("mine")
+    monkeypatch.setenv("IMUGRADE_CACHE", str(tmp_path / "file"))
+    assert history.remember(tmp_path, result(check()), {}) == POINTS
     assert history.recalled(tmp_path, result()) == {}
-    assert (tmp_path / ".imugrade").read_text() == "mine"
-
-
-def test_what_is_remembered_is_ignored_by_git_and_never_handed_in(tmp_path: Path) -> None:
-    (tmp_path / "filters.py").write_text("alpha = 0.1\n")
-    before = read_submission(tmp_path, LAB.files)
-    history.remember(tmp_path, result(), {})
-    assert read_submission(tmp_path, LAB.files) == before
-    assert (tmp_path / ".imugrade" / ".gitignore").read_text() == "*\n"
+    assert (tmp_path / "file").read_text() == "mine"
 
 
 # --- their own prints -------------------------------------------------------------------------------------------------
@@ -152,8 +147,9 @@ def test_a_syntax_error_is_told_once_with_its_line_and_a_caret(
     assert shown.count("SyntaxError") == 1
     assert "   Got       SyntaxError: " in shown
     assert re.search(r"at imu_reader.py, line \d\n {13}(\S.*)\n {13} *\^\n", shown)
-    assert (tmp_path / ".imugrade" / "last_check.json").exists()
+    assert history.place_of(tmp_path).exists()
     assert cli.main(["check", str(tmp_path), "--only", "sensor_access", "-s"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["imu_reader.py"]
     assert capsys.readouterr().out.endswith("\n\nYour code printed nothing.\n")
 
 

@@ -16,6 +16,7 @@ from grader.handbook import flow, pages, rubric_keys
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry
 from tests.documents import handbook
+from tests.generated import STALE
 
 SVG = "{http://www.w3.org/2000/svg}"
 MADE = handbook()
@@ -24,7 +25,7 @@ MADE = handbook()
 @pytest.mark.parametrize("name", sorted(MADE))
 def test_each_page_is_current(name: str) -> None:
     kept = (pages.FOLDER / name).read_text(encoding="utf-8")
-    assert kept == MADE[name], f"{name} is not current; run python -m grader.handbook and commit it"
+    assert kept == MADE[name], f"{name}: {STALE}"
 
 
 def test_no_page_is_left_over() -> None:

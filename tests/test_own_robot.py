@@ -25,6 +25,7 @@ from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 from reference.self_contained import self_contained
 from tests.boxes import Opened
+from tests.examples import FOLDER, files
 from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
 
 SECRET = "a secret of the tests of other robots"
@@ -166,7 +167,7 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
 def test_names_of_the_labs_robot_find_nothing_on_another_one(opened: Opened, cache: Path, tmp_path: Path) -> None:
     rover(tmp_path)
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
-    result = marked(opened, file, ROOT / "submissions_example" / "s02-vectorised", cache)
+    result = marked(opened, file, FOLDER / "s02-vectorised", cache)
     assert result.score < 100.0
     assert "data_collection.matches_truth" in lost(result)
 
@@ -185,7 +186,7 @@ def test_a_mistake_costs_on_another_robot_what_it_costs_on_the_labs(
     rover(tmp_path)
     file = rubric_for(tmp_path, "rover.xml", "force", "rates")
     (tmp_path / "lab").mkdir()
-    for path in (ROOT / "submissions_example" / example).iterdir():
+    for path in files(example):
         text = path.read_bytes().replace(b"torso_accelerometer", b"force").replace(b"torso_gyroscope", b"rates")
         (tmp_path / "lab" / path.name).write_bytes(text)
     assert list(lost(marked(opened, file, tmp_path / "lab", cache))) == [check]
@@ -195,7 +196,7 @@ def test_the_labs_robot_can_be_graded_with_the_imu_of_its_head(opened: Opened, c
     names = ("head_accelerometer", "head_gyroscope")
     file = rubric_for(tmp_path, None, *names)
     assert lost(marked(opened, file, exchanged(tmp_path / "lab", *names), cache, SECRET)) == {}
-    result = marked(opened, file, ROOT / "submissions_example" / "s02-vectorised", cache)
+    result = marked(opened, file, FOLDER / "s02-vectorised", cache)
     assert "data_collection.matches_truth" in lost(result)
 
 

@@ -13,6 +13,7 @@ from tests.corpus.broken import BROKEN
 from tests.corpus.extensions import FAULTY_EXTENSIONS, SOUND_EXTENSIONS
 from tests.corpus.faulty import FAULTY, LOOKALIKES, PAIRS
 from tests.corpus.sound import SOUND
+from tests.examples import FOLDER
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -37,8 +38,7 @@ def test_what_the_readme_shows_of_a_check_is_what_a_terminal_shows(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (sample,) = re.findall(r"```\n( . Sensor access .*?)```", README, re.DOTALL)
-    example, unchecked = ROOT / "submissions_example" / "s06-id-as-address", shutil.ignore_patterns(".*")
-    monkeypatch.chdir(shutil.copytree(example, tmp_path / "lab", ignore=unchecked))
+    monkeypatch.chdir(shutil.copytree(FOLDER / "s06-id-as-address", tmp_path / "lab"))
     for name, value in {"FORCE_COLOR": "1", "NO_COLOR": "1", "TERM": "xterm", "COLUMNS": "80"}.items():
         monkeypatch.setenv(name, value)
     assert cli.main(["check"]) == 0

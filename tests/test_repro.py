@@ -23,6 +23,7 @@ from grader.labs.imu.lab import LAB
 from grader.labs.imu.repeating import WRITTEN, program
 from grader.report.terminal import screen
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
+from tests.examples import FOLDER
 from tests.made_up import check, lost, result
 
 ROOT = Path(__file__).parent.parent
@@ -64,7 +65,7 @@ def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None
 
 
 def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
-    sound = ROOT / "submissions_example" / "s15-extensions"
+    sound = FOLDER / "s15-extensions"
     student, judgements = repeating.examined(load(LAB), read_submission(sound, LAB.files))
     asked = {id_: student.questions(id_) for id_ in judgements}
     silent = {id_ for id_, questions in asked.items() if not questions}
@@ -104,6 +105,29 @@ def test_what_cannot_be_asked_again_is_one_line(tmp_path: Path) -> None:
         repeating.write(load(LAB), "filtering.follows_recursion", tmp_path / "lab.zip", tmp_path)
     with pytest.raises(RequestError, match=r"asked nothing of a \.py file here that could be asked again"):
         repeating.write(load(LAB), "filtering.follows_recursion", tmp_path, tmp_path)
+
+
+def test_the_folder_of_a_program_is_ignored_by_git_and_never_handed_in(tmp_path: Path) -> None:
+    (tmp_path / "filters.py").write_text("alpha = 0.1\n")
+    before = read_submission(tmp_path, LAB.files)
+    folder = repeating.folder_in(tmp_path)
+    (folder / "repro.py").write_text("x = 1\n")
+    assert read_submission(tmp_path, LAB.files) == before
+    assert (folder / ".gitignore").read_text() == "*\n"
+
+
+@pytest.mark.parametrize("kind", ["file", "link", "archive"])
+def test_a_place_that_is_no_folder_of_ours_is_refused(tmp_path: Path, kind: str) -> None:
+    lab, elsewhere = tmp_path / "lab", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    if kind == "archive":
+        lab.touch()
+    else:
+        lab.mkdir()
+        (lab / ".imugrade").write_text("mine") if kind == "file" else (lab / ".imugrade").symlink_to(elsewhere)
+    with pytest.raises(RequestError, match=r"\.imugrade is no folder of ours; name another with -o"):
+        repeating.folder_in(lab)
+    assert list(elsewhere.iterdir()) == []
 
 
 # --- how a report leads to it -----------------------------------------------------------------------------------------

@@ -18,6 +18,25 @@ from grader.ground.text import printable
 from grader.intake import Submission, read_submission
 from grader.labs.imu.repeating import Asked, Recorder, Watched, program
 
+FOLDER = ".imugrade"
+"""The folder in a submission that `repro` writes to; git and the grader ignore it."""
+
+
+def folder_in(path: Path) -> Path:
+    """Make the folder for a program in the submission's folder, with a `.gitignore`.
+
+    Raises
+    ------
+    RequestError
+        If something else is in its place.
+    """
+    place = path / FOLDER
+    if place.is_symlink() or (place.exists() and not place.is_dir()) or not path.is_dir():
+        raise RequestError(f"{printable(str(place), 500)} is no folder of ours; name another with -o")
+    place.mkdir(exist_ok=True)
+    write_whole(place / ".gitignore", "*\n")
+    return place
+
 
 def write(rubric: Rubric, check_id: str, path: Path, out: Path, rung: str | None = None) -> Path:
     """Examine the submission, and write what the check asked of it.

@@ -37,11 +37,11 @@ def repro(
       imugrade repro sensor_access.follows_address
       python .imugrade/repro.py
     """
-    from grader.commands import history, repeating  # noqa: PLC0415
+    from grader.commands import repeating  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    folder = history.made(path) if out is None else out
+    folder = repeating.folder_in(path) if out is None else out
     written = repeating.write(rubrics.load(LAB, rubric), check, path, folder, rung)
     print(f"{written} written; run it with: python {os.path.relpath(written)}")
     return 0

@@ -1,6 +1,6 @@
 """Writes the class of `submissions_example/`, with the pictures that its code draws: `python -m tests.corpus.example_class`.
 
-`expected.json` beside the files of a submission is not written here: that is what the grader says, and someone has to read it.
+What each must get stands in `tests/examples.yaml`.
 """
 
 from __future__ import annotations

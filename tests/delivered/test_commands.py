@@ -17,14 +17,14 @@ from tests.classes import ASSIGNMENT, canvas_gradebook, moodle_worksheet
 from tests.corpus.sheet import VERBATIM
 from tests.corpus.writing import write
 from tests.delivered.conftest import PIP, SECRET, Delivered
-from tests.examples import summary
+from tests.examples import expected, summary
 from tests.shadows import namesakes
 
 pytestmark = pytest.mark.delivered
 
 JOB = dict.fromkeys(("CLASSROOM", "ASSIGNMENT", "SUBMISSION_TAG", "COMMIT_URL", "RELEASE_URL", "OWNER"), "x")
+AGAIN = sorted(expected())[::4]
 HIDDEN = {"environ": {"IMUGRADE_SEED": SECRET}}
-NAMES = sorted(path.name for path in (Path(__file__).parents[2] / "submissions_example").iterdir())
 
 
 def results(out: Path) -> dict[str, bytes]:
@@ -35,13 +35,10 @@ def without_durations(result: bytes) -> bytes:
     return re.sub(rb'"duration_s": [-+.e0-9]+', b"", result)
 
 
-def marks(delivered: Delivered, out: Path) -> None:
+def marks(out: Path) -> None:
     """The example class has the marks that it must get."""
     found = results(out)
-    assert sorted(found) == NAMES
-    for name, result in found.items():
-        expected = json.loads((delivered.examples / name / "expected.json").read_text(encoding="utf-8"))
-        assert summary(from_dict(json.loads(result))) == expected, name
+    assert {name: summary(from_dict(json.loads(result))) for name, result in found.items()} == expected()
 
 
 @pytest.fixture(scope="session")
@@ -63,14 +60,14 @@ def lab(delivered: Delivered) -> Path:
 
 
 def test_the_first_command_of_the_readme_gives_the_example_class_its_marks(delivered: Delivered) -> None:
-    marks(delivered, delivered.graded)
+    marks(delivered.graded)
     assert (delivered.graded / "index.html").is_file()
 
 
 def test_with_a_secret_the_example_class_gets_the_same_marks_and_no_page_tells_it(
     delivered: Delivered, out: Path
 ) -> None:
-    marks(delivered, out)
+    marks(out)
     written = [path for path in out.rglob("*") if path.is_file()]
     assert [path for path in written if SECRET.encode() in path.read_bytes()] == []
     assert all(
@@ -84,10 +81,10 @@ def public(delivered: Delivered) -> str:
 
 
 def test_graded_again_with_the_same_secret_it_is_the_same_but_for_durations(delivered: Delivered, out: Path) -> None:
-    here, chosen = delivered.empty(), [word for name in NAMES[::4] for word in ("--only", name)]
+    here, chosen = delivered.empty(), [word for name in AGAIN for word in ("--only", name)]
     assert delivered.run("grade", delivered.examples, "-o", "out", *chosen, cwd=here, **HIDDEN).returncode == 0
     first, second = results(out), results(here / "out")
-    assert sorted(second) == NAMES[::4]
+    assert sorted(second) == AGAIN
     assert {name: without_durations(first[name]) for name in second} == {
         name: without_durations(result) for name, result in second.items()
     }

@@ -39,6 +39,7 @@ from grader.sandbox.rungs import UNWALLED
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, write
+from tests.examples import files
 from tests.fuzz.drawing import drawn
 from tests.fuzz.mangling import mangled_array, mangled_value
 
@@ -60,8 +61,7 @@ def submission(files: Files) -> Submission:
 
 def everything() -> Files:
     """A sound submission with every extension: all questions are asked of it."""
-    folder = Path(__file__).parents[2] / "submissions_example" / "s15-extensions"
-    extensions = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.py")}
+    extensions = {path.name: path.read_text("utf-8") for path in files("s15-extensions") if path.suffix == ".py"}
     return {**extensions, **tidy()}
 
 

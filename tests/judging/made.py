@@ -1,11 +1,12 @@
 """Made-up students: their functions are in this process, and the lab's own questions are asked of them there, without a box.
 
 A case is a check, a made-up student, and what a fair marker says: all points (None), or the share that is kept and the mistakes. The
-words of each finding stand in `words.yaml`; `python -m tests.judging` writes them anew, and the change of the file is read.
+words of each finding stand in `words.yaml`, which `python -m tests.regenerate` writes.
 """
 
 from __future__ import annotations
 
+import importlib
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -30,6 +31,7 @@ from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
+from tests.generated import STALE
 
 WORDS = Path(__file__).parent / "words.yaml"
 _WITH_HIDDEN_SCENARIOS = ("sensor_access.", "data_collection.", "visualization.", "noise_model.", "filtering.")
@@ -192,6 +194,17 @@ def words(found: BaseException | None) -> dict[str, str]:
     return said | ({"while": found.doing} if isinstance(found, Raised) else {})
 
 
+def all_cases() -> list[Case]:
+    names = sorted(path.stem for path in Path(__file__).parent.glob("test_check_*.py"))
+    return [case for name in names for case in importlib.import_module(f"tests.judging.{name}").CASES]
+
+
+def all_words() -> str:
+    """Ask every check about its made-up students, and return the text of `words.yaml`."""
+    said = {case.id: told for case in all_cases() if (told := words(finding(case)))}
+    return yaml.safe_dump(said, sort_keys=True, width=200, allow_unicode=True)
+
+
 @cache
 def pinned() -> Mapping[str, Mapping[str, str]]:
     """What `words.yaml` says, by the id of the case."""
@@ -204,6 +217,6 @@ def is_as_marked(case: Case) -> None:
     """Assert that a check says what the case has, in the words that are pinned."""
     found = finding(case)
     assert marked(found) == case.marked, f"{case.id}: {found!r}"
-    assert words(found) == pinned().get(case.id, {}), case.id
+    assert words(found) == pinned().get(case.id, {}), f"{case.id}: {STALE}"
     if isinstance(found, Lost) and case.id.startswith(_WITH_HIDDEN_SCENARIOS):
         assert isinstance(found.hint or Ours(), Ours), f"{case.id}: its hint is not told of a hidden scenario"

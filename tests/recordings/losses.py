@@ -1,4 +1,4 @@
-"""What each faulty submission of the corpus loses: `python -m tests.recordings.losses` judges them and writes `losses.yaml` anew.
+"""What each faulty submission of the corpus loses, pinned in `losses.yaml`, which `python -m tests.regenerate` writes.
 
 The file pins partial credit: for every case the checks that it loses, each with the share of its points that is kept, and nothing
 where the check could not be asked. Where a change of the judging moves a mark, the file says which, and the change of the file is
@@ -7,8 +7,6 @@ read before it is committed. The handbook's table of faults is made from it.
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
@@ -17,7 +15,6 @@ from pathlib import Path
 import yaml
 
 from grader.engine.results import CheckResult, Result
-from tests import fault_table
 from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import Case, Verdict
 
@@ -60,22 +57,16 @@ def disagreements(said: Verdict) -> list[str]:
     return found
 
 
-def _lost_by(case: Case) -> Losses:
-    result = verdict(case).result
-    assert result is not None, case.id
-    return losses(result)
-
-
-def main() -> int:
-    argparse.ArgumentParser(prog="python -m tests.recordings.losses", description=__doc__).parse_args()
+def all_losses() -> str:
+    """Judge all cases whose losses are pinned, and return the text of the file."""
     chosen = [case for case in recorded_corpus() if pins(case)]
     with ProcessPoolExecutor(2) as pool:
         judged = pool.map(_lost_by, chosen, chunksize=10)
         found = {case.id: dict(its) for case, its in zip(chosen, judged, strict=True) if its}
-    FILE.write_text(yaml.safe_dump(found, sort_keys=True, width=200, allow_unicode=True), encoding="utf-8")
-    fault_table.FILE.write_text(fault_table.page(found), encoding="utf-8")
-    return 0
+    return yaml.safe_dump(found, sort_keys=True, width=200, allow_unicode=True)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def _lost_by(case: Case) -> Losses:
+    result = verdict(case).result
+    assert result is not None, case.id
+    return losses(result)

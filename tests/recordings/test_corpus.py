@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import pytest
 
 from tests import fault_table
+from tests.generated import STALE
 from tests.recordings.losses import disagreements, pinned, pins
 from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import MORE_THAN_ONE, ONE_FAULT, Case
@@ -21,7 +22,7 @@ BATCHES = [recorded_corpus()[first::_MANY] for first in range(_MANY)]
 
 @pytest.mark.parametrize("cases", BATCHES, ids=range(len(BATCHES)))
 def test_every_case_is_judged_as_the_corpus_says(cases: Sequence[Case]) -> None:
-    assert [line for case in cases for line in disagreements(verdict(case))] == []
+    assert [line for case in cases for line in disagreements(verdict(case))] == [], STALE
 
 
 def test_the_corpus_is_as_large_as_it_was() -> None:
@@ -45,4 +46,4 @@ def test_single_faults_that_cost_more_than_one_check_are_few_and_have_a_reason()
 
 def test_the_handbooks_table_of_faults_is_that_of_the_corpus() -> None:
     kept = fault_table.FILE.read_text(encoding="utf-8")
-    assert kept == fault_table.page(pinned()), "run python -m tests.recordings.losses and commit what it writes"
+    assert kept == fault_table.page(pinned()), STALE

@@ -1,0 +1,52 @@
+"""Write every generated file of the repository anew: `python -m tests.regenerate`; a minute once the recordings are there.
+
+Read the difference before you commit it: these files pin marks and messages. A test that finds one of them stale prints this command.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from tests import examples, fault_table, session
+from tests.judging import made
+from tests.recordings import losses
+
+ROOT = Path(__file__).parents[1]
+GENERATED: dict[Path, Callable[[], str]] = {
+    made.WORDS: made.all_words,
+    losses.FILE: losses.all_losses,
+    fault_table.FILE: lambda: fault_table.page(losses.pinned()),
+    session.RECORD: session.replayed,
+    examples.TABLE: examples.table,
+}
+"""In this order: what a later one is made from comes first."""
+
+
+def main() -> int:
+    for path in regenerated():
+        print(path.relative_to(ROOT))
+    return 0
+
+
+def regenerated() -> Iterator[Path]:
+    """Write each file whose content has changed."""
+    for path, content in GENERATED.items():
+        text = content()
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+            yield path
+        losses.pinned.cache_clear()
+    yield from _handbook()
+
+
+def _handbook() -> Iterator[Path]:
+    from grader.cli import app
+    from grader.handbook import pages
+
+    yield from pages.write(app)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
