@@ -24,6 +24,7 @@ from grader.ground.errors import RequestError
 from grader.intake import Submission
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from grader.platforms import canvas, moodle
+from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
 from grader.platforms.sheet import read_sheet
 from tests import classes
@@ -98,6 +99,10 @@ def test_a_class_in_each_shape_gets_the_same_marks_and_its_reports_back(shape: s
 # ---- Canvas ----
 
 
+def unmatched(filled: Filled) -> list[str]:
+    return [name for _, name in filled.unmatched]
+
+
 def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> None:
     template = canvas_file(
         '"Doe, Jane ""JD""",101,s1,jd,"Tue, 10:00",40,,40', "Müller,102,s2,m,A,41,12.0,41", head=HEAD
@@ -110,9 +115,7 @@ def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> No
         "Müller,102,s2,m,A,12.0\n"
     )
     assert filled.grades == 1
-    assert list(filled.left_out(class_of(standing("jd_101", JANE)))) == [
-        "in the file, and not graded (left as it is): Müller"
-    ]
+    assert unmatched(filled) == ["Müller"]
 
 
 @pytest.mark.parametrize("column", ["Lab 04-01", "4711", "Lab 04-01 (4711)"])
@@ -155,10 +158,7 @@ def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
     everyone = class_of(standing("jd", JANE), open_)
     filled = canvas.fill(template, "t.csv", "4711", everyone)
     assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["EX", "7"]
-    assert list(filled.left_out(everyone)) == [
-        "not judged, through a fault of the grader (left as it is): li",
-        "not to be changed in the file (left as it is): Doe",
-    ]
+    assert (filled.kept, unmatched(filled)) == (["Doe"], [])
 
 
 def test_two_students_of_one_name_never_get_each_others_marks() -> None:
@@ -169,10 +169,8 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     by_name = class_of(standing("a", Person("Jane Doe")))
     filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", by_name)
     assert filled.grades == 0
-    assert list(filled.left_out(by_name)) == [
-        "graded, and not in the file: a",
-        "in the file, and not graded (left as it is): Doe, Jane; Doe, Jane",
-    ]
+    assert filled.without_row(by_name["a"]) == [Person("Jane Doe")]
+    assert unmatched(filled) == ["Doe, Jane", "Doe, Jane"]
 
 
 def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
@@ -185,12 +183,12 @@ def test_a_grade_that_stands_there_already_is_replaced_with_a_word_on_it() -> No
     template = canvas_file("Doe,101,,,A,,40,", "Roe,102,,,A,,87.50,")
     everyone = class_of(standing("jd", JANE), standing("roe", Person("Roe", "102", "canvas")))
     filled = canvas.fill(template, "t.csv", "4711", everyone)
-    assert list(filled.left_out(everyone)) == ["had another grade in the file, which was replaced: Doe (40 → 87.5)"]
+    assert filled.replaced == ["Doe (40 → 87.5)"]
 
 
 def test_canvas_s_own_test_student_is_nobody_whom_anyone_misses() -> None:
     filled = canvas.fill(canvas_file('"Student, Test",9,,f00,A,,,', "Roe,102,,,A,,,"), "t.csv", "4711", {})
-    assert list(filled.left_out({})) == ["in the file, and not graded (left as it is): Roe"]
+    assert unmatched(filled) == ["Roe"]
 
 
 def test_points_are_scaled_to_what_the_assignment_is_out_of_where_that_is_asked_for() -> None:
@@ -224,7 +222,7 @@ def test_a_teachers_own_comment_and_a_locked_grade_stay() -> None:
     everyone = class_of(standing("a", MOODLE), standing("b", Person("K", "13", "moodle")))
     filled = moodle.fill(worksheet(*rows), "w.csv", None, everyone)
     assert filled.data == worksheet('"Participant 12",J,,,,87.5,100,Yes,-,well done', rows[1])
-    assert list(filled.left_out(everyone)) == ["not to be changed in the file (left as it is): K"]
+    assert filled.kept == ["K"]
 
 
 def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_of_ours() -> None:
@@ -263,7 +261,7 @@ def test_a_worksheet_in_another_language_has_its_commas_its_comments_and_its_loc
     everyone = class_of(standing("a", MOODLE), standing("b", Person("K", "13", "moodle")))
     filled = moodle.fill(template.encode(), "w.csv", "Bewertung", everyone)
     assert filled.data.decode() == GERMAN.format(title, "87,5", '"Marks: Sensor access 87.5 / 100"')
-    assert list(filled.left_out(everyone)) == ["not to be changed in the file (left as it is): Teilnehmer/in13"]
+    assert filled.kept == ["Teilnehmer/in13"]
 
 
 def test_where_a_worksheet_has_no_comments_the_last_column_is_left_alone() -> None:
@@ -381,14 +379,18 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
     nothing = result(check("skipped", 0.0), name="bob", status="unreadable")
     with graded(tmp_path / "out") as out, Store(out) as store:
         store.keep(Key("bob", "s", "r", "t", "0"), nothing)
-        assert cli.main(["export", str(out), "-f", "csv", "-o", str(tmp_path / "a.csv")]) == 0
-        assert capsys.readouterr().err == (
-            "imugrade: nothing in them could be marked: left blank until you have looked (adjust them, or give "
-            "--unreadable 0): bob\n"
+        a_csv = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "a.csv")]
+        assert cli.main(a_csv) == 2
+        blank = (
+            "imugrade: graded: 1\nimugrade: blank: 1 (bob: empty or unreadable; adjust it, or give --unreadable 0)\n"
         )
+        refused = "somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written"
+        assert capsys.readouterr().err == f"{blank}imugrade: {refused}\n"
+        assert not (tmp_path / "a.csv").exists()
+        assert (cli.main([*a_csv, "--allow-blank"]), capsys.readouterr().err) == (0, blank)
         assert (tmp_path / "a.csv").read_text().splitlines()[2] == "bob,bob,,,,unreadable"
         zero = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "b.csv"), "--unreadable", "0"]
-        assert (cli.main(zero), capsys.readouterr().err) == (0, "")
+        assert (cli.main(zero), capsys.readouterr().err) == (0, "imugrade: graded: 2\n")
         assert (tmp_path / "b.csv").read_text().splitlines()[2] == "bob,bob,0,0,0,unreadable"
         by_hand = Adjustment("sensor_access", 3.0, "by mail", "me", "now", beneath(nothing.criteria[0]))
         store.adjust([("bob", by_hand)])
@@ -435,4 +437,4 @@ def test_reports_of_a_plain_class_have_no_place_to_go_and_that_is_told(
         assert cli.main(["export", str(out), "-f", "csv", "--feedback", str(tmp_path / "r.zip")]) == 0
     told = capsys.readouterr()
     assert told.out == f"{out}/marks.csv  1 grade\n{tmp_path}/r.zip  0 reports\n"
-    assert told.err == "imugrade: no report for the platform to place: alice\n"
+    assert told.err == "imugrade: graded: 1\nimugrade: no report for the platform to place: alice\n"

@@ -226,4 +226,4 @@ def test_nothing_is_written_for_a_platform_without_an_answer(capsys: pytest.Capt
 
 def test_a_platform_that_takes_no_grades_is_exported_to_by_no_program(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="--format made-up: Made-up Campus takes no grades"):
-        exporting.export(exporting.Export(tmp_path, silent()))
+        exporting.plan(exporting.Export(tmp_path, silent()))

@@ -23,9 +23,8 @@ def diff(
     Of one class alone: from the version before the last change of its settings to now.
 
     \b
-    Examples:
+    Example:
       imugrade diff out-monday out-tuesday
-      imugrade diff out
     """
     from grader.course import differences  # noqa: PLC0415
     from grader.course.record import Store  # noqa: PLC0415

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from grader.commands.common import either, one_of, say
+from grader.ground.errors import RequestError
 from grader.platforms import registry
 
 
@@ -40,14 +41,17 @@ def export(
     ] = False,
     unreadable: Annotated[
         str,
-        typer.Option("--unreadable", metavar="HOW", help="What could not be read or held nothing gets: blank or 0."),
+        typer.Option("--unreadable", metavar="HOW", help="What an empty or unreadable submission gets: blank or 0."),
     ] = "blank",
+    allow_blank: Annotated[
+        bool, typer.Option("--allow-blank", help="Write the file although somebody of the class has no grade in it.")
+    ] = False,
 ) -> int:
     """Write the final points of a graded class as a platform's upload.
 
     A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Rows of people
-    who are not in the class stay as they were; these people, those of the class who have no row, and every grade that is replaced
-    are listed. csv is a table for everything else.
+    who are not in the class stay as they were. What is graded, left blank, replaced and unmatched is told first; where somebody of
+    the class or its roster would be left blank, nothing is written without --allow-blank. csv is a table for everything else.
 
     \b
     Examples:
@@ -59,9 +63,16 @@ def export(
 
     platform = registry.platform(one_of("--format", format_, registry.names("fill", "write")))
     how = one_of("--unreadable", unreadable, exporting.UNREADABLE)
-    written = exporting.export(exporting.Export(out, platform, target, template, column, feedback, scale, how))
-    for line in written.told:
+    plan = exporting.plan(exporting.Export(out, platform, target, template, column, feedback, scale, how))
+    for line in plan.draft.lines():
+        say(line)
+    if plan.draft.blank and not allow_blank:
+        raise RequestError(
+            "somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written"
+        )
+    files, remarks = plan.write()
+    for line in files:
         print(line)
-    for line in written.remarks:
+    for line in remarks:
         say(line)
     return 0

@@ -88,6 +88,7 @@ class Class:
     told: tuple[str, ...]
     absent: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
+    doubtful: tuple[str, ...] = ()
 
 
 class Audience(Protocol):
@@ -143,7 +144,10 @@ def find(order: Order) -> Class:
     entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = placed.unknown if listed else ()
-    return Class(dated, found.leftovers, found.told, placed.absent, unknown)
+    absent = tuple(person.name for person in placed.absent)
+    return Class(
+        dated, found.leftovers, found.told, absent, unknown, (*placed.doubtful, *_contradicted(entries, placed))
+    )
 
 
 def _with_people(entry: Entry) -> HandIn:
@@ -152,11 +156,24 @@ def _with_people(entry: Entry) -> HandIn:
 
 
 def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
-    submitted = placed.submitted.get(entry.id) or entry.hand_in.submitted
+    """Return a hand-in with what the roster knows of it, by the late policy. The platform's own time goes before the roster's."""
     own = placed.due.get(entry.id)
-    due = own.isoformat() if own else ""
-    hand_in = replace(entry.hand_in, people=placed.hand_ins[entry.id].people, submitted=submitted, due=due)
+    hand_in = replace(
+        entry.hand_in,
+        people=placed.hand_ins[entry.id].people,
+        submitted=entry.hand_in.submitted or placed.submitted.get(entry.id, ""),
+        due=own.isoformat() if own else "",
+        grace_days=placed.grace_days.get(entry.id, 0),
+    )
     return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
+
+
+def _contradicted(entries: Sequence[Entry], placed: roster.Placed) -> Iterator[str]:
+    """Yield a line on each time of the roster that is not the platform's."""
+    for entry in entries:
+        told, known = placed.submitted.get(entry.id, ""), entry.hand_in.submitted
+        if told and known and told != known:
+            yield f"{entry.id}: submitted {known} by the platform, which counts, and {told} by the roster"
 
 
 def listing(found: Class) -> Iterator[str]:
@@ -256,6 +273,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
                 _keep_isolation(store, standings)
         now = (
             *remarks(standings, found.absent, found.unknown),
+            *found.doubtful,
             *of_policy(standings, order.rubric.late),
             *(() if order.only else gone(standings, {entry.id for entry in found.entries})),
         )

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course import class_settings
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
 from grader.ground.text import printable
-from grader.people.standing import Standing, given_out
+from grader.people import roster
+from grader.people.identity import Directory
+from grader.people.standing import Person, Standing, given_out
+from grader.platforms.filled import directory
+from grader.platforms.gradebook import NO_SUBMISSION
 from grader.platforms.platform import Fill, Platform
 
-Marks = tuple[bytes, int, list[str]]  # the file, how many grades are in it, and who was left out
 UNREADABLE = ("blank", "0")
 MAX_TEMPLATE = 64_000_000
 _STAMP = (2020, 1, 1, 0, 0, 0)  # the same results make the same bytes
@@ -41,15 +45,66 @@ class Export:
 
 
 @dataclass(frozen=True)
-class Written:
-    """What was written, and lines on who was left out."""
+class Draft:
+    """A file of grades that is not written yet, and what it does, by name of the person or row.
 
-    told: tuple[str, ...]
-    remarks: tuple[str, ...]
+    Attributes
+    ----------
+    graded
+        How many grades are in it.
+    blank
+        Who of the class has none in it, with the reason.
+    replaced, locked
+        Rows that had another grade, and rows whose grade is not to be changed.
+    unmatched
+        Rows that mean nobody of the class.
+    """
+
+    data: bytes
+    graded: int
+    blank: tuple[str, ...]
+    replaced: tuple[str, ...] = ()
+    locked: tuple[str, ...] = ()
+    unmatched: tuple[str, ...] = ()
+
+    def lines(self) -> Iterator[str]:
+        """Yield a line on each kind that there is."""
+        yield f"graded: {self.graded}"
+        named = {
+            "blank": self.blank,
+            "replaced": self.replaced,
+            "not to be changed in the file": self.locked,
+            "unmatched, left as they are": self.unmatched,
+        }
+        for kind, names in named.items():
+            if names:
+                yield f"{kind}: {len(names)} ({'; '.join(printable(name, 200) for name in names)})"
 
 
-def export(order: Export) -> Written:
-    """Write the marks, and with `feedback` the reports.
+@dataclass(frozen=True)
+class Plan:
+    """An export that is ready to be written."""
+
+    order: Export
+    draft: Draft
+    standings: Mapping[str, Standing]
+
+    def write(self) -> tuple[list[str], list[str]]:
+        """Write the marks, and the reports where they are asked for; return lines on the files, and on reports without a place."""
+        order = self.order
+        target = order.target or order.out / order.platform.gradebook
+        write_whole(target, self.draft.data)
+        told = [f"{target}  {self.draft.graded} grade{'s' * (self.draft.graded != 1)}"]
+        if order.feedback is None:
+            return told, []
+        reports, absent = _feedback(order.out, self.standings)
+        write_whole(order.feedback, reports)
+        told.append(f"{order.feedback}  {len(self.standings) - len(absent)} reports")
+        return told, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
+
+
+def plan(order: Export) -> Plan:
+    """Make the file of grades; nothing is written.
 
     Raises
     ------
@@ -57,9 +112,10 @@ def export(order: Export) -> Written:
         If nothing was graded in OUT, the platform takes no grades, the template is missing, not wanted or not the platform's, or
         reports that are asked for do not match the record.
     """
-    marks = _way(order)
+    make = _way(order)
     with Store.existing(order.out) as store:
         standings = store.standings()
+        people = class_settings.roster_of(store.settings()).people
         sent = [each for each in standings.values() if order.feedback and each.hand_in.reply]
         outdated = outdated_pages(order.out, sent, store)
     if outdated:
@@ -68,45 +124,63 @@ def export(order: Export) -> Written:
             f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
             "give the `imugrade grade` command again: it writes them anew"
         )
+    absent = roster.place(people, {id_: each.hand_in for id_, each in standings.items()}).absent
     if order.unreadable == "blank":
         standings = given_out(standings)
-    target = order.target or order.out / order.platform.gradebook
-    data, grades, remarks = marks(standings)
-    write_whole(target, data)
-    remarks = [*remarks, *_unread(standings)]
-    told = [f"{target}  {grades} grade{'s' * (grades != 1)}"]
-    if order.feedback is not None:
-        reports, absent = _feedback(order.out, standings)
-        write_whole(order.feedback, reports)
-        told.append(f"{order.feedback}  {len(standings) - len(absent)} reports")
-        remarks += [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
-    return Written(tuple(told), tuple(remarks))
+    return Plan(order, make(standings, absent), standings)
 
 
-def _unread(standings: Mapping[str, Standing]) -> list[str]:
-    """What there was nothing to mark in, and what stands for it."""
-    blank = [printable(id_, 80) for id_, each in standings.items() if each.unseen]
-    told = "nothing in them could be marked: left blank until you have looked (adjust them, or give --unreadable 0)"
-    return [f"{told}: {', '.join(blank)}"] if blank else []
+Make = Callable[[Mapping[str, Standing], Sequence[Person]], Draft]
 
 
-def _way(order: Export) -> Callable[[Mapping[str, Standing]], Marks]:
-    """How the platform gets the marks: its own file filled in, or one that is written."""
+def _way(order: Export) -> Make:
+    """Return how the platform gets the marks: its own file filled in, or one that is written."""
     fill, write, template = order.platform.fill, order.platform.write, order.template
     if fill is not None and template is not None:
-        return lambda standings: _filled(fill, template, order, standings)
+        return lambda standings, absent: _filled(fill, template, order, standings, absent)
     if write is not None and template is None:
-        return lambda standings: (write(standings), sum(each.final is not None for each in standings.values()), [])
+        return lambda standings, absent: Draft(
+            write(standings, absent),
+            sum(each.final is not None for each in standings.values()),
+            tuple(_blank(standings, absent)),
+        )
     if fill is None and write is None:
         raise RequestError(f"--format {order.platform.name}: {order.platform.title} takes no grades")
     needs = "needs --template with the file that it exports" if template is None else "takes no --template"
     raise RequestError(f"--format {order.platform.name} {needs}")
 
 
-def _filled(fill: Fill, template: Path, order: Export, standings: Mapping[str, Standing]) -> Marks:
+def _blank(standings: Mapping[str, Standing], absent: Sequence[Person]) -> Iterator[str]:
+    """Yield those of the class who have no grade, with the reason."""
+    for standing in standings.values():
+        if standing.final is None:
+            empty = "empty or unreadable; adjust it, or give --unreadable 0"
+            yield f"{standing.name or standing.id}: {empty if standing.unseen else 'not judged, through a fault of the grader'}"
+    yield from (f"{person.name}: {NO_SUBMISSION}" for person in absent)
+
+
+def _filled(
+    fill: Fill, template: Path, order: Export, standings: Mapping[str, Standing], absent: Sequence[Person]
+) -> Draft:
     source = printable(str(template), 500)
     filled = fill(_bytes(template, source), source, order.column, standings, scaled=order.scaled)
-    return filled.data, filled.grades, list(filled.left_out(standings))
+    known = directory(standings)
+    without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
+    strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
+    missing = (
+        f"{person.name or standing.id}: not in the file"
+        for standing in standings.values()
+        if standing.final is not None
+        for person in filled.without_row(standing)
+    )
+    return Draft(
+        filled.data,
+        filled.grades,
+        (*_blank(standings, absent), *missing),
+        tuple(filled.replaced),
+        tuple(filled.kept),
+        tuple(f"{name}: {why}" if why else name for name, why in strangers),
+    )
 
 
 def _bytes(path: Path, source: str) -> bytes:

@@ -40,8 +40,10 @@ def of_policy(standings: Mapping[str, Standing], policy: LatePolicy | None) -> I
     if untimed:
         many = f"{len(untimed)} of {len(standings)} hand-ins"
         yield f"the late policy takes nothing off {many}: nothing tells when they came (give a `submitted` column in the roster)"
+    in_time = [each.id for each in standings.values() if each.hand_in.marked_late and each.late is None]
+    yield from _lines("marked late by the platform, and in time by the roster and the late policy", in_time)
     people = [person for each in standings.values() for person in each.hand_in.people]
-    known = {text.casefold() for person in people for text in (person.name, person.key, person.sid, person.email)}
+    known = {text.casefold() for person in people for text in person.called}
     known |= {id_.casefold() for id_ in standings}
     yield from _lines(
         "with an extension in the rubric, and nobody's name who handed in",

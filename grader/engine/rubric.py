@@ -18,6 +18,7 @@ from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import yaml
 
@@ -108,6 +109,8 @@ class LatePolicy:
         After so many days nothing counts; None: everything is taken.
     extensions
         Other dates for some submissions or people, by what an id, a name or an e-mail address is.
+    tz
+        The time zone by whose clock days are counted, "Europe/Berlin" for example; "" counts 24 hours for each day.
     """
 
     due: datetime
@@ -115,6 +118,7 @@ class LatePolicy:
     per_day: float
     cut_off_days: float | None
     extensions: Mapping[str, datetime] = field(default_factory=dict)
+    tz: str = ""
 
 
 @dataclass(frozen=True)
@@ -409,9 +413,10 @@ def _limits(reader: Reader, node: yaml.Node | None) -> Limits:
 def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | None:
     if node is None:
         return None
-    optional = ("grace_minutes", "per_day", "cut_off_days", "extensions")
+    optional = ("grace_minutes", "per_day", "cut_off_days", "extensions", "tz")
     keys = reader.fields(node, "late", ("due",), optional)
-    due = reader.stamp(keys.get("due"), "due")
+    zone = _zone(reader, keys.get("tz"))
+    due = reader.stamp(keys.get("due"), "due", zone)
     grace = reader.number(keys.get("grace_minutes"), "grace_minutes", high=100 * LARGEST)
     cut_off = reader.number(keys.get("cut_off_days"), "cut_off_days")
     per_day = reader.share(keys.get("per_day"), "per_day", of)
@@ -419,11 +424,25 @@ def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | Non
     extensions: dict[str, datetime] = {}
     if isinstance(listed, yaml.MappingNode):
         for who, (_, value) in reader.pairs(listed, "extensions").items():
-            until = reader.stamp(value, f"the extension of {printable(who, 60)}")
+            until = reader.stamp(value, f"the extension of {printable(who, 60)}", zone)
             extensions |= {who: until} if until else {}
     elif listed is not None:
         reader.say(listed, "extensions must be `who: date` lines; who is an id, a name or an e-mail address")
-    return None if due is None else LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions)
+    if due is None:
+        return None
+    return LatePolicy(due, grace or 0.0, per_day or 0.0, cut_off, extensions, str(zone or ""))
+
+
+def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
+    """The time zone of a late policy, by its name."""
+    name = reader.text(node, "tz")
+    if node is None or not name:
+        return None
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        reader.say(node, f"there is no time zone {quote(node)}; name one like Europe/Berlin")
+        return None
 
 
 def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:

@@ -11,7 +11,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Sequence
-from datetime import datetime
+from datetime import datetime, tzinfo
 from typing import Any, NoReturn
 
 import yaml
@@ -190,9 +190,9 @@ class Reader:
             return None
         return self.points(node, what)
 
-    def stamp(self, node: yaml.Node | None, what: str) -> datetime | None:
-        """A date and time with its offset from UTC, which is what makes it one moment everywhere."""
-        when = read_stamp(node.value) if isinstance(node, yaml.ScalarNode) else None
+    def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
+        """A date and time with its offset from UTC, which is what makes it one moment everywhere, or by the clock of `zone`."""
+        when = read_stamp(node.value, zone) if isinstance(node, yaml.ScalarNode) else None
         if node is not None and when is None:
             example = "2026-11-20T23:59+01:00"
             self.say(

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import re
-from datetime import datetime, timezone
+from datetime import datetime, timezone, tzinfo
 
-_FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *(?:([+-]\d\d):?(\d\d)|[Zz])", re.ASCII)
+_FORM = re.compile(r"(\d{4}-\d\d-\d\d)[Tt ]+(\d\d:\d\d(?::\d\d)?)(?:\.\d+)? *([Zz]|([+-]\d\d):?(\d\d))?", re.ASCII)
 
 
-def read_stamp(value: object) -> datetime | None:
-    """A point in time from text or what a YAML reader made of it, to the second; None if it is none, or has no offset."""
+def read_stamp(value: object, zone: tzinfo | None = None) -> datetime | None:
+    """Return a point in time, to the second, from text or what a YAML reader made of it.
+
+    None if it is none, or has no offset and no `zone` says by which clock it is meant.
+    """
     if isinstance(value, datetime):
         return value.astimezone(timezone.utc).replace(microsecond=0) if value.tzinfo else None
     found = _FORM.fullmatch(str(value).strip())
     if found is None:
         return None
     try:
-        when = datetime.fromisoformat(f"{found[1]}T{found[2]}{found[3] or '+00'}:{found[4] or '00'}")
-        return when.astimezone(timezone.utc)
+        local = datetime.fromisoformat(f"{found[1]}T{found[2]}")
+        if found[3] is None:
+            return None if zone is None else local.replace(tzinfo=zone).astimezone(timezone.utc)
+        if found[3] in "Zz":
+            return local.replace(tzinfo=timezone.utc)
+        return datetime.fromisoformat(f"{found[1]}T{found[2]}{found[4]}:{found[5]}").astimezone(timezone.utc)
     except (ValueError, OverflowError):
         return None
 

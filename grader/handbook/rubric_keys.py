@@ -39,6 +39,7 @@ KEYS = {
     "late.grace_minutes": "up to that it is not late; later than that it counts from `due` on",
     "late.per_day": "points for each day begun after `due`, or a percentage of the criteria's points",
     "late.cut_off_days": "after so many days nothing counts; left out: no such end",
+    "late.tz": "time zone by whose clock days are counted, `Europe/Berlin` for example; left out: 24 hours a day",
     "late.extensions": "`who: date` lines; who is an id, a name or an e-mail address",
     "model": "the model that is simulated; may be left out",
     "model.path": "an MJCF file, relative to the rubric; left out: the lab model",

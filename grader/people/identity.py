@@ -1,7 +1,7 @@
-"""Whom a row of a table means: by a number, by an e-mail address, or else by a name that no two people share.
+"""Matching of table rows with people: by a number, by an e-mail address, or else by a name that no two people share.
 
-A row is given to nobody rather than to the wrong one: what contradicts it, a number of the same kind or another address, keeps
-people apart whatever else they share.
+A row is given to nobody rather than to the wrong person: a contradiction, such as another number or address, keeps two people of
+one name apart. `Directory.why_not` says what stood in the way.
 """
 
 from __future__ import annotations
@@ -10,11 +10,15 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.intake.names import folded
 from grader.people.standing import Person
 
 _PARTICIPANT = re.compile(r"\D*?(\d+)")
 _NUMBERING = ("canvas", "moodle")  # their numbers mean nothing elsewhere; a user name or a student number does
 _SUREST_FIRST = (*_NUMBERING, "number", "email", "foreign", "name")
+_A_FEW = 5
 _NO_WORD = re.compile(r"[\W_]+")
 
 
@@ -76,11 +80,25 @@ class Directory:
             for row, (sureness, match) in zip(rows, found, strict=True)
         ]
 
+    def why_not(self, row: Row) -> str:
+        """Return why a row means nobody: the people that it may mean, or the contradiction; "" if it is unlike everybody."""
+        refused = ""
+        for kind, word in _asked(row):
+            known = self._by.get((kind, word.casefold()), ()) if word else ()
+            contradictions = {match: _contradiction(row, match.person, kind) for match in known}
+            possible = [match for match, contradiction in contradictions.items() if not contradiction]
+            if len({match.id for match in possible}) > 1:
+                return f"may mean {' or '.join(map(_told, possible[:_A_FEW]))}"
+            if possible:
+                return f"another row means {_told(possible[0])} as well"
+            refused = refused or next((f"not {_told(m)}: {why}" for m, why in contradictions.items()), "")
+        return refused
+
     def _surest(self, row: Row) -> tuple[int, Match | None]:
         """The match, and by which kind of name it was found: less is surer."""
         for kind, word in _asked(row):
             matches = [
-                m for m in self._by.get((kind, word.casefold()), ()) if word and not _contradicts(row, m.person, kind)
+                m for m in self._by.get((kind, word.casefold()), ()) if word and not _contradiction(row, m.person, kind)
             ]
             if len({match.id for match in matches}) == 1:
                 return _SUREST_FIRST.index(kind), matches[0]
@@ -99,11 +117,26 @@ class Meant:
         self._ids, self._directory = people.keys(), Directory(people)
 
     def by(self, word: str) -> str:
-        """The id of the submission; the word itself, if it means none or several."""
+        """Return the id of the submission; the word itself if it means none.
+
+        Raises
+        ------
+        RequestError
+            If it means several people, or is how several ids begin: the message names them.
+        """
         if word in self._ids:
             return word
         asked = (Row(numbers=(word,)), Row(email=word), Row(name=word))
-        return next((match.id for row in asked if (match := self._directory.find(row)) is not None), word)
+        for row in asked:
+            match = self._directory.find(row)
+            if match is not None:
+                return match.id
+        several = [id_ for id_ in self._ids if folded(id_).startswith(folded(word))]
+        begins = f"may mean {', '.join(several[:_A_FEW])}" if len(several) > 1 else ""
+        ambiguous = next(filter(None, map(self._directory.why_not, asked)), begins)
+        if ambiguous:
+            raise RequestError(printable(f"{word} is ambiguous: it {ambiguous}; give the id", 1000))
+        return word
 
 
 def _wins(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
@@ -113,7 +146,7 @@ def _wins(claim: tuple[int, Row], claims: set[tuple[int, Row]]) -> bool:
 def _called(person: Person) -> Iterator[tuple[str, str]]:
     yield (person.platform if person.platform in _NUMBERING else "number"), person.key
     yield "foreign", person.key
-    yield "number", person.sid
+    yield from (("number", number) for number in (person.sid, *person.ids))
     yield "email", person.email
     yield from (("name", spelling) for spelling in spellings(person.name))
 
@@ -127,18 +160,34 @@ def _asked(row: Row) -> Iterator[tuple[str, str]]:
     yield from (("name", spelling) for spelling in spellings(row.name))
 
 
-def _contradicts(row: Row, person: Person | None, kind: str) -> bool:
+def _contradiction(row: Row, person: Person | None, kind: str) -> str:
+    """Return what keeps a row and a person apart although they share a word of this kind; "" if nothing does."""
     if person is None:
-        return False
+        return ""
     if row.key and person.platform == row.platform and row.key.strip() != person.key:
-        return True
+        return f"{row.platform} number {row.key.strip()} and {person.key}"
     if kind == "foreign":
-        return bool(row.name and person.name) and not spellings(row.name) & spellings(person.name)
+        other = bool(row.name and person.name) and not spellings(row.name) & spellings(person.name)
+        return f"names {row.name} and {person.name}" if other else ""
     if kind != "name":
-        return False
-    other_mail = bool(row.email and person.email) and row.email.strip().casefold() != person.email.casefold()
-    numbers = {number.strip().casefold() for number in row.numbers}
-    return other_mail or (bool(numbers and person.sid) and person.sid.casefold() not in numbers)
+        return ""
+    if row.email and person.email and row.email.strip().casefold() != person.email.casefold():
+        return f"addresses {row.email.strip()} and {person.email}"
+    theirs = tuple(filter(None, (person.sid, *person.ids)))
+    if row.numbers and person.sid and not set(map(_digits, row.numbers)) & set(map(_digits, theirs)):
+        return f"numbers {', '.join(row.numbers)} and {', '.join(theirs)}"
+    return ""
+
+
+def _digits(number: str) -> str:
+    """Return the digits of a student number: of two people of one name, `S5039` and `05039` are the same person."""
+    return re.sub(r"\D", "", number).lstrip("0") or number.strip().casefold()
+
+
+def _told(match: Match) -> str:
+    person = match.person
+    known = ", ".join(dict.fromkeys(filter(None, (person.name, person.sid or person.email)))) if person else ""
+    return f"{match.id} ({known})" if known and known != match.id else match.id
 
 
 def participant(cell: str) -> str:

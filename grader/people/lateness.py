@@ -1,10 +1,11 @@
-"""The late policy applied to one hand-in: how late it is, and what that takes off. The marks themselves are left alone."""
+"""Late policy of a class, applied to one hand-in: how late it is, and the deduction. Scores themselves are left alone."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from datetime import datetime
+from datetime import datetime, timezone
+from zoneinfo import ZoneInfo
 
 from grader.engine.rubric import LatePolicy
 from grader.ground.stamps import read_stamp
@@ -35,23 +36,33 @@ def _late(hand_in: HandIn, policy: LatePolicy | None, names: tuple[str, ...]) ->
     came = read_stamp(hand_in.submitted)
     if came is None:
         return Lateness(_text(until), None) if hand_in.marked_late else None
-    return _lateness(policy, until, math.ceil((came - until).total_seconds()))
+    return _lateness(policy, until, came, hand_in.grace_days)
 
 
-def _lateness(policy: LatePolicy, due: datetime, seconds: int) -> Lateness | None:
-    """A day that has begun counts whole; None up to the end of the grace period."""
+def _lateness(policy: LatePolicy, due: datetime, came: datetime, grace_days: int) -> Lateness | None:
+    """Return the lateness of a hand-in; None up to the end of the grace period.
+
+    A day that has begun counts whole. Where the policy names a time zone, a day ends when its clock shows the time of `due` again:
+    a night in which the clock is changed makes it no longer. Grace days of the student are taken off the days that count.
+    """
+    seconds = math.ceil((came - due).total_seconds())
     if seconds <= 60 * policy.grace_minutes:
         return None
-    days = math.ceil(seconds / DAY)
-    refused = policy.cut_off_days is not None and seconds > policy.cut_off_days * DAY
-    return Lateness(_text(due), seconds, days, round(days * policy.per_day, 2), refused)
+    by_clock = _by_clock(came, policy.tz) - _by_clock(due, policy.tz)
+    days = max(1, math.ceil(by_clock.total_seconds() / DAY))
+    refused = policy.cut_off_days is not None and by_clock.total_seconds() > policy.cut_off_days * DAY
+    used = 0 if refused else min(days, grace_days)
+    return Lateness(_text(due), seconds, days - used, round((days - used) * policy.per_day, 2), refused, used)
+
+
+def _by_clock(when: datetime, zone: str) -> datetime:
+    """Return what the clock of a time zone shows, UTC where none is named."""
+    return when.astimezone(ZoneInfo(zone) if zone else timezone.utc).replace(tzinfo=None)
 
 
 def _extension(policy: LatePolicy, people: tuple[Person, ...], names: tuple[str, ...]) -> datetime | None:
     """The latest date that anyone of a group has."""
-    called = {
-        text.casefold() for person in people for text in (person.name, person.key, person.sid, person.email) if text
-    }
+    called = {text.casefold() for person in people for text in person.called}
     called |= {name.casefold() for name in names}
     return max((until for who, until in policy.extensions.items() if who.casefold() in called), default=None)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -16,10 +17,21 @@ from grader.people.identity import Directory, Match, Row, participant
 from grader.people.standing import HandIn, Person
 
 MAX_BYTES = 16_000_000
+_DAYS = re.compile(r"\d{1,3}")
 COLUMNS: Mapping[str, tuple[str, ...]] = {
     "canvas": ("canvas_user_id",),
     "moodle": ("identifier",),
-    "id": ("id", "student id", "sid", "username", "login", "sis user id", "sis login id", "user_id", "login_id"),
+    "sid": ("sid", "student id", "student number", "sis user id", "id"),
+    "id": (
+        "username",
+        "login",
+        "sis login id",
+        "user_id",
+        "login_id",
+        "integration id",
+        "github_username",
+        "github_id",
+    ),
     "name": ("name", "student", "full name"),
     "first": ("first name", "first_name", "firstname"),
     "last": ("last name", "last_name", "lastname"),
@@ -28,8 +40,10 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "group": ("group", "group name", "group_name", "team"),
     "due": ("due", "due date", "extension"),
     "submitted": ("submitted",),
+    "grace": ("grace_days", "grace days", "late_days", "late days", "slip days"),
 }
-"""What each column may be called: an export of Canvas (its groups as well), Moodle, Gradescope or Classroom 50 is a roster."""
+"""What each column may be called: an export of Canvas (its groups as well), Moodle, Gradescope, GitHub Classroom or Classroom 50
+is a roster. Student numbers come before other identifiers, in this order."""
 
 
 _NOBODY = ("Points Possible", "Student, Test")
@@ -38,13 +52,23 @@ _NOBODY = ("Points Possible", "Student, Test")
 
 @dataclass(frozen=True)
 class Listed:
-    """One person of the roster. `due` and `submitted` are None and "" where the roster leaves them open."""
+    """One person of the roster. `due` is None and `submitted` "" where the roster leaves them open; `place` is file and line."""
 
     who: Row
     section: str = ""
     due: datetime | None = None
     submitted: str = ""
     group: str = ""
+    grace_days: int = 0
+    place: str = field(default="", compare=False)
+
+    @property
+    def person(self) -> Person:
+        """Who it is, as far as the roster tells."""
+        who = self.who
+        number, *others = who.numbers or ("",)
+        name = who.name or who.email or number
+        return Person(name, who.key, who.platform, number, who.email, self.section, tuple(others))
 
 
 @dataclass(frozen=True)
@@ -95,14 +119,23 @@ def parse(data: bytes, source: str) -> Roster:
 def _rows(data: bytes, source: str) -> Iterator[Listed]:
     table = tables.reader(data)
     titles = [title.strip().casefold() for title in next(table, [])]
-    known = {**COLUMNS, "canvas": ("id",), "id": COLUMNS["id"][1:]} if titles[:2] == ["student", "id"] else COLUMNS
-    places = {kind: [i for i, title in enumerate(titles) if title in names] for kind, names in known.items()}
-    if not any(places[kind] for kind in ("canvas", "moodle", "id", "name", "first", "email")):
+    known = {**COLUMNS, **_titled(titles)}
+    places = {kind: [titles.index(name) for name in names if name in titles] for kind, names in known.items()}
+    if not any(places[kind] for kind in ("canvas", "moodle", "sid", "id", "name", "first", "email")):
         raise RequestError(f"{source}:1: no column id, name or email; the first line has to name the columns")
     for cells in table:
         values = {kind: [cells[i].strip() for i in where if i < len(cells)] for kind, where in places.items()}
         if any(cells) and not cells[0].strip().startswith(_NOBODY):
             yield _listed(values, f"{source}:{table.line_num}")
+
+
+def _titled(titles: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
+    """Return what columns mean where a platform gives a common title a meaning of its own."""
+    if titles[:2] == ["student", "id"]:  # Canvas: its own number
+        return {"canvas": ("id",), "sid": tuple(name for name in COLUMNS["sid"] if name != "id")}
+    if "github_username" in titles:  # GitHub Classroom: the number that the instructor entered
+        return {"moodle": (), "sid": ("identifier", *COLUMNS["sid"])}
+    return {}
 
 
 def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
@@ -117,19 +150,28 @@ def _listed(values: Mapping[str, Sequence[str]], place: str) -> Listed:
     name = first("name") or " ".join(filter(None, (first("first"), first("last"))))
     platform = next((each for each in ("canvas", "moodle") if first(each)), "")
     key = participant(first(platform)) if platform else ""
-    who = Row(platform, key, tuple(filter(None, values["id"])), first("email"), name)
-    return Listed(who, first("section"), read_stamp(due) if due else None, stamp(submitted), first("group"))
+    if not _DAYS.fullmatch(first("grace") or "0"):
+        raise RequestError(f"{place}: grace days must be a whole number, not {printable(first('grace'), 60)}")
+    numbers = tuple(dict.fromkeys(filter(None, (*values["sid"], *values["id"]))))
+    who = Row(platform, key, numbers, first("email"), name)
+    until, days = read_stamp(due) if due else None, int(first("grace") or 0)
+    return Listed(who, first("section"), until, stamp(submitted), first("group"), days, place)
 
 
 @dataclass(frozen=True)
 class Placed:
-    """The roster laid over a class: hand-ins with its names, dates and times, and rows and hand-ins without a partner."""
+    """The roster laid over a class: hand-ins with its names, dates and times, and rows and hand-ins without a partner.
+
+    `doubtful` has a line on each row that may mean somebody and was given to nobody.
+    """
 
     hand_ins: Mapping[str, HandIn]
     due: Mapping[str, datetime]
     submitted: Mapping[str, str]
-    absent: tuple[str, ...]
+    absent: tuple[Person, ...]
     unknown: tuple[str, ...]
+    doubtful: tuple[str, ...] = ()
+    grace_days: Mapping[str, int] = field(default_factory=dict)
 
 
 def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
@@ -146,24 +188,29 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
     directory = Directory({id_: hand_in.people for id_, hand_in in placed.items()})
     due: dict[str, datetime] = {}
     submitted: dict[str, str] = {}
-    absent: list[str] = []
+    grace_days: dict[str, int] = {}
+    absent: list[Person] = []
+    doubtful: list[str] = []
     known: set[str] = set()
     matches = directory.find_each([listed.who for listed in roster])
     shared = _shared(roster, matches, directory)
     for listed, match in zip(roster, matches, strict=True):
         theirs = match or shared.get(listed.group.casefold())
         if theirs is None:
-            absent.append(listed.who.told())
+            absent.append(listed.person)
+            why = directory.why_not(listed.who)
+            doubtful += [f"{listed.place}: {listed.who.told()} {why}"] if why else []
             continue
         known.add(theirs.id)
         with_row = _enriched if match else _joined
         placed[theirs.id] = with_row(placed[theirs.id], theirs.person, listed)
         if listed.submitted:
             submitted[theirs.id] = max(submitted.get(theirs.id, ""), listed.submitted)
+        grace_days[theirs.id] = max(grace_days.get(theirs.id, 0), listed.grace_days)
         if listed.due is not None:  # a group has the latest date that one of it has
             due[theirs.id] = max(due.get(theirs.id, listed.due), listed.due)
     unknown = tuple(id_ for id_ in hand_ins if id_ not in known)
-    return Placed(placed, due, submitted, tuple(absent), unknown)
+    return Placed(placed, due, submitted, tuple(absent), unknown, tuple(doubtful), grace_days)
 
 
 def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory: Directory) -> dict[str, Match]:
@@ -179,10 +226,7 @@ def _shared(roster: Sequence[Listed], matches: Sequence[Match | None], directory
 
 def _joined(hand_in: HandIn, stand_in: Person | None, listed: Listed) -> HandIn:
     """With one more member of the group; the name of the group stood in for them until the first one came."""
-    who = listed.who
-    number = next(iter(who.numbers), "")
-    member = Person(who.name or who.email or number, who.key, who.platform, number, who.email, listed.section)
-    return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), member))
+    return replace(hand_in, people=(*(person for person in hand_in.people if person != stand_in), listed.person))
 
 
 def _with_login(hand_in: HandIn, roster: Sequence[Listed]) -> HandIn:
@@ -203,10 +247,12 @@ def _enriched(hand_in: HandIn, meant: Person | None, listed: Listed) -> HandIn:
 
 def _mended(person: Person, listed: Listed) -> Person:
     who = listed.who
+    sid = person.sid or next((number for number in who.numbers if number != person.key), "")
     return replace(
         person,
         name=who.name or person.name,
-        sid=person.sid or next((number for number in who.numbers if number != person.key), ""),
+        sid=sid,
         email=who.email or person.email,
         section=listed.section or person.section,
+        ids=tuple(number for number in who.numbers if number not in (sid, person.key)),
     )

@@ -14,7 +14,8 @@ from grader.engine.results import CheckResult, CriterionResult, Result
 class Person:
     """Who handed in. `key` is the platform's own name for them: a Canvas user id, a Moodle participant number, a user name.
 
-    `platform` says whose name that is; "" where it is the name of a folder or an archive.
+    `platform` says whose name that is; "" where it is the name of a folder or an archive. `sid` is the student number, and `ids`
+    holds every other identifier that the roster has of them: logins, user names, GitHub names.
     """
 
     name: str
@@ -23,6 +24,12 @@ class Person:
     sid: str = ""
     email: str = ""
     section: str = ""
+    ids: tuple[str, ...] = ()
+
+    @property
+    def called(self) -> tuple[str, ...]:
+        """Every identifier and name of theirs that is known."""
+        return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))
 
 
 @dataclass(frozen=True)
@@ -36,11 +43,13 @@ class Lateness:
     seconds
         How long after that it came; None where the platform says "late" and not how late.
     days
-        Days that were begun after `due`, as they are deducted; 0 within the grace period.
+        Days that were begun after `due`, as they are deducted; 0 within the grace period, or where grace days cover them.
     deduction
         Points that the policy takes off, before they are limited to what there is.
     refused
         It came after the cut-off: nothing of it counts.
+    grace_days
+        Grace days of the student that were used, and are not among `days`.
     """
 
     due: str
@@ -48,6 +57,7 @@ class Lateness:
     days: int = 0
     deduction: float = 0.0
     refused: bool = False
+    grace_days: int = 0
 
 
 @dataclass(frozen=True)
@@ -62,6 +72,8 @@ class HandIn:
         The platform's time stamp, ISO 8601 with its offset; "" where there is none.
     due
         When it is due for these people alone, as the roster has it, ISO 8601 with its offset; "" where they have no such date.
+    grace_days
+        Days that these people may be late without a deduction, as the roster has them.
     marked_late
         The platform says that it is late, and not how late.
     late
@@ -79,6 +91,7 @@ class HandIn:
     number: str = ""
     due: str = ""
     marked_late: bool = False
+    grace_days: int = 0
 
 
 NOTHING_KNOWN = HandIn()
@@ -253,6 +266,6 @@ def hand_in_to_dict(hand_in: HandIn) -> dict[str, Any]:
 
 def hand_in_from_dict(record: Mapping[str, Any]) -> HandIn:
     """The inverse, for records read back from the store."""
-    people = tuple(Person(**person) for person in record["people"])
+    people = tuple(Person(**{**person, "ids": tuple(person.get("ids", ()))}) for person in record["people"])
     late = None if record["late"] is None else Lateness(**record["late"])
     return HandIn(**{**record, "people": people, "late": late})

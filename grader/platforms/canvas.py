@@ -48,7 +48,7 @@ def fill(
     form = _form(sheet, grade, source)
     matches = form.matches(standings)
     filled = fill_in(form, matches, standings, scaled=scaled)
-    filled.blank = [name for name in filled.blank if name.strip() not in TEST_STUDENT]
+    filled.unmatched = [(who, name) for who, name in filled.unmatched if name.strip() not in TEST_STUDENT]
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()
     return filled

@@ -1,16 +1,15 @@
-"""A platform's own file, filled in: grades go into one column, and who was left out, and what was replaced, is told."""
+"""Filling in of the file that a platform exported: grades go into one column, and every other byte stays."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who
-from grader.people.standing import Standing
+from grader.people.standing import Person, Standing
 from grader.platforms.sheet import Row, Sheet
 from grader.report import words
 
@@ -19,24 +18,34 @@ _COMMA = re.compile(r"-?\d+,\d+")
 
 @dataclass
 class Filled:
-    """The filled file, how many grades went in, and lines on what did not."""
+    """The filled file, and what became of its rows.
+
+    Attributes
+    ----------
+    grades
+        How many grades went in.
+    placed
+        The people who have a row, by id of the submission; None stands for all of a group.
+    unmatched
+        Rows that mean nobody who handed in, with the name that the file has: left as they are.
+    kept
+        Rows whose grade is not to be changed.
+    replaced
+        Rows that had another grade.
+    """
 
     data: bytes = b""
     grades: int = 0
-    placed: set[str] = field(default_factory=set)
-    blank: list[str] = field(default_factory=list)
+    placed: set[Match] = field(default_factory=set)
+    unmatched: list[tuple[Who, str]] = field(default_factory=list)
     kept: list[str] = field(default_factory=list)
     replaced: list[str] = field(default_factory=list)
 
-    def left_out(self, standings: Mapping[str, Standing]) -> Iterator[str]:
-        """Who has a result and no row, who has a row and no result, rows that were left as they are, and grades that were not."""
-        missing = [id_ for id_ in standings if id_ not in self.placed]
-        still_open = [id_ for id_ in self.placed if standings[id_].final is None and not standings[id_].unseen]
-        yield from _line("graded, and not in the file", missing)
-        yield from _line("in the file, and not graded (left as it is)", self.blank)
-        yield from _line("not judged, through a fault of the grader (left as it is)", sorted(still_open))
-        yield from _line("not to be changed in the file (left as it is)", self.kept)
-        yield from _line("had another grade in the file, which was replaced", self.replaced)
+    def without_row(self, standing: Standing) -> list[Person]:
+        """Return those who handed in together and have no row in the file."""
+        if Match(standing.id, None) in self.placed:
+            return []
+        return [person for person in standing.people if Match(standing.id, person) not in self.placed]
 
 
 @dataclass(frozen=True)
@@ -98,10 +107,10 @@ def fill_in(
     for number, row in form.rows.items():
         match = matches[number]
         if match is None:
-            filled.blank.append(form.name(row))
+            filled.unmatched.append((form.who(row), form.name(row)))
             continue
         standing = standings[match.id]
-        filled.placed.add(standing.id)
+        filled.placed.add(match)
         if form.locked(row):
             filled.kept.append(form.name(row))
         elif standing.final is not None:
@@ -141,12 +150,6 @@ def _number(cell: str) -> float | None:
         return float(cell.strip().replace(",", "."))
     except ValueError:
         return None
-
-
-def _line(what: str, names: Sequence[str]) -> Iterator[str]:
-    """Every name; they are parted by semicolons, as many are ``Last, First``."""
-    for start in range(0, len(names), 20):
-        yield f"{what}: {'; '.join(printable(name, 80) for name in names[start : start + 20])}"
 
 
 def directory(standings: Mapping[str, Standing]) -> Directory:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from grader.engine.results import CriterionResult
 from grader.ground.text import csv_cell, printable
-from grader.people.standing import Standing
+from grader.people.standing import Person, Standing
 from grader.platforms.platform import Help, Platform
 from grader.report import words
 
+NO_SUBMISSION = "no submission"
 Cell = Callable[[Standing], str]
 
 
@@ -29,26 +30,29 @@ def gradebook(standings: Mapping[str, Standing]) -> str:
     return _written(_columns(list(standings.values())), standings)
 
 
-def exported(standings: Mapping[str, Standing]) -> str:
-    """The same with the final points in every case: the column to take grades from."""
-    columns = _columns(list(standings.values()))
+def exported(standings: Mapping[str, Standing], absent: Sequence[Person] = ()) -> str:
+    """Return the same with the final points in every case, the column to take grades from, and a row for each who is absent."""
+    columns = _columns(list(standings.values()), any(person.section for person in absent))
     status = columns.pop("status")
     columns |= {"final": lambda s: _points(s.final), "status": status}
-    return _written(columns, standings)
+    return _written(columns, standings, absent)
 
 
-def _written(columns: Mapping[str, Cell], standings: Mapping[str, Standing]) -> str:
+def _written(columns: Mapping[str, Cell], standings: Mapping[str, Standing], absent: Sequence[Person] = ()) -> str:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows([cell(standing) for cell in columns.values()] for standing in standings.values())
+    for person in absent:
+        known = {"name": _text(person.name), "section": _text(person.section), "status": NO_SUBMISSION}
+        table.writerow([known.get(column, "") for column in columns])
     return text.getvalue()
 
 
-def _columns(standings: list[Standing]) -> dict[str, Cell]:
+def _columns(standings: list[Standing], sections: bool = False) -> dict[str, Cell]:
     """What each column is called and holds; criteria in the order in which they are first met."""
     columns: dict[str, Cell] = {"id": lambda s: csv_cell(s.id), "name": lambda s: _text(s.name)}
-    if any(s.section for s in standings):
+    if sections or any(s.section for s in standings):
         columns["section"] = lambda s: _text(s.section)
     for criterion in dict.fromkeys(c.id for s in standings for c in s.result.criteria):
         columns[criterion] = lambda s, id_=criterion: "" if s.unseen else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
@@ -68,6 +72,8 @@ def _beside(standings: list[Standing]) -> dict[str, Cell]:
     if any(s.late for s in standings):
         columns["late"] = _late
         columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
+        if any(s.late and s.late.grace_days for s in standings):
+            columns["grace_days_used"] = lambda s: str(s.late.grace_days if s.late else 0)
     if "adjusted" in columns or "late" in columns:
         columns["final"] = lambda s: _points(s.final)
     return columns
@@ -98,6 +104,6 @@ PLATFORM = Platform(
     name="csv",
     title="CSV",
     help=Help(grades="one row a submission; the grade is in `final`, after adjustments and lateness."),
-    write=lambda standings: exported(standings).encode("utf-8", "replace"),
+    write=lambda standings, absent: exported(standings, absent).encode("utf-8", "replace"),
     gradebook="marks.csv",
 )

@@ -10,7 +10,7 @@ import csv
 import html
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import yaml
@@ -134,7 +134,7 @@ COLUMNS = (
 _SUFFIXES = ("jr", "jr.", "sr", "sr.", "ii", "iii", "iv")
 
 
-def gradescope_csv(standings: Mapping[str, Standing]) -> str:
+def gradescope_csv(standings: Mapping[str, Standing], absent: Sequence[Person] = ()) -> str:
     """A row a person, in the columns in which Gradescope itself exports the grades of an assignment.
 
     Final points of each person; all members of a group have the group's. What nobody counted here is blank.
@@ -144,15 +144,20 @@ def gradescope_csv(standings: Mapping[str, Standing]) -> str:
     table.writerow(COLUMNS)
     for standing in standings.values():
         table.writerows(_row(standing, person) for person in standing.people)
+    table.writerows([*_who(person), "", "", "Missing", *[""] * 5] for person in absent)
     return text.getvalue()
 
 
-def _row(standing: Standing, person: Person) -> list[str]:
+def _who(person: Person) -> list[str]:
     first, last = _names(person.name)
-    final = standing.final
     who = (first, last, person.sid or person.key, person.email, person.section)
+    return [csv_cell(printable(text, 500)) for text in who]
+
+
+def _row(standing: Standing, person: Person) -> list[str]:
+    final = standing.final
     return [
-        *(csv_cell(printable(text, 500)) for text in who),
+        *_who(person),
         "" if final is None else words.number(final),
         words.number(standing.result.max_score),
         "Ungraded" if final is None else "Graded",
@@ -256,8 +261,8 @@ failed; run it again from its page.""",
     answer="autograder/results/results.json",
     keeps_secrets=True,
     read=read,
-    write=lambda standings: (
-        BOM + gradescope_csv(standings).encode("utf-8", "replace")
+    write=lambda standings, absent: (
+        BOM + gradescope_csv(standings, absent).encode("utf-8", "replace")
     ),  # marked: a spreadsheet spoils umlauts
     gradebook="gradescope.csv",
 )

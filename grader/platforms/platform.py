@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Protocol
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from grader.engine.results import Result
     from grader.intake import Submission
     from grader.intake.downloads import Download
-    from grader.people.standing import Standing
+    from grader.people.standing import Person, Standing
     from grader.platforms.filled import Filled
     from grader.platforms.found import Shape
 
@@ -128,7 +128,7 @@ class Platform:
     fill
         The file that it exported, with the grades of a class filled in.
     write
-        The grades of a class as a file of its own.
+        The grades of a class as a file of its own, with those of the roster who handed in nothing.
     gradebook
         What the file of the grades is called in OUT.
     """
@@ -145,5 +145,5 @@ class Platform:
     keeps_secrets: bool = False
     read: Callable[[Download], Shape | None] | None = None
     fill: Fill | None = None
-    write: Callable[[Mapping[str, Standing]], bytes] | None = None
+    write: Callable[[Mapping[str, Standing], Sequence[Person]], bytes] | None = None
     gradebook: str = ""

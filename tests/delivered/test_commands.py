@@ -103,7 +103,7 @@ def test_a_class_is_exported(delivered: Delivered, out: Path, format_: str, give
     here = delivered.empty()
     (here / "canvas.csv").write_bytes(canvas_gradebook([]))
     (here / "moodle.csv").write_bytes(moodle_worksheet([]))
-    done = delivered.run("export", out, "--format", format_, "-o", "marks.csv", *given, cwd=here)
+    done = delivered.run("export", out, "--format", format_, "-o", "marks.csv", "--allow-blank", *given, cwd=here)
     assert done.returncode == 0, done.stderr
     assert (here / "marks.csv").stat().st_size > 100
 

@@ -1,0 +1,146 @@
+"""People of a class: every identifier counts, groups and those without a submission stand in every file, doubt is told."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.class_commands import Run, column, commands, hand_in
+from tests.corpus.writing import zipped
+
+GITHUB_ROSTER = '"identifier","github_username","github_id","name"\n"s1001","jdoe-gh","9001","Jane Doe"\n"s1002","rroe42","9002",""\n"s1003","","",""\n'
+"""What GitHub Classroom downloads as `classroom_roster.csv`."""
+BLANK = "imugrade: somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written\n"
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Iterator[Run]:
+    monkeypatch.chdir(tmp_path)
+    with commands(monkeypatch, capsys) as command:
+        yield command
+
+
+def rows(path: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(Path(path).read_text(encoding="utf-8-sig"))))
+
+
+def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -> None:
+    for name in ("lab04-jdoe-gh", "lab04-rroe42"):
+        hand_in(Path("class"), **{name: 1})
+        Path("class", name, ".git").mkdir()
+        Path("class", name, ".git", "HEAD").write_text("ref: refs/heads/main\n")
+    Path("classroom_roster.csv").write_text(GITHUB_ROSTER)
+    code, _, err = run("grade", "class", "-o", "out", "--roster", "classroom_roster.csv")
+    assert code == 0
+    assert "in the roster, and nothing handed in: s1003\n" in err
+    assert column(Path("out/gradebook.csv"), "name") == {"lab04-jdoe-gh": "Jane Doe", "lab04-rroe42": "lab04-rroe42"}
+    for word in ("s1001", "jdoe-gh", "9001", "Jane Doe"):
+        assert "1 on record" in run("grade", "class", "-o", "out", "--only", word)[1]
+    code, _, err = run("export", "out", "-f", "gradescope", "-o", "marks.csv")
+    assert (code, err) == (2, f"imugrade: graded: 2\nimugrade: blank: 1 (s1003: no submission)\n{BLANK}")
+    assert not Path("marks.csv").exists()
+    assert run("export", "out", "-f", "gradescope", "-o", "marks.csv", "--allow-blank")[0] == 0
+    assert [(row["SID"], row["Total Score"], row["Status"]) for row in rows("marks.csv")] == [
+        ("s1001", "100", "Graded"),
+        ("s1002", "100", "Graded"),
+        ("s1003", "", "Missing"),
+    ]
+
+
+PAIR = "id,sis user id,login,name,email,group\n5038,S5038,ann1,Ann Lee,ann@example.edu,1\n5039,S5039,bob1,Bob Roe,bob@example.edu,1\n"
+
+
+def canvas_download(**kept: float) -> None:
+    """One file for each, by `<name>_<user id>`."""
+    Path("canvas.zip").write_bytes(
+        zipped(
+            {f"{who}_{900 + at}_filters.py": f"# {share}\n".encode() for at, (who, share) in enumerate(kept.items())}
+        )
+    )
+
+
+def test_a_partner_is_graded_in_every_platforms_file(run: Run) -> None:
+    canvas_download(leeann_101=1)
+    Path("roster.csv").write_text(PAIR)
+    assert run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")[0] == 0
+    Path("canvas.csv").write_text(
+        "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"
+        '"Lee, Ann",101,S5038,ann1,A,\n"Roe, Bob",102,S5039,bob1,A,\n'
+    )
+    code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
+    assert (code, err) == (0, "imugrade: graded: 2\n")
+    assert [row["Lab (1)"] for row in rows("filled.csv")] == ["100", "100", "100"]
+    Path("moodle.csv").write_text(
+        "Identifier,Full name,Email address,Grade,Maximum grade,Grade can be changed\n"
+        "Participant 7,Ann Lee,ann@example.edu,,100,Yes\nParticipant 8,Bob Roe,bob@example.edu,,100,Yes\n"
+    )
+    assert run("export", "out", "-f", "moodle", "--template", "moodle.csv", "-o", "filled.csv")[0] == 0
+    assert [row["Grade"] for row in rows("filled.csv")] == ["100", "100"]
+    assert run("export", "out", "-f", "gradescope", "-o", "filled.csv")[0] == 0
+    assert [(row["SID"], row["Total Score"]) for row in rows("filled.csv")] == [("S5038", "100"), ("S5039", "100")]
+
+
+def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) -> None:
+    canvas_download(leeann_101=1)
+    Path("roster.csv").write_text("id,name,group\n5038,Ann Lee,1\n5039,Bob Roe,1\n")
+    assert run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")[0] == 0
+    head = "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\n"
+    Path("canvas.csv").write_text(head + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S5039,,A,\n')
+    code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
+    assert (code, err) == (0, "imugrade: graded: 2\n")
+    Path("canvas.csv").write_text(head + '"Lee, Ann",101,S5038,,A,\n"Roe, Bob",102,S6000,,A,\n')
+    code, _, err = run("export", "out", "-f", "canvas", "--template", "canvas.csv", "-o", "filled.csv")
+    assert (code, err) == (
+        2,
+        "imugrade: graded: 1\n"
+        "imugrade: blank: 1 (Bob Roe: not in the file)\n"
+        "imugrade: unmatched, left as they are: 1 (Roe, Bob: not leeann_101 (Bob Roe, 5039): numbers S6000 and 5039)\n"
+        f"{BLANK}",
+    )
+
+
+def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run) -> None:
+    hand_in(Path("class"), ann=1, bob=None)
+    Path("roster.csv").write_text("id,name,section\nann,Ann Lee,A\nbob,Bob Roe,A\ncy,Cy Moe,B\n")
+    assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
+    assert column(Path("out/gradebook.csv"), "total") == {"ann": "100", "bob": ""}
+    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")
+    assert (code, err) == (
+        0,
+        "imugrade: graded: 1\n"
+        "imugrade: blank: 2 (Bob Roe: empty or unreadable; adjust it, or give --unreadable 0; Cy Moe: no submission)\n",
+    )
+    assert [(row["name"], row["section"], row["final"], row["status"]) for row in rows("marks.csv")] == [
+        ("Ann Lee", "A", "100", "graded"),
+        ("Bob Roe", "A", "", "empty"),
+        ("Cy Moe", "B", "", "no submission"),
+    ]
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank", "--unreadable", "0")[0] == 0
+    assert [row["final"] for row in rows("marks.csv")] == ["100", "0", ""]
+
+
+def test_an_ambiguous_name_is_told_with_those_that_it_may_mean(run: Run) -> None:
+    canvas_download(doejane_101=1, doejane_102=0)
+    assert run("grade", "canvas.zip", "-o", "out")[0] == 0
+    told = "is ambiguous: it may mean doejane_101 (doejane) or doejane_102 (doejane); give the id\n"
+    wish = ("--criterion", "filtering", "--points", 3, "--comment", "x")
+    assert run("adjust", "out", "Jane Doe", *wish) == (2, "", f"imugrade: Jane Doe {told}")
+
+
+def test_the_beginning_of_several_ids_is_ambiguous(run: Run) -> None:
+    hand_in(Path("class"), jane_1=1, jane_2=0)
+    assert run("grade", "class", "-o", "out")[0] == 0
+    code, _, err = run("grade", "class", "-o", "out", "--only", "jane")
+    assert (code, err) == (2, "imugrade: jane is ambiguous: it may mean jane_1, jane_2; give the id\n")
+
+
+def test_a_contradiction_with_the_roster_is_told_with_its_row(run: Run) -> None:
+    canvas_download(doejane_101=1)
+    Path("roster.csv").write_text("name,canvas_user_id,sid\nJane Doe,103,s3\n")
+    code, _, err = run("grade", "canvas.zip", "-o", "out", "--roster", "roster.csv")
+    assert code == 0
+    assert "imugrade: roster.csv:2: Jane Doe not doejane_101 (doejane): canvas number 103 and 101\n" in err
