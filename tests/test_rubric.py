@@ -141,6 +141,7 @@ def test_the_late_policy_in_the_shipped_files_comment_is_one() -> None:
         10.0,
         7.0,
         {"jane@example.edu": datetime(2026, 11, 24, 22, 59, tzinfo=timezone.utc)},
+        "Europe/Berlin",
     )
 
 
@@ -215,7 +216,7 @@ def test_a_date_that_cannot_be_read_extends_nothing() -> None:
 def test_a_late_policy_is_lines_of_its_keys() -> None:
     (told,) = problems(SHIPPED.decode() + "late: soon\n")
     assert told.endswith(
-        ": late must be `key: value` lines with the keys due, grace_minutes, per_day, cut_off_days, extensions"
+        ": late must be `key: value` lines with the keys due, grace_minutes, per_day, cut_off_days, extensions, tz"
     )
 
 
