@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from grader.course.database import FILE_NAME
+from grader.desk.overviews import all_looks
 from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
 from tests.desk import desk_over, words
 
@@ -103,7 +104,7 @@ def test_the_version_before_stays_and_diff_compares_with_it(run: Run, before: di
     code, out, _ = run("diff", "out")
     assert code == 0
     assert f"bob  {before['bob']:g} → {totals()['bob']:g}" in out
-    assert "  changed: the rubric" in out
+    assert out.startswith("changed for all: the rubric\n")
     assert "2 of 3 moved" in out
 
 
@@ -254,3 +255,62 @@ def test_what_if_starts_from_the_rubric_of_the_class(run: Run, before: dict[str,
     assert run("grade", "class", "-o", "out")[0] == 0
     assert totals() == saved
     assert "2 of 3 moved" in run("diff", "out")[1]
+
+
+# ---- what people said ----
+
+
+def test_an_override_says_that_the_weight_beneath_it_has_changed(run: Run, before: dict[str, float]) -> None:
+    wish = ("--criterion", CHECK, "--points", 2, "--comment", "seen in the lab hour")
+    assert run("adjust", "out", "carol", *wish)[0] == 0
+    assert run("grade", "class", "-o", "out")[2] == ""
+    rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")
+    assert code == 0
+    told = f"carol: {CHECK} was set to 2 by hand when it had 0 / 7.82; the automatic marks are now 0 / 9.23."
+    assert told in err
+    assert told in run("grade", "class", "-o", "out")[2]
+    with desk_over(Path("out").absolute()) as desk:
+        assert f"{CHECK} was set to 2 by hand" in words(desk.get("/").text)
+    assert run("adjust", "out", "carol", *wish)[0] == 0
+    assert run("grade", "class", "-o", "out")[2] == ""
+
+
+def test_an_empty_submission_that_was_marked_as_reviewed_is_exported(run: Run, before: dict[str, float]) -> None:
+    hand_in(Path("class"), dora=None)
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert column(Path("out/gradebook.csv"), "total")["dora"] == ""
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[0] == 2
+    with desk_over(Path("out").absolute()) as desk:
+        looks = desk.book.on_thread(lambda: all_looks(desk.book))
+        (look,) = [each for each in looks if each.reason.kind == "empty"]
+        desk.book.on_thread(lambda: desk.book.tick([("dora", look.reason.kind, look.reason.about)], "prof", done=True))
+        desk.book.settled()
+    assert column(Path("out/gradebook.csv"), "total")["dora"] == "0"
+    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv")
+    assert (code, err) == (0, "imugrade: graded: 4\n")
+    assert column(Path("marks.csv"), "final")["dora"] == "0"
+
+
+def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_path: Path) -> None:
+    Path("roster.csv").write_text("id,name\nalice,Alice A\nbob,Bob B\ncarol,Carol C\ndora,Dora D\n")
+    assert "nothing handed in: Dora D\n" in run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
+    hand_in(tmp_path / "again", bob=0.25)
+    code, out, err = run("grade", "again", "-o", "out")
+    assert (code, err) == (0, "imugrade: 1 remark as in the run before (`imugrade review` lists what needs a look)\n")
+    assert "1 graded" in out
+    assert (
+        run("export", "out", "-f", "csv", "-o", "marks.csv")[2].splitlines()[1]
+        == "imugrade: blank: 1 (Dora D: no submission)"
+    )
+
+
+def test_diff_says_a_changed_weight_once(run: Run, before: dict[str, float]) -> None:
+    rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
+    hand_in(Path("class"), alice=0)
+    assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
+    lines = run("diff", "out")[1].splitlines()
+    assert lines.count(f"{CHECK}  worth 7.82 → 9.23 points") == 1
+    assert [line for line in lines if line.startswith(f"  {CHECK}")] == [
+        f"  {CHECK}  passed 7.82 / 7.82 → failed 0 / 9.23"
+    ]

@@ -112,7 +112,7 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     assert (code, err) == (
         0,
         "imugrade: graded: 1\n"
-        "imugrade: blank: 2 (Bob Roe: empty or unreadable; adjust it, or give --unreadable 0; Cy Moe: no submission)\n",
+        "imugrade: blank: 2 (Bob Roe: empty or unreadable; mark it as reviewed, or give --unreadable 0; Cy Moe: no submission)\n",
     )
     assert [(row["name"], row["section"], row["final"], row["status"]) for row in rows("marks.csv")] == [
         ("Ann Lee", "A", "100", "graded"),

@@ -381,9 +381,7 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
         store.keep(Key("bob", "s", "r", "t", "0"), nothing)
         a_csv = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "a.csv")]
         assert cli.main(a_csv) == 2
-        blank = (
-            "imugrade: graded: 1\nimugrade: blank: 1 (bob: empty or unreadable; adjust it, or give --unreadable 0)\n"
-        )
+        blank = "imugrade: graded: 1\nimugrade: blank: 1 (bob: empty or unreadable; mark it as reviewed, or give --unreadable 0)\n"
         refused = "somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written"
         assert capsys.readouterr().err == f"{blank}imugrade: {refused}\n"
         assert not (tmp_path / "a.csv").exists()

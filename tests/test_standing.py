@@ -221,7 +221,7 @@ def placed(tmp_path: Path, text: str) -> roster.Placed:
 
 
 def names(found: roster.Placed) -> tuple[str, ...]:
-    return tuple(person.name for person in found.absent)
+    return tuple(each.person.name for each in found.absent)
 
 
 def test_a_roster_gives_names_sections_dates_and_tells_who_is_missing_on_either_side(tmp_path: Path) -> None:
@@ -362,7 +362,8 @@ def test_who_is_on_record_alone_is_told() -> None:
     told = "on record and in the gradebook, and not among what was handed in now: "
     assert list(gone(now, "abcdefgh")) == []
     assert list(gone(now, "abcdefg")) == [f"{told}h"]
-    assert list(gone(now, "a")) == [f"{told}b; c; d; e; f; and 2 more"]
+    assert list(gone(now, "abcd")) == [f"{told}e; f; g; h"]
+    assert list(gone(now, "abc")) == []  # a download of resubmissions: nobody is missing from it
 
 
 def test_a_long_list_is_told_whole(capsys: pytest.CaptureFixture[str]) -> None:

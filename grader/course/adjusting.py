@@ -16,7 +16,7 @@ from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.people.identity import Meant
-from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, under, worth
+from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, under, worth, worths
 from grader.report import words
 
 COLUMNS = ("id", "criterion", "points", "comment")
@@ -269,7 +269,8 @@ def _adjustment(wish: Wish, standing: Standing, author: str, now: str) -> Adjust
     if wish.alone:
         return Adjustment(wish.criterion, None, comment, author, now, alone=True)
     stands_for = under(standing.result, wish.criterion) or {}
-    return Adjustment(wish.criterion, _number(wish.points), comment, author, now, stands_for)
+    out_of = worths(standing.result, stands_for)
+    return Adjustment(wish.criterion, _number(wish.points), comment, author, now, stands_for, out_of)
 
 
 def _stands(wish: Adjustment, standing: Standing) -> bool:
@@ -278,7 +279,8 @@ def _stands(wish: Adjustment, standing: Standing) -> bool:
     now = next(same, None)
     if now is None:
         return wish.withdraws
-    return (now.points, now.comment, now.beneath) == (wish.points, wish.comment, wish.beneath)
+    same_points = (now.points, now.comment, now.beneath) == (wish.points, wish.comment, wish.beneath)
+    return same_points and now.out_of in ({}, wish.out_of)
 
 
 def _told(made: Made, standing: Standing) -> str:

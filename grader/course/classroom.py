@@ -144,10 +144,19 @@ def find(order: Order) -> Class:
     entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = placed.unknown if listed else ()
-    absent = tuple(person.name for person in placed.absent)
+    missing = roster.place(placed.absent, _recorded(order.out)).absent if placed.absent else ()
+    absent = tuple(each.person.name for each in missing)
     return Class(
         dated, found.leftovers, found.told, absent, unknown, (*placed.doubtful, *_contradicted(entries, placed))
     )
+
+
+def _recorded(out: Path) -> dict[str, HandIn]:
+    """Return the hand-ins on record: nobody whose work was graded before is absent from a later download."""
+    if not (out / FILE_NAME).is_file():
+        return {}
+    with Store.existing(out) as store:
+        return store.hand_ins()
 
 
 def _with_people(entry: Entry) -> HandIn:

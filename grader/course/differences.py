@@ -21,9 +21,15 @@ _CAUSES = {
 
 
 def told(old: Mapping[str, Standing], new: Mapping[str, Standing]) -> Iterator[str]:
-    """Lines for a terminal: a block for each submission whose points moved, how many others differ, how many moved, the means."""
+    """Yield lines for a terminal: what checks are worth now, a block for each submission whose points moved, and the means."""
     both = [id_ for id_ in old if id_ in new]
-    blocks = {id_: _block(old[id_], new[id_]) for id_ in both}
+    causes = {id_: _changed(old[id_], new[id_]) for id_ in both}
+    common = [cause for cause in _CAUSES.values() if len(both) > 1 and all(cause in each for each in causes.values())]
+    if common:
+        yield f"changed for all: {', '.join(common)}"
+    yield from _worths(old, new, both)
+    own = {id_: [cause for cause in causes[id_] if cause not in common] for id_ in both}
+    blocks = {id_: _block(old[id_], new[id_], own[id_]) for id_ in both}
     moved = [id_ for id_ in both if old[id_].final != new[id_].final]
     for id_, lines in blocks.items():
         if id_ in moved:
@@ -51,22 +57,41 @@ def _mean(standings: list[Standing]) -> str:
     return f"{statistics.fmean(finals):.1f}" if finals else "–"
 
 
-def _block(old: Standing, new: Standing) -> list[str]:
-    """What differs; nothing where neither points, checks nor what stands beside them do."""
-    lines = [*_checks(old.result, new.result), *_beside(old, new)]
-    if not lines:
-        return []
+def _changed(old: Standing, new: Standing) -> list[str]:
     was, now = old.result.provenance, new.result.provenance
-    changed = [cause for key, cause in _CAUSES.items() if was.get(key) != now.get(key)]
-    return [*lines, f"changed: {', '.join(changed)}"] if changed else lines
+    return [cause for key, cause in _CAUSES.items() if was.get(key) != now.get(key)]
+
+
+def _block(old: Standing, new: Standing, changed: list[str]) -> list[str]:
+    """What differs, and what had changed for this submission alone; nothing where neither checks nor what stands beside them do."""
+    lines = [*_checks(old.result, new.result), *_beside(old, new)]
+    return [*lines, f"changed: {', '.join(changed)}"] if lines and changed else lines
 
 
 def _checks(old: Result, new: Result) -> Iterator[str]:
     was, now = _by_id(old), _by_id(new)
     for id_ in {**was, **now}:
         before, after = was.get(id_), now.get(id_)
-        if _told(before) != _told(after):
+        if _told(before) != _told(after) and not _is_same_share(before, after):
             yield f"{id_}  {_told(before)} → {_told(after)}"
+
+
+def _worths(old: Mapping[str, Standing], new: Mapping[str, Standing], both: list[str]) -> Iterator[str]:
+    """Yield a line on each check that is worth other points than before, once for the class."""
+    changed: dict[tuple[str, float, float], None] = {}
+    for id_ in both:
+        was, now = _by_id(old[id_].result), _by_id(new[id_].result)
+        rows = ((check, was[check].max_points, now[check].max_points) for check in was if check in now)
+        changed.update((row, None) for row in rows if row[1] != row[2])
+    yield from (f"{check}  worth {words.number(was)} → {words.number(now)} points" for check, was, now in changed)
+
+
+def _is_same_share(before: CheckResult | None, after: CheckResult | None) -> bool:
+    """Return whether a check has the same outcome and the same share of other points."""
+    if before is None or after is None or before.outcome != after.outcome or before.max_points == after.max_points:
+        return False
+    shares = [(check.points or 0.0) / check.max_points if check.max_points else 0.0 for check in (before, after)]
+    return abs(shares[0] - shares[1]) * after.max_points < 0.02  # points are rounded to hundredths on both sides
 
 
 def _by_id(result: Result) -> dict[str, CheckResult]:

@@ -16,7 +16,7 @@ from grader.ground.files import write_whole
 from grader.ground.text import printable
 from grader.people import roster
 from grader.people.identity import Directory
-from grader.people.standing import Person, Standing, given_out
+from grader.people.standing import Person, Standing
 from grader.platforms.filled import directory
 from grader.platforms.gradebook import NO_SUBMISSION
 from grader.platforms.platform import Fill, Platform
@@ -115,6 +115,7 @@ def plan(order: Export) -> Plan:
     make = _way(order)
     with Store.existing(order.out) as store:
         standings = store.standings()
+        given = store.given_out(standings) if order.unreadable == "blank" else standings
         people = class_settings.roster_of(store.settings()).people
         sent = [each for each in standings.values() if order.feedback and each.hand_in.reply]
         outdated = outdated_pages(order.out, sent, store)
@@ -124,10 +125,9 @@ def plan(order: Export) -> Plan:
             f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
             "give the `imugrade grade` command again: it writes them anew"
         )
-    absent = roster.place(people, {id_: each.hand_in for id_, each in standings.items()}).absent
-    if order.unreadable == "blank":
-        standings = given_out(standings)
-    return Plan(order, make(standings, absent), standings)
+    placed = roster.place(people, {id_: each.hand_in for id_, each in standings.items()})
+    absent = [listed.person for listed in placed.absent]
+    return Plan(order, make(given, absent), given)
 
 
 Make = Callable[[Mapping[str, Standing], Sequence[Person]], Draft]
@@ -154,7 +154,7 @@ def _blank(standings: Mapping[str, Standing], absent: Sequence[Person]) -> Itera
     """Yield those of the class who have no grade, with the reason."""
     for standing in standings.values():
         if standing.final is None:
-            empty = "empty or unreadable; adjust it, or give --unreadable 0"
+            empty = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
             yield f"{standing.name or standing.id}: {empty if standing.unseen else 'not judged, through a fault of the grader'}"
     yield from (f"{person.name}: {NO_SUBMISSION}" for person in absent)
 

@@ -20,7 +20,7 @@ from grader.engine.mistakes import catalogue
 from grader.engine.processes import context, starting_ours
 from grader.engine.results import to_json
 from grader.ground.files import write_whole
-from grader.people.standing import Standing, given_out
+from grader.people.standing import Standing
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
 
@@ -40,7 +40,7 @@ def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
 
 def write_class(out: Path, standings: Mapping[str, Standing], store: Store, lab: Lab) -> None:
     """Write the gradebook and the index of these, which are everything on record; what held nothing is blank in the gradebook."""
-    write_whole(out / "gradebook.csv", gradebook(given_out(standings)))
+    write_whole(out / "gradebook.csv", gradebook(store.given_out(standings)))
     write_whole(out / "index.html", index_page(standings, store.fingerprints(), of_the_sheet(lab)))
 
 

@@ -25,7 +25,16 @@ from grader.engine.results import Result, from_dict, to_record
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people.standing import NOTHING_KNOWN, Adjustment, HandIn, Standing, hand_in_from_dict, hand_in_to_dict
+from grader.people.standing import (
+    NOTHING_KNOWN,
+    Adjustment,
+    HandIn,
+    Standing,
+    given_out,
+    hand_in_from_dict,
+    hand_in_to_dict,
+)
+from grader.report import words
 
 T = TypeVar("T")
 
@@ -58,6 +67,16 @@ class Key:
     rubric_sha256: str
     traces_sha256: str
     grader: str
+
+
+def about(sentence: str, who: Sequence[str] = ()) -> str:
+    """Return a digest of a fact that people look at: a tick stands for this fact alone."""
+    return hashlib.sha256("\n".join((sentence, *who)).encode("utf-8", "replace")).hexdigest()[:16]
+
+
+def why_empty(result: Result) -> str:
+    """Return why there is nothing to grade in a submission."""
+    return " ".join(words.notes(result)) or words.STATUS[result.status]
 
 
 class OvertakenError(RequestError):
@@ -283,7 +302,7 @@ class Store(Database):
                 self._refuse_overtaken({id_ for id_, _ in made}, seen)
             number = self._decision(what, made[0][1]) if what and made else 0
             rows = [
-                (id_, a.criterion, a.points, a.comment, a.author, a.at, json.dumps(dict(a.beneath)), a.alone, number)
+                (id_, a.criterion, a.points, a.comment, a.author, a.at, _beneath_text(a), a.alone, number)
                 for id_, a in made
             ]
             self._db.executemany(f"INSERT INTO adjustments ({_ADJUSTMENT}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", rows)
@@ -311,7 +330,7 @@ class Store(Database):
                 (
                     id_,
                     Adjustment(
-                        criterion, points, comment, author, at, read(json.loads, record), bool(alone), decision, seq
+                        criterion, points, comment, author, at, *read(_beneath, record), bool(alone), decision, seq
                     ),
                 )
                 for id_, criterion, points, comment, author, at, record, alone, decision, seq in rows
@@ -398,6 +417,13 @@ class Store(Database):
         }
         return {key: tick for key, tick in last.items() if tick.done}
 
+    def given_out(self, standings: Mapping[str, Standing]) -> dict[str, Standing]:
+        """Return the standings as files have them: empty submissions are blank unless they were marked as reviewed."""
+        ticks = self.ticks()
+        empty = {id_: each.result for id_, each in standings.items() if each.result.status in ("empty", "unreadable")}
+        reviewed = [id_ for id_, each in empty.items() if (id_, each.status, about(why_empty(each))) in ticks]
+        return given_out(standings, reviewed)
+
     def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
         """Record appeals; one that is there already stays as it is. How many are new."""
         query = "INSERT OR IGNORE INTO appeals (id, about, text, at) VALUES (?, ?, ?, ?)"
@@ -452,6 +478,18 @@ def _hand_in_text(hand_in: HandIn) -> str:
 
 def _hand_in(text: str) -> HandIn:
     return hand_in_from_dict(json.loads(text))
+
+
+def _beneath_text(adjustment: Adjustment) -> str:
+    """Return the checks beneath an override as ``{id: [points, worth]}``; older records have ``{id: points}``."""
+    out_of = adjustment.out_of
+    return json.dumps({id_: [points, out_of.get(id_)] for id_, points in adjustment.beneath.items()})
+
+
+def _beneath(text: str) -> tuple[dict[str, float | None], dict[str, float]]:
+    rows = {id_: row if isinstance(row, list) else [row, None] for id_, row in json.loads(text).items()}
+    points = {id_: row[0] for id_, row in rows.items()}
+    return points, {id_: row[1] for id_, row in rows.items() if row[1] is not None}
 
 
 def _blob(record: object) -> bytes:

@@ -52,9 +52,12 @@ def of_policy(standings: Mapping[str, Standing], policy: LatePolicy | None) -> I
 
 
 def gone(standings: Mapping[str, Standing], found: Collection[str]) -> Iterator[str]:
-    """A line about those on record of whom there is nothing any more where the class was looked for."""
+    """Yield a line about those on record who are not in the download; none where it holds less than half of the class.
+
+    Such a download holds resubmissions, and nobody is missing from it.
+    """
     left = [printable(id_, 80) for id_ in standings if id_ not in found]
-    if left:
+    if left and 2 * len(left) <= len(standings):
         more = f"; and {len(left) - _A_FEW} more" if len(left) > _A_FEW else ""
         yield f"on record and in the gradebook, and not among what was handed in now: {'; '.join(left[:_A_FEW])}{more}"
 
@@ -75,10 +78,12 @@ def timed_out(result: Result) -> bool:
 def _outdated(standing: Standing, adjustment: Adjustment) -> str:
     now = under(standing.result, adjustment.criterion)
     then = [points for points in adjustment.beneath.values() if points is not None]
+    worth_then = sum(adjustment.out_of.values())
+    had = words.fraction(round(sum(then), 2), round(worth_then, 2)) if worth_then else words.number(round(sum(then), 2))
     new = "gone" if now is None else words.fraction(summed(now), worth(standing.result, adjustment.criterion) or 0.0)
     return (
         f"{printable(standing.id)}: {adjustment.criterion} was set to {words.number(adjustment.points or 0.0)} by hand when it had "
-        f"{words.number(round(sum(then), 2))}; the automatic marks are now {new}. Adjust it again or withdraw it"
+        f"{had}; the automatic marks are now {new}. Adjust it again or withdraw it"
     )
 
 

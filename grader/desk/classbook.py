@@ -135,6 +135,9 @@ class Classbook:
 
     def tick(self, looked: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
         self._store.tick([Tick(*key, done, author, now()) for key in looked])
+        self._publisher.changed(
+            id_ for id_, reason, _ in looked if reason in ("empty", "unreadable")
+        )  # no longer blank
 
     def mark_by(self, rubric: Rubric) -> None:
         """Mark the class anew by another rubric, from what is on record."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
 
 from grader.course.groups import Group, alike
-from grader.course.record import Appeal, Tick
+from grader.course.record import Appeal, Tick, about, why_empty
 from grader.course.remarks import equal, not_understood, timed_out
 from grader.desk.similarity_groups import Clique
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
@@ -55,8 +54,7 @@ class Reason:
 
     @property
     def about(self) -> str:
-        facts = "\n".join((self.sentence, *self.who))
-        return hashlib.sha256(facts.encode("utf-8", "replace")).hexdigest()[:16]
+        return about(self.sentence, self.who)
 
     @property
     def title(self) -> str:
@@ -116,7 +114,7 @@ def _own(standing: Standing) -> Iterator[Reason]:
         ]
         yield Reason("not-judged", f"The grader failed here; the points are open: {_some(open_)}")
     if result.status in ("empty", "unreadable"):
-        yield Reason(result.status, " ".join(words.notes(result)) or words.STATUS[result.status])
+        yield Reason(result.status, why_empty(result))
     if result.status == "graded" and not result.score:
         yield Reason("nothing", "Nothing was earned: look whether another lab was handed in.")
     if timed_out(result):
@@ -137,7 +135,7 @@ def _own(standing: Standing) -> Iterator[Reason]:
         points = words.number(each.points or 0.0)
         yield Reason(
             "outdated",
-            f"{each.criterion} was set to {points} by hand on {each.at}; the automatic marks have changed since.",
+            f"{each.criterion} was set to {points} by hand on {each.at}; the automatic points or their worth have changed since.",
         )
     yield from (Reason("picture", note) for note in words.notes(result) if A_PERSON_MAY in note)
     yield from (Reason("other-picture", note) for note in words.notes(result) if ANOTHER_VERSION in note)

@@ -168,7 +168,7 @@ class Placed:
     hand_ins: Mapping[str, HandIn]
     due: Mapping[str, datetime]
     submitted: Mapping[str, str]
-    absent: tuple[Person, ...]
+    absent: tuple[Listed, ...]
     unknown: tuple[str, ...]
     doubtful: tuple[str, ...] = ()
     grace_days: Mapping[str, int] = field(default_factory=dict)
@@ -189,7 +189,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
     due: dict[str, datetime] = {}
     submitted: dict[str, str] = {}
     grace_days: dict[str, int] = {}
-    absent: list[Person] = []
+    absent: list[Listed] = []
     doubtful: list[str] = []
     known: set[str] = set()
     matches = directory.find_each([listed.who for listed in roster])
@@ -197,7 +197,7 @@ def place(roster: Sequence[Listed], hand_ins: Mapping[str, HandIn]) -> Placed:
     for listed, match in zip(roster, matches, strict=True):
         theirs = match or shared.get(listed.group.casefold())
         if theirs is None:
-            absent.append(listed.person)
+            absent.append(listed)
             why = directory.why_not(listed.who)
             doubtful += [f"{listed.place}: {listed.who.told()} {why}"] if why else []
             continue

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -110,8 +110,8 @@ class Adjustment:
         What it is about: a criterion, one of its checks, `TOTAL` in place of their sum, or `BONUS` on top of it.
     points
         None withdraws the one before it; words alone have none, and empty ones withdraw.
-    beneath
-        The automatic points of each check that it stands for, at that time.
+    beneath, out_of
+        The automatic points of each check that it stands for, at that time, and what each was worth; older records have no worth.
     alone
         Whether it is words alone.
     decision
@@ -126,6 +126,7 @@ class Adjustment:
     author: str
     at: str
     beneath: Mapping[str, float | None] = field(default_factory=dict)
+    out_of: Mapping[str, float] = field(default_factory=dict)
     alone: bool = False
     decision: int = 0
     number: int = field(default=0, compare=False, repr=False)
@@ -211,21 +212,29 @@ class Standing:
         return check.points if by_hand is None else by_hand.points
 
     def outdated(self) -> list[Adjustment]:
-        """Adjustments whose automatic marks have changed since: someone has to look again."""
-        return [
-            each for each in self.adjustments if not each.alone and each.beneath != under(self.result, each.criterion)
-        ]
+        """Return the overrides whose automatic points, or what those are worth, have changed since: someone has to look again."""
+        return [each for each in self.adjustments if not each.alone and self._is_outdated(each)]
+
+    def _is_outdated(self, adjustment: Adjustment) -> bool:
+        now = under(self.result, adjustment.criterion)
+        if now is None or adjustment.beneath != now:
+            return True
+        return bool(adjustment.out_of) and adjustment.out_of != worths(self.result, now)
 
     def _credit_is_open(self) -> bool:
         rows = (check for extension in self.result.extensions for check in extension.checks)
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
 
 
-def given_out(standings: Mapping[str, Standing]) -> dict[str, Standing]:
-    """As they go to a platform: nothing stands for those that could not be read or held nothing, until a person has looked."""
+def given_out(standings: Mapping[str, Standing], reviewed: Collection[str] = ()) -> dict[str, Standing]:
+    """Return the standings as files have them: an empty or unreadable submission is blank until a person has looked.
+
+    A person has looked where there are points by hand, or where the submission is among those that were marked as reviewed.
+    """
 
     def nothing(standing: Standing) -> bool:
-        return standing.result.status in ("empty", "unreadable") and all(each.alone for each in standing.adjustments)
+        empty = standing.result.status in ("empty", "unreadable")
+        return empty and standing.id not in reviewed and all(each.alone for each in standing.adjustments)
 
     return {id_: replace(standing, unseen=nothing(standing)) for id_, standing in standings.items()}
 
@@ -243,6 +252,12 @@ def under(result: Result, target: str) -> dict[str, float | None] | None:
     rows = {id_: points for checks in criteria.values() for id_, points in checks.items()}
     each = {id_: {id_: points} for id_, points in rows.items()}
     return {**each, **criteria, TOTAL: rows}.get(target)
+
+
+def worths(result: Result, ids: Collection[str]) -> dict[str, float]:
+    """Return what these checks are worth."""
+    rows = (check for criterion in result.criteria for check in criterion.checks)
+    return {check.id: check.max_points for check in rows if check.id in ids}
 
 
 def summed(points: Mapping[str, float | None]) -> float | None:
