@@ -167,7 +167,7 @@ def test_an_adjustment_survives_a_regrade_which_flags_it_when_the_marks_beneath_
     run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 18, "--comment", "x")
     assert run("grade", tmp_path / "class", "-o", out, "--force")[2] == ""
     hand_in(tmp_path / "class", alice=16)
-    flag = "imugrade: alice: sensor_access was set to 18 by hand when it had 14; the automatic marks are now 16 / 20. Adjust it again or withdraw it\n"
+    flag = "imugrade: alice: sensor_access was set to 18 by hand when it had 14 / 20; the automatic marks are now 16 / 20. Adjust it again or withdraw it\n"
     assert run("grade", tmp_path / "class", "-o", out)[2] == flag
     assert "alice,alice,16,16,18,18,graded" in (out / "gradebook.csv").read_text()
     assert run("grade", tmp_path / "class", "-o", out)[2] == flag
