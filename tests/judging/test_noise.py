@@ -185,6 +185,22 @@ def test_the_size_of_noise_is_right_as_far_as_chance_goes(size: Array, right: bo
 
 
 @pytest.mark.parametrize(
+    ("size", "right"),
+    [
+        (_POOLED[0] - 0.04, True),
+        (_POOLED[0] - 0.06, False),
+        (_POOLED[1] + 0.04, True),
+        (_POOLED[1] + 0.06, False),
+        ([1, 1, _EACH[1] + 0.04], True),
+        ([1, 1, _EACH[1] + 0.06], False),
+    ],
+)
+def test_a_tolerance_widens_what_chance_allows(size: Array, right: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(noise, "SIZE_TOLERANCE", 0.05)
+    assert noise.size_is_right(_of(np.array(size) * _WHITE)) == right
+
+
+@pytest.mark.parametrize(
     ("series", "right"),
     [(1.05 * _WHITE, True), (1.16 * _WHITE, True), (0.84 * _WHITE, True), (1.22 * _WHITE, False), (0.78 * _WHITE, False),
      (_WHITE * [0.82, 1.1, 1.1], True), (_WHITE * [1.2, 1, 1], True), (_WHITE * [1.3, 0.9, 0.9], False)],

@@ -17,6 +17,10 @@ from grader.engine.hypothesis import Named, mistakes_of
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
 
+SIZE_TOLERANCE = 0.0
+"""Share of the standard deviation by which noise may be too small or too large beyond what chance explains (`statistics.ALPHA`).
+At 0 a standard deviation that is wrong by 10 % is found with a probability above 0.999."""
+
 EXACT = 1e-9
 """Of one: noise-free arithmetic repeats to rounding; a random draw never comes this close twice."""
 
@@ -132,13 +136,13 @@ def size_is_right(facts: Facts, spread: float | None = None) -> bool:
     Rounding adds to each value half a grain at most, and so to a spread: the triangle inequality.
     """
     states, reads, _ = facts.residual.shape
-    rounding = facts.grain / 2 / facts.std
+    off = SIZE_TOLERANCE + facts.grain / 2 / facts.std
     low, high = st.spread_bounds(3 * states * reads, 3 * states)
-    if not low - rounding <= (facts.pooled_spread if spread is None else spread) / facts.std <= high + rounding:
+    if not low - off <= (facts.pooled_spread if spread is None else spread) / facts.std <= high + off:
         return False
     low, high = st.spread_bounds(states * reads, states)
     per_axis = np.sqrt(np.mean(facts.centred**2, axis=(0, 1))) / facts.std
-    return spread is not None or bool(np.all((low - rounding <= per_axis) & (per_axis <= high + rounding)))
+    return spread is not None or bool(np.all((low - off <= per_axis) & (per_axis <= high + off)))
 
 
 def proportional(facts: Facts) -> bool:
