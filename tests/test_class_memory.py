@@ -314,3 +314,21 @@ def test_diff_says_a_changed_weight_once(run: Run, before: dict[str, float]) -> 
     assert [line for line in lines if line.startswith(f"  {CHECK}")] == [
         f"  {CHECK}  passed 7.82 / 7.82 → failed 0 / 9.23"
     ]
+
+
+def test_those_who_are_not_in_the_download_stay_as_they_are_and_that_is_told(
+    run: Run, before: dict[str, float]
+) -> None:
+    rubric_with(Path("rub2.yaml"))
+    hand_in(Path("again"), bob=0.5)
+    code, _, err = run("grade", "again", "-o", "out", "--rubric", "rub2.yaml", "--change")
+    assert code == 0
+    assert "another rubric: 1 of 1 scores change, mean 96.1 to 97.0, 2 not in the download stay as they are\n" in err
+    assert totals() == {**before, "bob": 97.0}
+    err = run("export", "out", "-f", "csv", "-o", "marks.csv")[2]
+    assert (
+        err
+        == "imugrade: graded: 3\nimugrade: graded by other settings than the class: alice, carol (grade them again)\n"
+    )
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert run("export", "out", "-f", "csv", "-o", "marks.csv")[2] == "imugrade: graded: 3\n"

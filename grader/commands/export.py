@@ -64,7 +64,7 @@ def export(
     platform = registry.platform(one_of("--format", format_, registry.names("fill", "write")))
     how = one_of("--unreadable", unreadable, exporting.UNREADABLE)
     plan = exporting.plan(exporting.Export(out, platform, target, template, column, feedback, scale, how))
-    for line in plan.draft.lines():
+    for line in plan.lines():
         say(line)
     if plan.draft.blank and not allow_blank:
         raise RequestError(

@@ -159,6 +159,8 @@ class Change:
         How many submissions on record are graded again, with a result that is not known yet.
     chosen_anew
         Whether another of several attempts may count.
+    left
+        How many on record are not in the download and stay as they are.
     """
 
     causes: tuple[str, ...]
@@ -167,6 +169,7 @@ class Change:
     means: tuple[float, float] | None = None
     regraded: int = 0
     chosen_anew: bool = False
+    left: int = 0
 
     @property
     def moves_scores(self) -> bool:
@@ -182,6 +185,10 @@ class Change:
             effects.append(f"{self.regraded} on record {'is' if self.regraded == 1 else 'are'} graded again")
         if self.chosen_anew:
             effects.append("of several attempts another one may count")
+        if self.left and self.moves_scores:
+            effects.append(
+                f"{self.left} not in the download stay{'s' * (self.left == 1)} as {'it is' if self.left == 1 else 'they are'}"
+            )
         return f"{', '.join(self.causes)}: {', '.join(effects) or 'nothing is on record'}"
 
 
@@ -189,8 +196,8 @@ def change(
     old: ClassSettings,
     new: ClassSettings,
     rubric: Rubric,
-    standings: Mapping[str, Standing],
-    hand_ins: Mapping[str, HandIn],
+    everyone: Mapping[str, Standing],
+    hand_ins: Mapping[str, HandIn | None],
 ) -> Change | None:
     """Compare settings and compute what the new ones do to the scores; None where they mean the same.
 
@@ -198,14 +205,15 @@ def change(
     ----------
     rubric
         The rubric of the new settings.
-    standings
+    everyone
         The class as it is on record.
     hand_ins
-        What the download and the new roster tell of each submission that would be graded now.
+        What the download and the new roster tell of each submission to grade; None where there are several attempts.
     """
     differences = causes(old, new)
     if not differences:
         return None
+    standings = {id_: each for id_, each in everyone.items() if id_ in hand_ins}
     again = (old.traces_sha256, old.grader) != (new.traces_sha256, new.grader)
     same = old.rubric_sha256 == new.rubric_sha256
     kept = {} if again else {id_: each for id_, each in standings.items() if same or fits(each.result, rubric)}
@@ -219,7 +227,9 @@ def change(
     means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
     moved = sum(was != now for was, now in finals)
     chosen_anew = old.attempts != new.attempts and bool(standings)
-    return Change(differences, moved, len(finals), means, len(standings) - len(kept), chosen_anew)
+    return Change(
+        differences, moved, len(finals), means, len(standings) - len(kept), chosen_anew, len(everyone) - len(standings)
+    )
 
 
 def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
@@ -239,6 +249,16 @@ def _judged(standing: Standing, rubric: Rubric, found: HandIn | None) -> Standin
     """Return the standing by the late policy of a rubric, with another hand-in than on record where one is given."""
     names = (standing.id, standing.result.submission)
     return replace(standing, hand_in=lateness.judged(found or standing.hand_in, rubric.late, names))
+
+
+def others(settings: ClassSettings, standings: Mapping[str, Standing]) -> list[str]:
+    """Return the ids of results that were made by another rubric or other scenarios: a change was interrupted, or left them out."""
+    mine = {"rubric_sha256": settings.rubric_sha256, "traces_sha256": settings.traces_sha256}
+    return [
+        id_
+        for id_, standing in standings.items()
+        if any(standing.result.provenance.get(name) != digest for name, digest in mine.items())
+    ]
 
 
 def refuse_without_secret(old: ClassSettings | None, seed: str | None) -> None:

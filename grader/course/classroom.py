@@ -225,7 +225,7 @@ def change(order: Order, found: Class) -> Change | None:
     if old.hidden and not new.hidden:
         class_settings.refuse_without_secret(old, None)
     several = Counter(entry.id for entry in found.entries)
-    hand_ins = {entry.id: entry.hand_in for entry in found.entries if several[entry.id] == 1}
+    hand_ins = {entry.id: entry.hand_in if several[entry.id] == 1 else None for entry in found.entries}
     changed = class_settings.change(old, new, order.rubric, standings, hand_ins)
     if changed is not None and changed.moves_scores and order.only:
         raise RequestError(f"--only grades a part of a class by the settings of all; leave it out ({changed.told()})")

@@ -88,6 +88,13 @@ class Plan:
     order: Export
     draft: Draft
     standings: Mapping[str, Standing]
+    other_settings: tuple[str, ...] = ()
+
+    def lines(self) -> Iterator[str]:
+        """Yield a line on each kind of grade that there is, and on grades by other settings than those of the class."""
+        yield from self.draft.lines()
+        if self.other_settings:
+            yield f"graded by other settings than the class: {', '.join(self.other_settings)} (grade them again)"
 
     def write(self) -> tuple[list[str], list[str]]:
         """Write the marks, and the reports where they are asked for; return lines on the files, and on reports without a place."""
@@ -116,7 +123,7 @@ def plan(order: Export) -> Plan:
     with Store.existing(order.out) as store:
         standings = store.standings()
         given = store.given_out(standings) if order.unreadable == "blank" else standings
-        people = class_settings.roster_of(store.settings()).people
+        settings = store.settings()
         sent = [each for each in standings.values() if order.feedback and each.hand_in.reply]
         outdated = outdated_pages(order.out, sent, store)
     if outdated:
@@ -125,9 +132,11 @@ def plan(order: Export) -> Plan:
             f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
             "give the `imugrade grade` command again: it writes them anew"
         )
+    people = class_settings.roster_of(settings).people
     placed = roster.place(people, {id_: each.hand_in for id_, each in standings.items()})
     absent = [listed.person for listed in placed.absent]
-    return Plan(order, make(given, absent), given)
+    others = () if settings is None else class_settings.others(settings, standings)
+    return Plan(order, make(given, absent), given, tuple(printable(id_, 80) for id_ in others))
 
 
 Make = Callable[[Mapping[str, Standing], Sequence[Person]], Draft]
