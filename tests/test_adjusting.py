@@ -167,7 +167,7 @@ def test_an_adjustment_survives_a_regrade_which_flags_it_when_the_marks_beneath_
     run("adjust", out, "alice", "--criterion", "sensor_access", "--points", 18, "--comment", "x")
     assert run("grade", tmp_path / "class", "-o", out, "--force")[2] == ""
     hand_in(tmp_path / "class", alice=16)
-    flag = "imugrade: alice: sensor_access was set to 18 by hand when it had 14 / 20; the automatic marks are now 16 / 20. Adjust it again or withdraw it\n"
+    flag = "imugrade: alice: sensor_access was overridden with 18 when it had 14 / 20; the automatic points are now 16 / 20. Adjust it again or withdraw it\n"
     assert run("grade", tmp_path / "class", "-o", out)[2] == flag
     assert "alice,alice,16,16,18,18,graded" in (out / "gradebook.csv").read_text()
     assert run("grade", tmp_path / "class", "-o", out)[2] == flag
@@ -240,7 +240,7 @@ def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(run: R
     given = ("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, *LATE), "--roster", roster)
     code, _, err = run(*given, "--change")
     change = "another late policy, a roster: 1 of 2 scores change, mean 17.0 to 10.0"
-    assert (code, err) == (0, f"imugrade: {change}\n{NO_SEED}imugrade: in the roster, and nothing handed in: Gone\n")
+    assert (code, err) == (0, f"imugrade: {change}\n{NO_SEED}imugrade: in the roster, no submission: Gone\n")
     assert marked(tmp_path) == ["alice", "bob"]
     assert (out / "gradebook.csv").read_text() == (
         "id,name,section,sensor_access,total,submitted,late,late_deduction,final,status\n"

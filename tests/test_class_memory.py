@@ -144,7 +144,7 @@ def test_the_roster_and_the_attempt_rule_need_not_be_given_again(run: Run, tmp_p
     assert final["alice"] == 80.0
     Path("roster.csv").unlink()
     code, _, err = run("grade", "class", "-o", "out")
-    assert (code, err) == (0, "imugrade: 2 remarks as in the run before (`imugrade review` lists what needs a look)\n")
+    assert (code, err) == (0, "imugrade: 2 warnings, unchanged since the last run (`imugrade review` lists them)\n")
     assert totals("final") == final
     code, _, err = run("grade", "class", "-o", "out", "--attempts", "latest")
     assert code == 2
@@ -267,7 +267,7 @@ def test_an_override_says_that_the_weight_beneath_it_has_changed(run: Run, befor
     rubric_with(Path("rub2.yaml"), ("follows_recursion: 6", "follows_recursion: 12"))
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")
     assert code == 0
-    told = f"carol: {CHECK} was set to 2 by hand when it had 0 / 7.82; the automatic marks are now 0 / 9.23."
+    told = f"carol: {CHECK} was overridden with 2 when it had 0 / 7.82; the automatic points are now 0 / 9.23."
     assert told in err
     assert told in run("grade", "class", "-o", "out")[2]
     with desk_over(Path("out").absolute()) as desk:
@@ -294,10 +294,10 @@ def test_an_empty_submission_that_was_marked_as_reviewed_is_exported(run: Run, b
 
 def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_path: Path) -> None:
     Path("roster.csv").write_text("id,name\nalice,Alice A\nbob,Bob B\ncarol,Carol C\ndora,Dora D\n")
-    assert "nothing handed in: Dora D\n" in run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
+    assert "no submission: Dora D\n" in run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
     hand_in(tmp_path / "again", bob=0.25)
     code, out, err = run("grade", "again", "-o", "out")
-    assert (code, err) == (0, "imugrade: 1 remark as in the run before (`imugrade review` lists what needs a look)\n")
+    assert (code, err) == (0, "imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n")
     assert "1 graded" in out
     assert (
         run("export", "out", "-f", "csv", "-o", "marks.csv")[2].splitlines()[1]

@@ -128,7 +128,7 @@ def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the
     second = Standing("a", result(check(id="x.a"), lost(id="x.b")), adjustments=(then,))
     assert second.outdated() == [then]
     assert list(outdated({"a": second})) == [
-        "a: sensor_access was set to 11 by hand when it had 6; the automatic marks are now 6 / 12. Adjust it again or withdraw it"
+        "a: sensor_access was overridden with 11 when it had 6; the automatic points are now 6 / 12. Adjust it again or withdraw it"
     ]
 
 
@@ -338,7 +338,7 @@ def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
     everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
     assert list(remarks({s.id: s for s in everyone}, (), ())) == [
         "the same files were handed in by: a; c",
-        "nothing in them that could be marked (look at what was handed in): d; e",
+        "no gradable files (review what was handed in): d; e",
     ]
 
 

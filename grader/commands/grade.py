@@ -95,7 +95,7 @@ def grade(
     if cluster is not None and jobs is not None:
         raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
     known = classroom.on_record(out)
-    class_settings.refuse_without_secret(known, seed)
+    class_settings.refuse_without_secret(None if list_ else known, seed)
     chosen = class_settings.rubric_of(LAB, known, rubric)
     bundle = LAB.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
@@ -131,8 +131,9 @@ def grade(
     for line in outcome.remarks:
         say(line)
     if outcome.known:
-        many = f"{outcome.known} remark{'s' * (outcome.known != 1)}"
-        say(f"{many} as in the run before (`imugrade review` lists what needs a look)")
+        say(
+            f"{outcome.known} warning{'s' * (outcome.known != 1)}, unchanged since the last run (`imugrade review` lists them)"
+        )
     below = min_score is not None and bool(outcome.below(min_score))
     return 3 if outcome.incomplete else int(below)
 

@@ -1,4 +1,4 @@
-"""What an instructor should look at after a run, a line each: no mark depends on any of it."""
+"""Warnings after a run, a line each: what an instructor should review. No score depends on them."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: S
     for ids in equal(standings.values()):
         yield from _lines("the same files were handed in by", ids)
     nothing = [s.id for s in standings.values() if s.result.status in ("empty", "unreadable")]
-    yield from _lines("nothing in them that could be marked (look at what was handed in)", nothing)
+    yield from _lines("no gradable files (review what was handed in)", nothing)
     odd = [s.id for s in standings.values() if not_understood(s.result)]
     yield from _lines("an answer that could not be understood (look at what the code returns)", odd)
     stopped = [s.id for s in standings.values() if timed_out(s.result)]
     yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
     untimed = [s.id for s in standings.values() if s.late and s.late.due and s.late.seconds is None]
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
-    yield from _lines("in the roster, and nothing handed in", absent)
+    yield from _lines("in the roster, no submission", absent)
     yield from _lines("not in the roster, or not to be told apart there", unknown)
 
 
@@ -82,8 +82,8 @@ def _outdated(standing: Standing, adjustment: Adjustment) -> str:
     had = words.fraction(round(sum(then), 2), round(worth_then, 2)) if worth_then else words.number(round(sum(then), 2))
     new = "gone" if now is None else words.fraction(summed(now), worth(standing.result, adjustment.criterion) or 0.0)
     return (
-        f"{printable(standing.id)}: {adjustment.criterion} was set to {words.number(adjustment.points or 0.0)} by hand when it had "
-        f"{had}; the automatic marks are now {new}. Adjust it again or withdraw it"
+        f"{printable(standing.id)}: {adjustment.criterion} was overridden with {words.number(adjustment.points or 0.0)} "
+        f"when it had {had}; the automatic points are now {new}. Adjust it again or withdraw it"
     )
 
 
