@@ -23,9 +23,15 @@ from grader.engine.mistakes import catalogue
 from grader.labs.imu.lab import LAB
 
 ROOT = Path(__file__).parent.parent
-MISTAKES: dict[str, dict[str, dict[str, Any]]] = yaml.safe_load(
-    (ROOT / "grader" / "labs" / "imu" / "mistakes.yaml").read_text(encoding="utf-8")
+TABLE: dict[str, dict[str, dict[str, Any]]] = yaml.safe_load(
+    (ROOT / "grader" / "labs" / "imu" / "faults.yaml").read_text(encoding="utf-8")
 )
+MISTAKES = {
+    group: named
+    for group, rows in TABLE.items()
+    if (named := {key: row for key, row in rows.items() if "explanation" in row})
+}
+CHARGING = ["deducts", "takes", "expected", "got"]
 ENTRIES = {key: entry for group in MISTAKES.values() for key, entry in group.items()}
 
 # What each name stands for. Results and gradebooks carry the names, so neither they nor their meaning may drift.
@@ -176,7 +182,7 @@ ADDED = {
         "array-asked-for-truth",
     ],
 }
-FIELDS = ["means", "hint", "explanation", "step", "wrong", "right"]
+FIELDS = ["title", "hint", "explanation", "step", "wrong", "right"]
 RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written", "array-asked-for-truth"]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
@@ -227,7 +233,7 @@ def test_every_mistake_is_there_in_its_group_and_in_order() -> None:
 
 
 def test_what_a_name_means_has_not_changed() -> None:
-    kept = {group: {key: MISTAKES[group][key]["means"] for key in means} for group, means in MEANS.items()}
+    kept = {group: {key: MISTAKES[group][key]["title"] for key in means} for group, means in MEANS.items()}
     assert kept == MEANS
 
 
@@ -238,7 +244,7 @@ def test_no_name_is_used_in_two_groups() -> None:
 @every_mistake
 def test_an_entry_has_all_fields_and_none_is_empty(key: str) -> None:
     entry = ENTRIES[key]
-    assert list(entry) == FIELDS + ["raised"] * (key in RAISED)
+    assert [field for field in entry if field not in CHARGING] == FIELDS + ["raised"] * (key in RAISED)
     assert all(isinstance(entry[field], str) and entry[field].strip() for field in FIELDS if field != "step")
 
 

@@ -27,13 +27,13 @@ import pytest
 from grader.engine import withheld
 from grader.engine.conversation import Conversation
 from grader.engine.feedback import Told, charged_with, story, told
-from grader.engine.findings import Lost, Missing, Raised, Skipped
+from grader.engine.findings import Charged, Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
-from grader.engine.mistakes import catalogue
+from grader.engine.mistakes import rows
 from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
 from grader.engine.traces import Traces
-from grader.engine.written import Check, title_of
+from grader.engine.written import Check, check_files, title_of
 from grader.ground.errors import GraderError, NoAnswer, RequestError
 from grader.ground.text import printable
 
@@ -94,7 +94,7 @@ class Examination:
         self, lab: Lab, student: Conversation, truth: Traces, only: str | None, look: PublicLook | None = None
     ) -> None:
         self.student, self.truth, self._only = student, truth, only
-        self._lab, self._mistakes, self._look = lab, catalogue(lab), look
+        self._lab, self._mistakes, self._look = lab, rows(lab), look
         self._secret = truth.name != "public"
         self._attempted = {bonus.id for bonus in lab.bonuses if bonus.attempted_in(student.files)}
         self._stories: dict[str, str] = {}
@@ -123,7 +123,7 @@ class Examination:
         verdict, trouble = None, ""
         if ended is None:
             verdict = Told("passed", 1.0, "")
-        elif isinstance(ended, Lost | Skipped | Raised | Missing | NoAnswer):
+        elif isinstance(ended, Charged | Lost | Skipped | Raised | Missing | NoAnswer):
             finding = self._without_secrets(ended)
             same = (withheld.story if self._secret else story)(finding, this.criterion)
             verdict = self._told(finding, self._stories.get(same) if same else None)
@@ -145,7 +145,7 @@ class Examination:
         return withheld.missing(finding, self._look.missing(finding.name) if self._look else None)
 
     def _told(self, finding: BaseException, earlier: str | None) -> Told:
-        if self._secret and earlier is None and isinstance(finding, Lost | Skipped | Raised | NoAnswer):
+        if self._secret and earlier is None and isinstance(finding, Charged | Lost | Skipped | Raised | NoAnswer):
             return withheld.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
 
@@ -359,7 +359,7 @@ def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
         patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # one that shuffles tests is common
         for ours in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):  # of the pytest that somebody runs, perhaps around this one
             patch.delenv(ours, raising=False)
-        return int(pytest.main([*options, str(folder), *more], plugins=[collected]))
+        return int(pytest.main([*options, str(folder), *map(str, check_files(lab)), *more], plugins=[collected]))
 
 
 def known_checks(lab: Lab, own: OwnChecks = ()) -> dict[str, Check]:

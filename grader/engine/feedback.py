@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from grader.engine.conversation import THERE
-from grader.engine.findings import Fault, Lost, Missing, Raised, Skipped, Unusable, Where
+from grader.engine.findings import Charge, Charged, Fault, Lost, Missing, Raised, Skipped, Unusable, Where
 from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome, message_of
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
@@ -40,14 +40,16 @@ def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mis
 
     Parameters
     ----------
-    finding : `Lost`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
+    finding : `Charged`, `Lost`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
     earlier : title of the check that has told the same story already, or None
-    mistakes : the lab's catalogue
+    mistakes : every row of the lab's table
     """
+    if isinstance(finding, Charged):
+        return _charged(finding.charge, mistakes)
     if isinstance(finding, Skipped):
         return Told("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
-        return Told("skipped", 0.0, f"Not reached: see “{earlier}”.")
+        return not_reached(earlier)
     if isinstance(finding, Lost):
         return _lost(finding, mistakes)
     if isinstance(finding, Missing):
@@ -73,7 +75,7 @@ def story(finding: BaseException, part: str) -> str | None:
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
-    if isinstance(finding, Lost | Skipped):
+    if isinstance(finding, Charged | Lost | Skipped):
         return None
     if isinstance(finding, Missing):
         return f"Missing: {finding.name}: {finding}"
@@ -89,6 +91,44 @@ STEP_BY_STEP = "Hold this part of your code against the sheet's step, line by li
 def charged_with(title: str) -> Told:
     """Words for a check that is lost by the fault of another one."""
     return Told("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
+
+
+def not_reached(title: str) -> Told:
+    """Words for a check that had nothing to judge because of what another one tells."""
+    return Told("skipped", 0.0, f"Not reached: see “{title}”.")
+
+
+def seen_elsewhere(charge: Charge) -> Told | None:
+    """Words for a check that is not charged itself; None for one that is."""
+    if not charge.see:
+        return None
+    return charged_with(charge.see) if charge.keeps else not_reached(charge.see)
+
+
+def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Told:
+    if (elsewhere := seen_elsewhere(charge)) is not None:
+        return elsewhere
+    told_by, deviation = charge.found[0]
+    words = rows[told_by] if rows[told_by].expected else rows[charge.check]
+    return Told(
+        "partial" if charge.keeps else "failed",
+        charge.keeps,
+        expected=words.expected.format_map(deviation.numbers),
+        got=words.got.format_map(deviation.numbers),
+        where=deviation.fault.at if deviation.fault else None,
+        hint=hint_of(charge, rows),
+        mistakes=public(charge, rows),
+    )
+
+
+def hint_of(charge: Charge, rows: Mapping[str, Mistake]) -> str:
+    """What to do next, for each fault that a charge is for."""
+    return " ".join(rows[id_].hint for id_, _ in charge.found)
+
+
+def public(charge: Charge, rows: Mapping[str, Mistake]) -> tuple[str, ...]:
+    """The faults with a name that a charge is for."""
+    return tuple(id_ for id_, _ in charge.found if rows[id_].explanation)
 
 
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from grader.ground.text import printable
@@ -94,6 +94,58 @@ class Ours(str):
     """Words that stand in our code just so. Put together with any others they are a plain `str`: those may be a student's."""
 
     __slots__ = ()
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How a measured property misses what its check asks.
+
+    Attributes
+    ----------
+    numbers : what the templates of rows may name
+    share : of the check's points, lost where no fault explains it
+    size : what is said of a hidden scenario
+    fault : the exception that it came of
+    """
+
+    numbers: Mapping[str, object] = field(default_factory=dict)
+    share: float = 1.0
+    size: Size | None = None
+    fault: Fault | None = None
+
+
+@dataclass(frozen=True)
+class Charge:
+    """What one check is charged.
+
+    Attributes
+    ----------
+    keeps : the share of its points that is earned
+    found : the id of each row that tells why, with the deviation that it explains
+    see : title of the check that tells it; with nothing kept, this one could not be reached, else it is not charged again
+    """
+
+    check: str
+    keeps: float
+    found: tuple[tuple[str, Deviation], ...] = ()
+    see: str = ""
+
+    def plus(self, row: str, share: float, deviation: Deviation) -> Charge:
+        """With another fault: what they deduct adds up."""
+        return replace(self, keeps=max(0.0, self.keeps - share), found=(*self.found, (row, deviation)))
+
+    @classmethod
+    def of(cls, check: str, deviation: Deviation) -> Charge:
+        """What no fault explains, charged to the check that measures it."""
+        return cls(check, 1.0 - deviation.share, ((check, deviation),))
+
+
+class Charged(AssertionError):  # noqa: N818 - an outcome
+    """How pytest hears of a charge."""
+
+    def __init__(self, charge: Charge) -> None:
+        super().__init__(f"{charge.check} keeps {charge.keeps:g}")
+        self.charge = charge
 
 
 class Lost(AssertionError):  # noqa: N818 - an outcome

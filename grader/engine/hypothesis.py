@@ -41,6 +41,29 @@ class Named(Generic[Seen]):
         return self.predicts(seen)
 
 
+@dataclass(frozen=True)
+class Reason(Generic[Seen]):
+    """A fault as the reason for a deviation of one measured property.
+
+    Attributes
+    ----------
+    of : the property; told : the id of the fault's row
+    holds : whether the fault predicts the facts
+    predicts : other properties that deviate through it, where they have no reason of their own
+    takes : checks that have nothing to judge where the fault shows in this way, beside those of its row
+    """
+
+    of: str
+    cost: int
+    told: str
+    holds: Callable[[Seen], bool]
+    predicts: frozenset[str] = frozenset()
+    takes: frozenset[str] = frozenset()
+
+    def fits(self, seen: Seen, /) -> bool:
+        return self.holds(seen)
+
+
 Told = TypeVar("Told", bound=Hypothesis)
 
 

@@ -1,10 +1,13 @@
-"""The catalogue of known mistakes: `imugrade explain` reads it, too, so nothing slow is imported here."""
+"""The table of faults: what each deducts, and every word about it.
+
+`imugrade explain` reads it, too, so nothing slow is imported here.
+"""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import yaml
@@ -15,20 +18,31 @@ from grader.ground.errors import GraderError
 
 @dataclass(frozen=True)
 class Mistake:
-    """One entry of the catalogue: what the code does, how to go on, and an explanation for `imugrade explain`.
+    """One row of the table.
 
-    `raised` is a pattern of the exceptions that show it, as ``Type: message``; empty where none does.
+    Attributes
+    ----------
+    title, hint : what the code does, and what to do next
+    explanation, wrong, right : for `imugrade explain`; a row without an explanation has no public name
+    deducts : the share of its points that each check loses where this fault is found through it, by name
+    takes : checks that have nothing to judge where this fault is found, and are lost with it
+    expected, got : templates over the numbers of the deviation; those of the check where a row has none
+    raised : a pattern of the exceptions that show it, as ``Type: message``; empty where none does
     """
 
     id: str
     group: str
-    means: str
     hint: str
-    explanation: str
-    step: int | None
-    wrong: str
-    right: str
+    title: str = ""
+    explanation: str = ""
+    step: int | None = None
+    wrong: str = ""
+    right: str = ""
     raised: str = ""
+    expected: str = ""
+    got: str = ""
+    deducts: Mapping[str, float] = field(default_factory=dict)
+    takes: tuple[str, ...] = ()
 
 
 NEEDED = (
@@ -39,8 +53,8 @@ NEEDED = (
 
 
 @functools.cache
-def catalogue(lab: Lab) -> Mapping[str, Mistake]:
-    """Every mistake of a lab that has a name, by id, read from the file that the handbook is made from.
+def rows(lab: Lab) -> Mapping[str, Mistake]:
+    """Every row of a lab's table, by id: faults, and under the id of each check what it says where no fault is known.
 
     Raises
     ------
@@ -48,9 +62,15 @@ def catalogue(lab: Lab) -> Mapping[str, Mistake]:
         If one is missing that the engine finds out by itself.
     """
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    text = (lab.folder / "mistakes.yaml").read_text(encoding="utf-8")
+    text = (lab.folder / "faults.yaml").read_text(encoding="utf-8")
     groups = yaml.load(text, Loader=loader)
     found = {key: Mistake(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
     if missing := [id_ for id_ in NEEDED if id_ not in found]:
         raise GraderError(f"the mistakes of {lab.label} lack {', '.join(missing)}")
     return found
+
+
+@functools.cache
+def catalogue(lab: Lab) -> Mapping[str, Mistake]:
+    """The rows that have a public name and an explanation."""
+    return {id_: row for id_, row in rows(lab).items() if row.explanation}

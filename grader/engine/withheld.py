@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from grader.engine import feedback
-from grader.engine.feedback import Told, mistake_of, no_answer
-from grader.engine.findings import Lost, Missing, Ours, Raised, Skipped
+from grader.engine.feedback import Told, hint_of, mistake_of, no_answer, public, seen_elsewhere
+from grader.engine.findings import Charge, Charged, Lost, Missing, Ours, Raised, Skipped
 from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome
 from grader.ground.errors import Crashed, NoAnswer, TimedOut
@@ -26,11 +26,14 @@ _TOLD_TYPES = (
     "ModuleNotFoundError",
 )
 _PUBLIC_LOAD = "`imugrade check` loads the file with the public robot and tells more."
+_HOLDS, _DOES_NOT = "this to hold in the hidden scenarios, too", "it does not"
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 
-def told(finding: Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
+def told(finding: Charged | Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     """Words for what stopped a check."""
+    if isinstance(finding, Charged):
+        return _charged(finding.charge, mistakes)
     if isinstance(finding, Lost):
         return _lost(finding, mistakes)
     if isinstance(finding, Skipped):
@@ -69,16 +72,32 @@ def _kind(finding: Raised) -> str:
 
 def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
-    kinds = [mistakes[id_].means for id_ in finding.mistakes]
-    got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or "it does not"
+    kinds = [mistakes[id_].title for id_ in finding.mistakes]
+    got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or _DOES_NOT
     own = [finding.hint] if isinstance(finding.hint, Ours) else [mistakes[id_].hint for id_ in finding.mistakes]
     return Told(
         outcome,
         finding.keeps,
-        expected="this to hold in the hidden scenarios, too",
+        expected=_HOLDS,
         got=got,
         hint=" ".join(own) if finding.mistakes else " ".join([*own, _PUBLIC]),
         mistakes=finding.mistakes,
+    )
+
+
+def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Told:
+    """The words of the same rows, without their templates: a number appears as its power of ten alone."""
+    if (elsewhere := seen_elsewhere(charge)) is not None:
+        return elsewhere
+    sizes = [str(deviation.size) for _, deviation in charge.found if deviation.size]
+    names = public(charge, rows)
+    return Told(
+        "partial" if charge.keeps else "failed",
+        charge.keeps,
+        expected=_HOLDS,
+        got="; ".join([*(rows[id_].title for id_, _ in charge.found if rows[id_].title), *sizes]) or _DOES_NOT,
+        hint=hint_of(charge, rows) if names else f"{hint_of(charge, rows)} {_PUBLIC}",
+        mistakes=names,
     )
 
 

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 from grader.engine.lab import Lab
 
@@ -30,8 +31,13 @@ def title_of(docstring: str) -> str:
 
 def checks_of(lab: Lab) -> Mapping[str, Check]:
     """Every check of a lab, by id."""
-    sources = sorted((lab.folder / "checks").glob("check_*.py"))
+    sources = [*sorted((lab.folder / "checks").glob("check_*.py")), *check_files(lab)]
     return {check.id: check for path in sources for check in _checks_in(path.read_text(encoding="utf-8"))}
+
+
+def check_files(lab: Lab) -> list[Path]:
+    """The checks of each criterion that has a folder of its own."""
+    return sorted(lab.folder.glob("*/checks.py"))
 
 
 @cache
@@ -42,7 +48,7 @@ def _checks_in(source: str) -> tuple[Check, ...]:
 def _found(source: str) -> Iterator[Check]:
     for function in (node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)):
         for call in function.decorator_list:
-            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "check":
+            if isinstance(call, ast.Call) and ast.unparse(call.func).rpartition(".")[2] == "check":
                 steps = [word.value for word in call.keywords if word.arg == "lab_step"]
                 step = ast.literal_eval(steps[0]) if steps else None
                 yield Check(ast.literal_eval(call.args[0]), title_of(ast.get_docstring(function) or ""), step)

@@ -57,7 +57,7 @@ def listing() -> str:
     lines = []
     for group, title in GROUPS.items():
         lines += ["", f"Mistakes: {title}", ""]
-        lines += [f"  {entry.id:<28} {entry.means}" for entry in catalogue(LAB).values() if entry.group == group]
+        lines += [f"  {entry.id:<28} {entry.title}" for entry in catalogue(LAB).values() if entry.group == group]
     for each in rubric().parts:
         lines += ["", f"Checks: {each.title}", ""] if each.checks else []
         lines += [f"  {weight.id:<44} {_title(weight.id)}" for weight in each.checks]
@@ -72,7 +72,7 @@ def mistake(entry: Mistake, *, level: int = 1) -> str:
         f"\nAgain: `imugrade check --only {entry.group}`\n" if entry.group in GROUPS and _is_part(entry.group) else ""
     )
     return (
-        f"{head} {entry.id}\n\n{_sentence(entry.means)}\n\n{entry.explanation.strip()}\n\n"
+        f"{head} {entry.id}\n\n{_sentence(entry.title)}\n\n{entry.explanation.strip()}\n\n"
         f"Wrong:\n\n{_code(entry.wrong)}\n\nRight:\n\n{_code(entry.right)}\n\nTry: {entry.hint.strip()}\n{read}{again}"
     )
 

@@ -354,7 +354,7 @@ def _title(cause: Cause, named: Sequence[Mistake]) -> str:
     got = {line.text for check in cause.checks for line in words.row(check, "", LabName()).lines if line.label == "Got"}
     if all(mistake.group == "any" for mistake in named) and len(got) == 1 and got != {"none"}:
         return _sentence(got.pop().partition("\n")[0])
-    return _sentence("; ".join(mistake.means for mistake in named))
+    return _sentence("; ".join(mistake.title for mistake in named))
 
 
 def _says(title: str, lines: Iterable[words.Line]) -> bool:

@@ -17,12 +17,13 @@ from tests.corpus.pieces import edit
 from tests.corpus.sound import SOUND, WRAPPED
 from tests.corpus.writing import Link, notebook, write
 
-MISTAKES = Path(__file__).resolve().parents[2] / "grader" / "labs" / "imu" / "mistakes.yaml"
+MISTAKES = Path(__file__).resolve().parents[2] / "grader" / "labs" / "imu" / "faults.yaml"
 EXTENSIONS = "extensions"
 
 
 def known_ids() -> dict[str, set[str]]:
-    return {group: set(ids) for group, ids in yaml.safe_load(MISTAKES.read_text(encoding="utf-8")).items()}
+    table = yaml.safe_load(MISTAKES.read_text(encoding="utf-8"))
+    return {group: {id_ for id_, row in rows.items() if "explanation" in row} for group, rows in table.items()}
 
 
 def test_every_mistake_of_the_five_criteria_has_a_submission_that_makes_it() -> None:

@@ -1,335 +1,236 @@
-"""What a filter does, told from outputs that are made of the sheet's recursion or of another one."""
+"""Filtering, on facts that are made by hand: what each filter is charged, and in which words."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from grader.engine import feedback, withheld
+from grader.engine.findings import Charge, Charged, Fault
+from grader.engine.mistakes import rows
+from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import filtering
-from grader.labs.imu.diagnosis.filter_outputs import recursion
+from grader.labs.imu.filtering import checks
+from grader.labs.imu.filtering.explain import PART, recursion
+from grader.labs.imu.filtering.measure import Facts, asked, facts, measure
+from grader.labs.imu.lab import LAB
+from tests.judging.made import Made, truth
 
 pytestmark = pytest.mark.quick
-_N, _ATOL, _ALPHAS = 160, 1e-5, (0.3, 0.6)
-_RNG = np.random.default_rng(12)
-_X = _RNG.normal((0.5, -9.6, 2), 1, (_N, 3))
-_ONE = np.eye(_N, 3, k=-40)
-Answers = Callable[[float, Array], Array]
+CASES = asked(truth()["filter"])
+FIRST, SECOND = list(CASES)[:2]
+ROWS = rows(LAB)
+OF, START, CONSTANT, NOISE, SIGNAL, OWN = (
+    "follows_recursion", "starts_from_first_measurement", "passes_constant", "reduces_noise", "preserves_signal",
+    "instances_independent",
+)  # fmt: skip
+Filter = Callable[[float, Array, Array | None], Array]
+"""alpha, measurements (n, 3) and the initial value to outputs (n, 3)."""
 
 
-def _sheet(alpha: float, x: Array) -> Array:
-    return recursion(alpha, x, x[0])
+def sheet(alpha: float, x: Array, initial: Array | None = None) -> Array:
+    start = x[0] if initial is None else alpha * x[0] + (1 - alpha) * initial
+    return recursion(alpha, x, start)
 
 
-def _of(a: float, b: float, x: Array = _X) -> Array:
-    """``y[n] = a x[n] + b y[n-1]`` from the first measurement on."""
-    y = [x[0]]
-    for sample in x[1:]:
-        y.append(a * sample + b * y[-1])
-    return np.array(y)
+def of(a: Callable[[float], float], b: Callable[[float], float]) -> Filter:
+    """``y[n] = a x[n] + b y[n-1]`` from the first measurement, or from the initial value, on."""
 
-
-def _high_passed(c: float, x: Array) -> Array:
-    y = [np.zeros(3)]
-    for n in range(1, len(x)):
-        y.append(c * (y[-1] + x[n] - x[n - 1]))
-    return np.array(y)
-
-
-def _restarting(seldom: int) -> Answers:
-    def answer(alpha: float, x: Array) -> Array:
-        y = [x[0]]
-        for n in range(1, len(x)):
-            y.append(x[n] if n % seldom == 0 else alpha * x[n] + (1 - alpha) * y[-1])
+    def answer(alpha: float, x: Array, initial: Array | None) -> Array:
+        y = [x[0] if initial is None else a(alpha) * x[0] + b(alpha) * initial]
+        for sample in x[1:]:
+            y.append(a(alpha) * sample + b(alpha) * y[-1])
         return np.array(y)
 
     return answer
 
 
-def _starting_late(alpha: float, x: Array) -> Array:
-    """The first ten come out as they are."""
+def out(change: Callable[[Array], Array]) -> Filter:
+    """The sheet's filter, and something done to what comes out."""
+    return lambda alpha, x, initial: change(sheet(alpha, x, initial))
+
+
+def memoryless(change: Callable[[Array], Array]) -> Filter:
+    return lambda _alpha, x, _initial: change(x)
+
+
+def window(size: int) -> Filter:
+    return lambda _a, x, _i: np.array([x[max(0, n - size + 1) : n + 1].mean(axis=0) for n in range(len(x))])
+
+
+def _twice(alpha: float, x: Array, initial: Array | None) -> Array:
+    return sheet(alpha, sheet(alpha, x, initial), initial)
+
+
+def _restarting(alpha: float, x: Array, initial: Array | None) -> Array:
+    parts = [sheet(alpha, x[at : at + 50], initial if at == 0 else None) for at in range(0, len(x), 50)]
+    return np.vstack(parts)
+
+
+def _staying(alpha: float, x: Array, initial: Array | None) -> Array:
+    y = [sheet(alpha, x[:1], initial)[0]]
+    for n in range(1, len(x)):
+        y.append(y[-1] if n % 3 == 0 else alpha * x[n] + (1 - alpha) * y[-1])
+    return np.array(y)
+
+
+def _late(alpha: float, x: Array, _: Array | None) -> Array:
     return np.vstack([x[:10], recursion(alpha, x[9:], x[9])[1:]])
 
 
-def _averaged(size: int) -> Answers:
-    return lambda _, x: np.array([x[max(0, n - size + 1) : n + 1].mean(axis=0) for n in range(len(x))])
+def _behind(alpha: float, x: Array, initial: Array | None) -> Array:
+    return np.vstack([x[:1], sheet(alpha, x, initial)[:-1]])
 
 
-def _on_axes(*axes: int, others: Answers = lambda _, x: x) -> Answers:
-    def answer(alpha: float, x: Array) -> Array:
-        y = others(alpha, x).copy()
-        y[:, list(axes)] = _sheet(alpha, x)[:, list(axes)]
-        return y
-
-    return answer
+def _axis_out(alpha: float, x: Array, initial: Array | None) -> Array:
+    y = sheet(alpha, x, initial)
+    y[:, 2] = x[:, 2]
+    return y
 
 
-def _below_now_and_then(alpha: float, x: Array) -> Array:
-    y = _restarting(20)(alpha, x)
-    return np.where(np.arange(len(x))[:, None] % 20 == 19, x - 1, y)
+def _restarts_at_zero(alpha: float, x: Array, initial: Array | None) -> Array:
+    return sheet(alpha, x, None if initial is None or not initial.any() else initial)
 
 
-def _late_and_again(alpha: float, x: Array) -> Array:
-    return np.vstack([_starting_late(alpha, x[:60]), _starting_late(alpha, x[60:])])
+def judged(found: Facts) -> dict[str, tuple[float, str]]:
+    """By check: the share that it keeps, with the rows that tell it; "not charged" or "not reached" where another one does."""
+    return {name.removeprefix("filtering."): _short(charge) for name, charge in PART.judge(found, ROWS).items()}
 
 
-_CROSSED = np.array([[1.0, 0.1, 0], [0, 0.9, 0], [0, 0, 1]])
-_LESS = np.array([[1.0, -0.1, 0], [0, 1, 0], [0, 0, 1]])
+def _short(charge: Charge | Exception) -> tuple[float, str]:
+    if isinstance(charge, Exception):
+        return 0.0, type(charge).__name__
+    seen = "not charged" if charge.keeps else "not reached"
+    return charge.keeps, seen if charge.see else " ".join(id_.removeprefix("filtering.") for id_, _ in charge.found)
 
 
-def _from(constant: float | list[float]) -> Answers:
-    return lambda alpha, x: np.asarray(alpha * x + constant)
+def facts_of(answer: Filter) -> Facts:
+    """What is known of a filter."""
+    runs = [FilterRun(answer(case.alpha or 0.1, case.signal, case.initial), None, None) for case in CASES.values()]
+    return facts(CASES, runs)
 
 
-_TOLD: dict[str, tuple[Answers, list[str]]] = {
-    "sound": (_sheet, []),
-    "exchanged weights": (lambda alpha, x: _of(1 - alpha, alpha, x), ["alpha-swapped"]),
-    "the measurement": (lambda _, x: x, ["no-filtering"]),
-    "the measurement but for the first": (lambda _, x: np.vstack([0 * x[:1], x[1:]]), ["no-filtering"]),
-    "the first": (lambda _, x: np.tile(x[0], (len(x), 1)), ["output-stuck"]),
-    "zeros": (lambda _, x: 0 * x, ["output-stuck"]),
-    "the first, then zeros": (lambda _, x: np.vstack([x[:1], 0 * x[1:]]), ["output-stuck"]),
-    "hardly anything moves": (lambda _, x: 0 * x + 0.7 * _ATOL * np.eye(len(x), 3), ["output-stuck"]),
-    "from the same value": (_from(3), ["state-not-kept"]),
-    "from the same three values": (_from([3, 4, 5]), ["state-not-kept"]),
-    "from the same value, weights exchanged": (lambda alpha, x: (1 - alpha) * x - 2, ["state-not-kept"]),
-    "of two measurements": (lambda c, x: c * x + (1 - c) * np.roll(x, 1, axis=0), ["filters-input-history"]),
-    "of two, exchanged": (lambda c, x: (1 - c) * x + c * np.roll(x, 1, axis=0), ["filters-input-history"]),
-    "high-pass": (_high_passed, ["high-pass"]),
-    "high-pass, exchanged": (lambda alpha, x: _high_passed(1 - alpha, x), ["high-pass"]),
-    "without the low part": (lambda alpha, x: x - _sheet(alpha, x), ["high-pass"]),
-    "without the low part, exchanged": (lambda alpha, x: x - _sheet(1 - alpha, x), ["high-pass"]),
-    "starts again": (_restarting(20), ["filter-restarts"]),
-    "starts again each sixth": (_restarting(6), ["filter-restarts"]),
-    "starts again each fifth": (_restarting(4), []),
-    "starts late": (_starting_late, []),
-    "starts late, and starts again late": (_late_and_again, ["filter-restarts"]),
-    "below the measurement now and then": (_below_now_and_then, []),
-    "mean of so many that one or three are": (lambda alpha, x: _averaged(int(1 / alpha))(alpha, x), ["moving-average"]),
-    "mean of two": (_averaged(2), ["moving-average"]),
-    "mean of twenty": (_averaged(20), ["moving-average"]),
-    "a gain without memory": (lambda _, x: 0.5 * x, ["does-not-filter"]),
-    "a gain an axis, and an offset": (lambda _, x: x * [1, 2, 3] + 4, ["does-not-filter"]),
-    "a sum of weights of more than one": (lambda alpha, x: _of(alpha, 1.05 - alpha, x), ["gain-not-one"]),
-    "a sum of weights of less than one": (lambda alpha, x: _of(alpha, 0.95 - alpha, x), ["gain-not-one"]),
-    "a sum of weights that is one, nearly": (lambda alpha, x: _of(alpha + 1e-5, 1 - alpha, x), ["gain-not-one"]),
-    "another alpha, always": (lambda _, x: _of(0.2, 0.8, x), ["alpha-ignored"]),
-    "another alpha, never the same": (lambda alpha, x: _of(alpha**2, 1 - alpha**2, x), []),
-    "two axes": (_on_axes(0, 1), ["axes-mixed"]),
-    "one axis": (_on_axes(2), ["axes-mixed"]),
-    "two axes, one stuck": (_on_axes(0, 2, others=lambda _, x: 0 * x + 1), ["axes-mixed"]),
-    "two axes, one stuck after the first": (_on_axes(1, 2, others=lambda _, x: np.vstack([x[:1], 0 * x[1:]])), ["axes-mixed"]),
-    "two axes, one of noise": (_on_axes(0, 2, others=lambda _, x: np.cos(9 * x)), []),
-    "crossed": (lambda alpha, x: _sheet(alpha, x @ _CROSSED), ["axes-mixed"]),
-    "taken off another one": (lambda alpha, x: _sheet(alpha, x @ _LESS), ["axes-mixed"]),
-    "squared": (lambda _, x: x**2, []),
-    "another recursion an axis": (lambda alpha, x: np.stack([_of(a, 1 - a, x)[:, i] for i, a in enumerate((alpha, 0.2, 0.9))], axis=1), []),
-}  # fmt: skip
+NO_FILTER = dict.fromkeys((START, CONSTANT, NOISE, SIGNAL), (0.0, "not reached"))
+FILTERS: list[tuple[str, Filter, Mapping[str, tuple[float, str]]]] = [
+    ("sound", sheet, {}),
+    ("single precision", out(lambda y: y.astype(np.float32).astype(float)), {}),
+    ("another default", lambda a, x, i: sheet(0.3 if len(x) == 100 else a, x, i), {OF: (0.5, "alpha-default")}),
+    ("two decimals", out(lambda y: y.round(2)), {OF: (0.0, "output-rounded"), START: (1.0, "not charged"), CONSTANT: (1.0, "not charged")}),
+    ("half precision", out(lambda y: y.astype(np.float16).astype(float)), {OF: (0.0, "output-rounded"), START: (1.0, "not charged"), CONSTANT: (1.0, "not charged")}),
+    ("limited", out(lambda y: np.clip(y, -9.7, 9.7)), {OF: (0.0, "output-limited"), START: (1.0, "not charged")}),
+    ("alpha swapped", of(lambda a: 1 - a, lambda a: a), {OF: (0.0, "alpha-swapped"), START: (1.0, "not charged")}),
+    ("gain of two", of(lambda a: a, lambda a: 1), {OF: (0.0, "gain-not-one"), START: (1.0, "not charged"), CONSTANT: (1.0, "not charged"), NOISE: (1.0, "not charged"), SIGNAL: (1.0, "not charged")}),
+    ("its own alpha", of(lambda _: 0.25, lambda _: 0.75), {OF: (0.0, "alpha-ignored"), START: (1.0, "not charged")}),
+    ("the root of alpha", of(lambda a: a**0.5, lambda a: 1 - a**0.5), {OF: (0.0, "another-weight"), START: (1.0, "not charged")}),
+    ("updates twice", of(lambda a: 1 - (1 - a) ** 2, lambda a: (1 - a) ** 2), {OF: (0.0, "updates-twice"), START: (1.0, "not charged")}),
+    ("the input before", lambda a, x, _: np.vstack([x[:1], a * x[1:] + (1 - a) * x[:-1]]), {OF: (0.0, "filters-input-history"), START: (1.0, "not charged")}),
+    ("restarts", _restarting, {OF: (0.0, "filter-restarts")}),
+    ("a mean of ten", window(10), {OF: (0.0, "moving-average"), START: (1.0, "not charged")}),
+    ("a mean of ninety", window(90), {OF: (0.0, OF), START: (1.0, "not charged"), SIGNAL: (1.0, "not charged")}),
+    ("an axis left out", _axis_out, {OF: (0.0, "axes-mixed"), START: (1.0, "not charged")}),
+    ("one behind", _behind, {OF: (0.0, "one-behind"), START: (1.0, "not charged")}),
+    ("stays at times", _staying, {OF: (0.0, "stays-at-times")}),
+    ("begins late", _late, {OF: (0.0, "begins-late"), START: (1.0, "not charged")}),
+    ("two stages", _twice, {OF: (0.0, "other-low-pass"), START: (1.0, "not charged")}),
+    ("high-pass", lambda a, x, i: x - sheet(a, x, i), {OF: (0.0, "high-pass"), START: (1.0, "not charged"), CONSTANT: (0.0, "not reached"), SIGNAL: (0.0, "not reached")}),
+    ("kept nowhere", lambda a, x, i: a * x + (1 - a) * (x[0] if i is None else i), {OF: (0.0, "state-not-kept"), SIGNAL: (1.0, "not charged")}),
+    ("moved by one", out(lambda y: y + 1), {OF: (0.0, OF), START: (1.0, "not charged"), CONSTANT: (1.0, "not charged"), SIGNAL: (1.0, "not charged")}),
+    ("from zero", lambda a, x, i: sheet(a, x, np.zeros(3) if i is None else i), {START: (0.0, "zero-initial-state")}),
+    ("from elsewhere", lambda a, x, i: sheet(a, x, x[0] + 1 if i is None else i), {START: (0.0, START)}),
+    ("from zero, alpha swapped", lambda a, x, i: sheet(1 - a, x, np.zeros(3) if i is None else i), {OF: (0.0, "alpha-swapped"), START: (0.0, "zero-initial-state")}),
+    ("initial value ignored", lambda a, x, _: sheet(a, x), {START: (0.5, "initial-value-ignored")}),
+    ("zeros ignored as an initial value", _restarts_at_zero, {START: (0.5, "initial-value-ignored")}),
+    ("half the initial value", lambda a, x, i: sheet(a, x, None if i is None else i / 2), {START: (0.5, "initial-value-mixed")}),
+    ("nothing of a constant", lambda a, x, i: sheet(a, x, i) * bool(np.ptp(x, axis=0).any()), {CONSTANT: (0.0, CONSTANT)}),
+    ("no numbers of a constant", lambda a, x, i: sheet(a, x, i) * (1 if np.ptp(x, axis=0).any() else np.nan), {CONSTANT: (0.0, CONSTANT)}),
+    *(
+        (name, memoryless(change), {OF: (0.0, told), **NO_FILTER})
+        for name, change, told in [
+            ("identity", lambda x: x, "no-filtering"),
+            ("the first for ever", lambda x: x[:1] + 0 * x, "output-stuck"),
+            ("tanh", np.tanh, "does-not-filter"),
+            ("square", lambda x: x * x, "does-not-filter"),
+            ("clip", lambda x: np.clip(x, -1, 1), "does-not-filter"),
+            ("three decimals", lambda x: x.round(3), "does-not-filter"),
+            ("one decimal", lambda x: x.round(1), "does-not-filter"),
+            ("the first fades", lambda x: x[0] * 0.99 ** np.arange(len(x))[:, None], "does-not-filter"),
+            ("three quarters", lambda x: 0.75 * x, "does-not-filter"),
+        ]
+    ),
+    ("a mean with zero", lambda a, x, _: a * x, {OF: (0.0, "state-not-kept"), **NO_FILTER}),
+    ("zero", memoryless(lambda x: 0 * x), {OF: (0.0, "output-stuck"), **NO_FILTER, OWN: (0.0, "Skipped")}),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", _TOLD)
-def test_the_one_mistake_that_predicts_every_run_is_told(name: str) -> None:
-    answer, told = _TOLD[name]
-    assert filtering.mistakes([(alpha, _X, answer(alpha, _X)) for alpha in _ALPHAS]) == told
+@pytest.mark.parametrize(("answer", "marked"), [row[1:] for row in FILTERS], ids=[row[0] for row in FILTERS])
+def test_what_a_filter_is_charged(answer: Filter, marked: Mapping[str, tuple[float, str]]) -> None:
+    assert judged(facts_of(answer)) == marked
 
 
-@pytest.mark.parametrize(
-    "name", [name for name, (_, told) in _TOLD.items() if told and not name.startswith(("starts", "a sum"))]
-)
-def test_a_mistake_in_one_of_two_runs_predicts_not_both(name: str) -> None:
-    answer, told = _TOLD[name]
-    assert filtering.mistakes([(0.3, _X, answer(0.3, _X)), (0.6, _X, _sheet(0.6, _X))]) != told
+FAULT = Fault("ValueError", "no", "filters.py", 7, None)
+RAN = {name: FilterRun(sheet(case.alpha or 0.1, case.signal, case.initial), None, None) for name, case in CASES.items()}
+ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]]]] = [
+    ("needs alpha", {"no alpha": FilterRun(None, None, FAULT)}, {OF: (0.5, "needs-alpha")}),
+    ("raises", {SECOND: FilterRun(None, None, FAULT)}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL), (0.0, "Raised"))),
+    ("raises for a constant", {"constant": FilterRun(RAN["constant"].output[:9], None, FAULT)}, {CONSTANT: (0.0, "Raised")}),
+    ("other parameters", {FIRST: replace(RAN[FIRST], departs=("measurement",))}, {OF: (0.5, "other-parameters")}),
+    ("a global", {FIRST: replace(RAN[FIRST], departs=("global alpha",))}, {OF: (0.5, "global-for-parameter")}),
+    ("pairs", {name: replace(run, odd="a tuple of 2") for name, run in RAN.items()}, {OF: (0.5, "wrong-return-type")}),
+    ("numbers", {name: FilterRun(run.output * np.nan, "a number", None) for name, run in RAN.items()}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL, OWN), (0.0, "Unusable"))),
+    ("None at first", {name: FilterRun(np.vstack([[[np.nan] * 3], run.output[1:]]), "None", None) for name, run in RAN.items()}, {START: (0.0, "wrong-return-type")}),
+    ("shared", {"beside": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.0, "shared-state")}),
+    ("another output each time", {name: replace(RAN[name], output=RAN[name].output + 1) for name in ("beside", "again")}, {OWN: (0.0, OWN)}),
+    ("spoilt output", {"spoilt_output": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.5, "aliased-output")}),
+    ("one array for all", {"noise": replace(RAN["noise"], output_changed=True)}, {OWN: (0.5, "aliased-output")}),
+    ("spoilt input", {"spoilt_input": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.5, "aliased-input")}),
+    ("writes into what it is given", {"initial": replace(RAN["initial"], input_changed=True)}, {OWN: (0.5, "mutates-input")}),
+]  # fmt: skip
 
 
-def test_of_one_alpha_nobody_knows_whether_it_is_heeded() -> None:
-    y = _of(0.2, 0.8)
-    assert filtering.mistakes([(0.3, _X, y), (0.3, _X, y)]) == []
+@pytest.mark.parametrize(("changed", "marked"), [row[1:] for row in ANSWERS], ids=[row[0] for row in ANSWERS])
+def test_what_an_answer_is_charged(changed: Mapping[str, FilterRun], marked: Mapping[str, tuple[float, str]]) -> None:
+    assert judged(facts(CASES, list({**RAN, **changed}.values()))) == marked
 
 
-@pytest.mark.parametrize(
-    ("y", "found"),
-    [
-        (_of(0.3, 0.7), (0.3, 0.7)),
-        (_of(-0.2, 0.5), (-0.2, 0.5)),
-        (_of(0.3, 1.2), (0.3, 1.2)),
-        (_of(0.3, 0.7) + 0.9 * _ATOL * _ONE, (0.3, 0.7)),
-        (_of(0.3, 0.7) + 3 * _ATOL * _ONE, None),
-        (_of(0.3, 2), (0.3, 2)),
-        (_of(0.3, 30), None),
-        (-_of(0.3, 2), (-0.3, 2)),
-        (_X**2, None),
-    ],
-)
-def test_the_coefficients_of_a_recursion_are_found_until_it_runs_away(
-    y: Array, found: tuple[float, float] | None
-) -> None:
-    assert filtering.recursion_of(_X, y) == (None if found is None else pytest.approx(found, abs=1e-5))
+def test_a_filter_that_stumbles_over_an_earlier_one_is_charged_for_its_shared_state() -> None:
+    assert judged(facts(CASES, list(RAN.values()), stumbles=FAULT)) == {OWN: (0.0, "shared-state")}
 
 
-def test_a_recursion_runs_away_below_zero_as_above() -> None:
-    below = -np.abs(_X)
-    assert filtering.recursion_of(below, _of(0.3, 2, below)) == pytest.approx((0.3, 2))
+def test_numbers_of_chance_are_no_memory() -> None:
+    rng = np.random.default_rng(1)
+    found = judged(facts_of(memoryless(lambda x: x + rng.normal(0, 0.01, x.shape))))
+    assert found == {OF: (0.0, "does-not-filter"), **NO_FILTER, OWN: (1.0, "not charged")}
 
 
-def test_six_outputs_tell_two_coefficients() -> None:
-    y = _of(0.3, 0.7)
-    assert filtering.recursion_of(_X[:6], y[:6]) == pytest.approx((0.3, 0.7))
-    assert filtering.recursion_of(_X[:5], y[:5]) is None
+def test_every_charge_is_told_in_public_and_of_hidden_data() -> None:
+    every = [facts_of(answer) for _, answer, _ in FILTERS]
+    every += [facts(CASES, list({**RAN, **changed}.values())) for _, changed, _ in ANSWERS]
+    every += [facts(CASES, list(RAN.values()), stumbles=FAULT)]
+    for found in every:
+        for charge in PART.judge(found, ROWS).values():
+            if isinstance(charge, Charge) and not charge.see:
+                told, hidden = feedback.told(Charged(charge), None, ROWS), withheld.told(Charged(charge), ROWS)
+                assert told.expected != told.got, charge
+                assert told.hint, charge
+                assert hidden.hint.startswith(told.hint), charge
+                assert not any(digit in hidden.got.partition(" by ")[0] for digit in "23456789"), hidden.got
 
 
-@pytest.mark.parametrize(
-    ("y", "away"),
-    [
-        (_of(0.3, 1.02), True), (_of(-0.3, -1.02), True), (_of(0.3, 1.005), False), (_of(0.3, 0.9), False),
-        (_of(0.005, 1.05), False), (_of(0.02, 1.05), True), (_of(-0.02, 1.05), True), (_X**2, False),
-    ],
-)  # fmt: skip
-def test_what_grows_by_itself_runs_away(y: Array, away: bool) -> None:
-    assert filtering.runs_away(_X, y) == away
+def test_the_worker_is_asked_every_case_once_and_sound_code_is_charged_nothing() -> None:
+    class LowPassFilter:
+        def __init__(self, alpha: float = 0.1, initial_value: Any = None) -> None:
+            self.alpha, self.value = alpha, initial_value
 
+        def update(self, measurement: Array) -> Array:
+            before = measurement if self.value is None else self.value
+            self.value = self.alpha * measurement + (1 - self.alpha) * before
+            return self.value.copy()
 
-@pytest.mark.parametrize(
-    ("x", "y", "none"),
-    [
-        (_X, _X, True),
-        (_X, -2 * _X + 7, True),
-        (_X, _X * [1, 0, 3], True),
-        (_X, np.vstack([0 * _X[:1], 2 * _X[1:]]), True),
-        (_X, 0 * _X + [1, 2, 3], False),
-        (_X, np.vstack([_X[:1], 0 * _X[1:]]), False),
-        (_X, _of(1 - 1e-3, 1e-3), False),
-        (_X, _X + 0.7 * _ATOL * _ONE, True),
-        (_X, _X + 3 * _ATOL * _ONE, False),
-        (0 * _X, _X, False),
-        (_X * [1, 0, 1], _X * [1, 0, 1] + 1, True),
-    ],
-)
-def test_a_filter_without_memory_follows_each_measurement_alone(x: Array, y: Array, none: bool) -> None:
-    assert filtering.has_no_memory(x, y) == none
-
-
-@pytest.mark.parametrize(
-    ("y", "keeps"),
-    [
-        (0.1 * _X + 0.9 * _X[0], True),
-        (0.9 * _X + 0.1 * _X[0], True),
-        (0.1 * _X + 0.9 * _X[1], False),
-        (0.2 * _X + 0.8 * _X[0], False),
-        (0.1 * _X, False),
-        (_X, False),
-        (0.1 * _X + 0.9 * _X[0] + 0.7 * _ATOL, True),
-        (0.1 * _X + 0.9 * _X[0] + 3 * _ATOL, False),
-    ],
-)
-def test_a_filter_that_keeps_the_first_measurement_starts_each_output_from_it(y: Array, keeps: bool) -> None:
-    assert filtering.keeps_the_first(0.1, _X, y) == keeps
-
-
-_LATE = np.arange(400)
-_WAVE = np.sin(2 * np.pi * _LATE / 40)[:, None] * [1.0, 2, 0.5]
-_NOISE = np.random.default_rng(4).normal(0, 1, (400, 3))
-
-
-def test_weights_that_never_change_and_have_another_sum_are_a_gain() -> None:
-    assert filtering.mistakes([(alpha, _X, _of(0.2, 0.85, _X)) for alpha in _ALPHAS]) == ["gain-not-one"]
-
-
-def test_noise_and_signal_are_measured_over_the_second_half() -> None:
-    loud = np.vstack([100 * _NOISE[:200], _NOISE[200:]])
-    assert filtering.noise_gain(_NOISE, 0.5 * loud[::1]) == pytest.approx(0.25)
-    assert filtering.noise_gain(loud, _NOISE) == pytest.approx(1)
-    assert filtering.noise_gain(_NOISE[:401], _NOISE * [2, 0, 0]) == pytest.approx(4 / 3, rel=0.2)
-    assert filtering.signal_error(_WAVE, np.vstack([loud[:200], 0.5 * _WAVE[200:]])) == pytest.approx(0.5)
-    assert filtering.signal_error(_WAVE + 9, _WAVE + 9) == 0
-    apart = np.array([0.0, 5, -9])
-    assert filtering.signal_error(_WAVE + apart, 0.5 * _WAVE + apart) == pytest.approx(0.5)
-    begins_loud = np.vstack([9 * _WAVE[:200], _WAVE[200:]])
-    assert filtering.signal_error(begins_loud, 0.5 * begins_loud) == pytest.approx(0.5)
-    assert filtering.signal_error(_WAVE * [1, 1, 1], _WAVE * [2, 1, 1]) == pytest.approx((1 / 5.25) ** 0.5)
-
-
-@pytest.mark.parametrize(
-    ("y", "share"),
-    [
-        (_WAVE, 1),
-        (0.01 * np.roll(_WAVE, 7, axis=0) + 5 + _LATE[:, None] / 100, 1),
-        (_WAVE * [0, 0, 1] + _NOISE * [1, 1, 0], 1),
-        (0 * _WAVE + 3, 0),
-        (0.5 * _ATOL * _WAVE, 0),
-        (_LATE[:, None] * np.ones(3), 0),
-        (np.vstack([_NOISE[:200], _WAVE[200:]]), 1),
-        (np.sin(2 * np.pi * _LATE / 20)[:, None] * np.ones(3), 0),
-        (_WAVE * [1, 0, 0] + np.sin(2 * np.pi * _LATE / 20)[:, None] * [1.0, 0, 0], 1 - 0.5**0.5),
-    ],
-)
-def test_the_share_of_a_signal_is_what_swings_with_its_period(y: Array, share: float) -> None:
-    assert filtering.share_of_signal(y, 40) == pytest.approx(share, abs=0.01)
-
-
-def _holding(size: float) -> Answers:
-    """What jumps by more is left out."""
-
-    def answer(alpha: float, x: Array) -> Array:
-        y = [x[0]]
-        for sample in x[1:]:
-            y.append(y[-1] if np.abs(sample - y[-1]).max() > size else alpha * sample + (1 - alpha) * y[-1])
-        return np.array(y)
-
-    return answer
-
-
-def _every_second(alpha: float, x: Array) -> Array:
-    return np.repeat(recursion(alpha, x[::2], x[0]), 2, axis=0)[: len(x)]
-
-
-def _from_a_mean(alpha: float, x: Array) -> Array:
-    """The mean of all, of the first ten measurements."""
-    means = np.cumsum(x, axis=0) / np.arange(1, len(x) + 1)[:, None]
-    return np.vstack([means[:10], recursion(alpha, x[9:], means[9])[1:]])
-
-
-def _odd_once(alpha: float, x: Array) -> Array:
-    return _sheet(alpha, x) + _ONE
-
-
-def _falling(alpha: float, x: Array) -> Array:
-    """At every fifth measurement the output falls, whatever that is, and goes on from there."""
-    y = [x[0]]
-    for n, sample in enumerate(x[1:], 1):
-        y.append(y[-1] - 5 if n % 5 == 0 else alpha * sample + (1 - alpha) * y[-1])
-    return np.array(y)
-
-
-def _late_and_odd(alpha: float, x: Array) -> Array:
-    return _starting_late(alpha, x) + _ONE
-
-
-@pytest.mark.parametrize(
-    ("answer", "holds", "late"),
-    [
-        (_sheet, False, False),
-        (_holding(2.0), True, False),
-        (_holding(1.0), True, False),
-        (_every_second, True, False),
-        (lambda _, x: 0 * x + x[0], False, False),
-        (_averaged(4), False, False),
-        (_starting_late, False, True),
-        (_from_a_mean, False, True),
-        (_odd_once, False, False),
-        (_late_and_odd, False, False),
-        (_falling, False, False),
-        (_restarting(20), False, False),
-        (lambda alpha, x: np.vstack([x[:140], recursion(alpha, x[139:], x[139])[1:]]), False, False),
-    ],
-    ids=[
-        "sheet", "jumps left out", "more left out", "every second", "stuck", "averaged", "late", "from a mean", "odd once",
-        "late and odd", "falling", "restarting", "too late",
-    ],
-)  # fmt: skip
-def test_outputs_that_stay_and_outputs_that_begin_late_are_told(answer: Answers, holds: bool, late: bool) -> None:
-    runs = [(alpha, _X, answer(alpha, _X)) for alpha in _ALPHAS]
-    assert (filtering.stays_at_times(runs), filtering.begins_late(runs)) == (holds, late)
-    sound = (0.5, _X, _sheet(0.5, _X))
-    assert (filtering.stays_at_times([sound, *runs]), filtering.begins_late([sound, *runs])) == (holds, late)
+    student = Made(LowPassFilter=LowPassFilter)
+    assert judged(measure(student, truth())) == {}
+    assert [len(run.output) for run in student.answered("filter")[:4]] == [400, 400, 400, 100]
+    checks.check_follows_recursion(student, truth())

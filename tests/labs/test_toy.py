@@ -62,8 +62,8 @@ def test_an_exception_is_told_by_this_labs_own_catalogue(marker: Marker) -> None
 
 
 def test_a_catalogue_without_what_the_engine_finds_out_is_refused_by_name(tmp_path: Path) -> None:
-    text = (LAB.folder / "mistakes.yaml").read_text(encoding="utf-8")
-    (tmp_path / "mistakes.yaml").write_text(text.replace("  raises:", "  stumbles:"), encoding="utf-8")
+    text = (LAB.folder / "faults.yaml").read_text(encoding="utf-8")
+    (tmp_path / "faults.yaml").write_text(text.replace("  raises:", "  stumbles:"), encoding="utf-8")
     lab = replace(LAB)
     lab.__dict__["folder"] = tmp_path
     with pytest.raises(GraderError, match="the mistakes of Lab 0 lack raises"):

@@ -1,0 +1,138 @@
+"""Facts to explanation to deductions: which fault accounts for which deviation, and what each check is charged.
+
+A check returns how its measured property deviates, or None. Every property is explained by the cheapest reason of its own that
+fits; one without a reason of its own may be predicted by a reason that was found for another. What nothing explains is charged to
+its check with that check's own row. A fault deducts once, however many checks see it.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, Protocol, TypeVar
+
+from grader.engine.conversation import Conversation
+from grader.engine.findings import Charge, Charged, Deviation
+from grader.engine.hypothesis import Reason, explain
+from grader.engine.lab import Lab
+from grader.engine.mistakes import Mistake, rows
+from grader.engine.written import Check, title_of
+
+
+class Measurement(Protocol):
+    """The facts of one criterion."""
+
+    @property
+    def stopped(self) -> Mapping[str, Exception]:
+        """By check, the finding that kept its property from being measured."""
+
+
+Facts = TypeVar("Facts", bound=Measurement)
+Measure = Callable[[Facts], Deviation | None]
+"""How a property deviates; None where it is as it should be."""
+
+
+@dataclass(frozen=True)
+class Part(Generic[Facts]):
+    """How one criterion is judged.
+
+    Attributes
+    ----------
+    measure : asks a student and returns the facts; it judges nothing
+    reasons : every known fault, each with the property that it is a reason for
+    others : properties that no check measures, by name
+    """
+
+    lab: Lab
+    id: str
+    measure: Callable[[Any, Any], Facts]
+    reasons: Sequence[Reason[Facts]]
+    others: Mapping[str, Measure[Facts]] = field(default_factory=dict)
+    checks: dict[str, tuple[Check, Measure[Facts]]] = field(default_factory=dict)
+
+    def check(self, check_id: str, *, lab_step: int) -> Callable[[Measure[Facts]], Callable[..., None]]:
+        """Make a function of the facts a check that pytest runs; its docstring is the sentence that the student reads."""
+
+        def mark(function: Measure[Facts]) -> Callable[..., None]:
+            known = Check(check_id, title_of(function.__doc__ or ""), lab_step)
+            self.checks[check_id] = known, function
+
+            def asked(student: Conversation, truth: Any) -> None:
+                found = student.once((self.id, "judged"), lambda: self._judged(student, truth)).get(check_id)
+                if found is not None:
+                    raise found if isinstance(found, Exception) else Charged(found)
+
+            functools.update_wrapper(asked, function)
+            del asked.__wrapped__  # type: ignore[attr-defined] # or pytest would look for the function's own parameter
+            asked.check = known  # type: ignore[attr-defined]
+            return asked
+
+        return mark
+
+    def _judged(self, student: Conversation, truth: Any) -> Mapping[str, Charge | Exception]:
+        return self.judge(self.measure(student, truth), rows(self.lab))
+
+    def judge(self, facts: Facts, table: Mapping[str, Mistake]) -> Mapping[str, Charge | Exception]:
+        """What each check that is not passed is charged, or why it could not be asked."""
+        stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
+        measures = {name: measure for name, (_, measure) in self.checks.items()} | dict(self.others)
+        measured = {name: measure(facts) for name, measure in measures.items() if name not in stopped}
+        off = {name: found for name, found in measured.items() if found is not None}
+        return {**stopped, **self._charged(off, self._reasons(off, facts), table, stopped)}
+
+    def _reasons(self, off: Mapping[str, Deviation], facts: Facts) -> dict[str, Reason[Facts]]:
+        """The reason for each property that has one of its own: where two that cost the same disagree, the general one."""
+        found: dict[str, Reason[Facts]] = {}
+        for name in off:
+            own = [reason for reason in self.reasons if self._full(reason.of) == name]
+            general = [reason for reason in own if reason.told == name]
+            if (reason := explain(own, facts) or next(iter(general), None)) is not None:
+                found[name] = reason
+        return found
+
+    def _charged(
+        self,
+        off: Mapping[str, Deviation],
+        reasons: Mapping[str, Reason[Facts]],
+        table: Mapping[str, Mistake],
+        stopped: Collection[str],
+    ) -> Mapping[str, Charge]:
+        at: dict[str, str] = {}  # where each fault is charged
+        charges: dict[str, Charge] = {}
+        taken: dict[str, str] = {}
+        for name, reason in reasons.items():
+            if reason.told in at:
+                continue
+            row = table[reason.told]
+            deducts = self._deducts(row) or {name: 1.0}
+            place = name if name in deducts else next((each for each in deducts if each in off), next(iter(deducts)))
+            if place in stopped:
+                continue
+            at[reason.told] = place
+            before = charges.get(place, Charge(place, 1.0))
+            charges[place] = before.plus(reason.told, deducts[place], off[name])
+            taken |= dict.fromkeys(map(self._full, {*row.takes, *reason.takes}), place)
+        charges |= {name: Charge(name, 0.0, see=self._title(place)) for name, place in taken.items()}
+        for name in [name for name in off if name in self.checks and name not in charges]:
+            place = self._seen_elsewhere(name, reasons, at)
+            charges[name] = Charge(name, 1.0, see=self._title(place)) if place else Charge.of(name, off[name])
+        return charges
+
+    def _seen_elsewhere(self, name: str, reasons: Mapping[str, Reason[Facts]], at: Mapping[str, str]) -> str:
+        """The check that is charged what this one sees as well; empty where none is."""
+        predicted = (at[reason.told] for reason in reasons.values() if name in map(self._full, reason.predicts))
+        return at[reasons[name].told] if name in reasons else next(predicted, "")
+
+    def _deducts(self, row: Mistake) -> Mapping[str, float]:
+        """What a fault deducts in this criterion, by check."""
+        group = row.group if row.group == self.id else ""
+        shares = {name if "." in name else f"{group}.{name}": share for name, share in row.deducts.items()}
+        return {name: share for name, share in shares.items() if name in self.checks}
+
+    def _full(self, name: str) -> str:
+        """The id of a check from its name in the criterion; the name of a property that no check measures."""
+        return name if name in self.others else f"{self.id}.{name}"
+
+    def _title(self, check_id: str) -> str:
+        return self.checks[check_id][0].title

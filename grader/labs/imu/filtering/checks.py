@@ -1,0 +1,75 @@
+"""Checks of the filter: each a threshold on one measured property."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.findings import Deviation, Size
+from grader.ground.text import printable
+from grader.labs.imu.compare import Array, same, vector
+from grader.labs.imu.digits import told_apart
+from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART
+from grader.labs.imu.filtering.measure import ATOL, FORM, Facts
+
+
+@PART.check("filtering.follows_recursion", lab_step=6)
+def check_follows_recursion(facts: Facts) -> Deviation | None:
+    """The filter computes y[n] = alpha x[n] + (1 - alpha) y[n-1], with alpha 0.1 where none is given"""
+    run = next((run for run in facts.runs if not run.obeys), None)
+    if run is None:
+        return None
+    row = int(np.argmax(run.off))
+    return _off(run.wanted[row], run.y[row + 1], x=vector(run.x[row + 1]), before=vector(run.y[row]), alpha=run.alpha)
+
+
+@PART.check("filtering.starts_from_first_measurement", lab_step=6)
+def check_starts_from_first_measurement(facts: Facts) -> Deviation | None:
+    """The first output is the first measurement, or follows from the initial value where one is given"""
+    if facts.nothing_at_first:
+        return Deviation({"form": FORM, "came": facts.odd}, size=Size("no vector from the first update()"))
+    if not facts.runs[0].starts:
+        return _off(facts.runs[0].first_wanted, facts.runs[0].y[0])
+    run = next((run for run in facts.from_initial if not run.starts), None)
+    if run is None or run.initial is None:
+        return None
+    return _off(run.first_wanted, run.y[0], share=0.5, x=vector(run.x[0]), initial=vector(run.initial), alpha=run.alpha)
+
+
+@PART.check("filtering.passes_constant", lab_step=6)
+def check_passes_constant(facts: Facts) -> Deviation | None:
+    """A constant input comes out as itself"""
+    wanted, came = facts.constant.x[0], facts.constant.y[-1]
+    return None if same(came, wanted, CONSTANT_ATOL) else _off(wanted, came, samples=len(facts.constant.y))
+
+
+@PART.check("filtering.reduces_noise", lab_step=6)
+def check_reduces_noise(facts: Facts) -> Deviation | None:
+    """Noise comes out smaller than it went in"""
+    gain = facts.noise_gain
+    return None if gain < LARGEST_NOISE_GAIN else Deviation({"gain": gain})
+
+
+@PART.check("filtering.preserves_signal", lab_step=6)
+def check_preserves_signal(facts: Facts) -> Deviation | None:
+    """A slow motion comes through the filter"""
+    error = facts.signal_error
+    return None if error < LARGEST_SIGNAL_ERROR else Deviation({"error": error})
+
+
+@PART.check("filtering.instances_independent", lab_step=6)
+def check_instances_independent(facts: Facts) -> Deviation | None:
+    """Each instance keeps a state of its own, which nobody else can change"""
+    own = facts.own
+    alike = all(same(y, own.alone, ATOL) for y in (own.beside, own.spoilt_input, own.spoilt_output))
+    if alike and not (own.stumbles or own.input_changed or own.output_changed):
+        return None
+    fault = own.stumbles
+    came = f"{fault.type}: {printable(fault.message, 200)}" if fault else "another output"
+    size = Size("no output where another filter was before") if fault else None
+    return Deviation({"came": came}, size=size, fault=fault)
+
+
+def _off(wanted: Array, came: Array, *, share: float = 1.0, **numbers: object) -> Deviation:
+    expected, got = told_apart(wanted, came)
+    size = Size("the output is off", float(np.max(np.abs(came - wanted))))
+    return Deviation({"wanted": expected, "came": got, **numbers}, share, size)

@@ -1,0 +1,279 @@
+"""Facts about a `LowPassFilter`: signals that run through it, what comes out, and what the outputs show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from grader.engine.findings import Fault, Raised, Skipped, Unusable
+from grader.engine.traces import Scenario, Traces
+from grader.labs.imu.answers import FilterRun
+from grader.labs.imu.compare import Array, same
+from grader.labs.imu.student import FilterCase, Student
+
+ATOL = 1e-5
+"""m/s². Single precision errs by 1e-6 at 10 m/s² in each of a few operations; the smallest fault shifts by 1e-3."""
+FORM = "an array of three numbers from update()"
+DEFAULT_ALPHA = 0.1
+_ALPHA, _ALPHA_ALONE = 0.2, 0.3
+_SLOW_PERIOD = 200
+"""Samples; the sheet's filter with alpha 0.2 lags by 4 of them."""
+_PAST, _SHIFT = 40, 3.0
+"""Samples whose values another past changes, and by how much, in m/s². The sheet's filter then differs by 2.1."""
+_BY_CHANCE = 10.0
+"""Times what the same past differs by: another past that changes no more than that is no memory."""
+_SETTLED = 1e-6
+"""Of the largest difference, after 60 samples: at alpha 0.3 the sheet's filter forgets all but 7e-10 of its state by then."""
+_AWAY = 1e4
+"""m/s². No measurement of the lab's comes near; beyond it a sum loses the digits that are compared."""
+_FEWEST = 6
+"""Outputs that tell two coefficients, with more equations than unknowns."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A filter's outputs y (n, 3) for measurements x (n, 3), in m/s²; NaN where no number came."""
+
+    alpha: float
+    x: Array
+    y: Array
+    initial: Array | None = None
+
+    @cached_property
+    def wanted(self) -> Array:
+        """(n - 1, 3) the outputs from the second on that the sheet's recursion makes of the filter's own previous outputs."""
+        return np.asarray(self.alpha * self.x[1:] + (1 - self.alpha) * self.y[:-1])
+
+    @cached_property
+    def off(self) -> Array:
+        """(n - 1,) how far each of these is off, in m/s²."""
+        return np.asarray(np.abs(self.y[1:] - self.wanted).max(axis=1))
+
+    @cached_property
+    def obeys(self) -> bool:
+        """Whether every output follows from the one before as in the sheet; infinity and NaN do not."""
+        return bool(np.all(self.off <= ATOL))
+
+    @cached_property
+    def weights(self) -> tuple[float, float] | None:
+        """The (a, b) of ``y[n] = a x[n] + b y[n-1]`` that all axes obey, if any; until the output has run away."""
+        away = np.abs(self.y).max(axis=1) > _AWAY
+        end = int(away.argmax()) if away.any() else len(self.y)
+        x, y = self.x[:end], self.y[:end]
+        if len(y) < _FEWEST:
+            return None
+        columns = np.stack([x[1:].ravel(), y[:-1].ravel()], axis=1)
+        (a, b), *_ = np.linalg.lstsq(columns, y[1:].ravel(), rcond=None)
+        return (float(a), float(b)) if same(y[1:], a * x[1:] + b * y[:-1], ATOL) else None
+
+    @property
+    def first_wanted(self) -> Array:
+        """(3,) the first output that the sheet makes of the first measurement and the initial value."""
+        before = self.x[0] if self.initial is None else self.initial
+        return np.asarray(self.alpha * self.x[0] + (1 - self.alpha) * before)
+
+    @property
+    def starts(self) -> bool:
+        return same(self.y[0], self.first_wanted, ATOL)
+
+
+@dataclass(frozen=True)
+class Ownership:
+    """The same 60 measurements (alpha 0.3) through six filters, (60, 3) each; who else did what meanwhile, and what changed.
+
+    Attributes
+    ----------
+    alone, again : nobody; beside : a second filter ran on other data
+    spoilt_input, spoilt_output : the caller wrote into the array that went in, or that came out
+    another_past : measurements 2 to 40 are larger by 3 m/s²; the first one and the others are the same
+    stumbles : what a filter raises where another one was before
+    input_changed, output_changed : whether a filter wrote into what it was given, or later into what it had returned
+    """
+
+    alone: Array
+    again: Array
+    beside: Array
+    spoilt_input: Array
+    spoilt_output: Array
+    another_past: Array
+    stumbles: Fault | None = None
+    input_changed: bool = False
+    output_changed: bool = False
+
+    @property
+    def remembers(self) -> bool:
+        """Whether another past changes the output for the same measurements, by more than chance does."""
+        if not np.isfinite([self.alone, self.again, self.another_past]).all():
+            return True  # nobody knows
+        chance = np.abs(self.again - self.alone)[_PAST:].max()
+        return bool(np.abs(self.another_past - self.alone)[_PAST:].max() > ATOL + _BY_CHANCE * chance)
+
+    @property
+    def shared(self) -> bool:
+        return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether two filters grow alike, as those do that only start from different states."""
+        difference = np.abs(self.again - self.alone)
+        return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known of one filter.
+
+    Attributes
+    ----------
+    runs : a noisy signal for each alpha that was asked for, and for none (taken for 0.1)
+    from_initial : the same from an initial value, and from zeros
+    noise, slow, constant : noise, slow waves and a constant (alpha 0.2)
+    own : who may change the state
+    odd : in words, what came in place of a vector that could be made out of it; nothing_at_first : it came first alone
+    needs_alpha : what it raises where no alpha is given
+    departs : the sheet's parameters that it could not be called with
+    stopped : by check, what kept its property from being measured
+    """
+
+    runs: tuple[Run, ...]
+    from_initial: tuple[Run, ...]
+    noise: Run
+    slow: Run
+    constant: Run
+    own: Ownership
+    odd: str = ""
+    nothing_at_first: bool = False
+    needs_alpha: Fault | None = None
+    departs: tuple[str, ...] = ()
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+    @property
+    def noise_gain(self) -> float:
+        """Variance of the output over that of the input, second half of the series."""
+        half = len(self.noise.x) // 2
+        return float(np.var(self.noise.y[half:], axis=0).mean() / np.var(self.noise.x[half:], axis=0).mean())
+
+    @property
+    def signal_error(self) -> float:
+        """RMS of the output minus slow waves, in units of their own spread, second half of the series."""
+        half = len(self.slow.x) // 2
+        x, y = self.slow.x[half:], self.slow.y[half:]
+        return float(np.sqrt(np.mean((y - x) ** 2)) / np.sqrt(np.mean(np.var(x, axis=0))))
+
+    @property
+    def weights(self) -> list[tuple[float, float]]:
+        """The coefficients of each run, where every run is a recursion; else nothing."""
+        found = [run.weights for run in self.runs if run.weights is not None]
+        return found if len(found) == len(self.runs) else []
+
+
+def measure(student: Student, truth: Traces) -> Facts:
+    """Ask one filter for each case, all in one question; in processes of their own where a filter stumbles over an earlier one."""
+    cases = asked(truth["filter"])
+    runs = student.filter(list(cases.values()), called="filter")
+    if runs[0].fault or not runs[1].fault:
+        return facts(cases, runs)
+    return facts(cases, [runs[0], *map(student.filter_alone, [*cases.values()][1:])], stumbles=runs[1].fault)
+
+
+def asked(scenario: Scenario) -> dict[str, FilterCase]:
+    """Every case by name. The first ones are a signal with each alpha that is asked for."""
+    signal, initial = scenario["input"], scenario["initial"]
+    alphas = [float(alpha) for alpha in scenario["alpha"]]
+    short = signal[:60]
+    past = short + _SHIFT * (np.arange(60) % _PAST > 0)[:, None] * (np.arange(60) < _PAST)[:, None]
+    phase = 2 * np.pi * np.arange(400)[:, None] / _SLOW_PERIOD + np.array([0.0, 1.0, 2.0])
+    return {
+        **{f"alpha {alpha:g}": FilterCase(signal, alpha) for alpha in alphas},
+        "no alpha": FilterCase(signal[:100]),
+        "noise": FilterCase(scenario["acceleration"] - scenario["acceleration_clean"] + signal[0], _ALPHA),
+        "slow": FilterCase(np.sin(phase) * np.array([1.0, 2.0, 0.5]) + signal[0], _ALPHA),
+        "constant": FilterCase(np.tile(signal[0], (300, 1)), _ALPHA),
+        "initial": FilterCase(short, alphas[1], initial),
+        "zeros": FilterCase(short, alphas[1], np.zeros(3)),
+        "alone": FilterCase(short, _ALPHA_ALONE),
+        "beside": FilterCase(short, _ALPHA_ALONE, handling="beside"),
+        "spoilt_input": FilterCase(short, _ALPHA_ALONE, handling="spoil_input"),
+        "spoilt_output": FilterCase(short, _ALPHA_ALONE, handling="spoil_output"),
+        "again": FilterCase(short, _ALPHA_ALONE),
+        "another_past": FilterCase(past, _ALPHA_ALONE),
+    }
+
+
+def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: Fault | None = None) -> Facts:
+    """What the answers to all cases show, in their order."""
+    pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
+    said = {name: run for name, (_, run) in pairs.items()}
+    runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}
+    plain = [name for name in runs if "alpha" in name]
+    needs_alpha = None if any(said[name].fault for name in plain[:-1]) else said[plain[-1]].fault
+    plain = plain[:-1] if needs_alpha else plain
+    own = ("alone", "again", "beside", "spoilt_input", "spoilt_output", "another_past")
+    unwatched = ("spoilt_input", "spoilt_output")
+    return Facts(
+        runs=tuple(runs[name] for name in plain),
+        from_initial=(runs["initial"], runs["zeros"]),
+        **{name: runs[name] for name in ("noise", "slow", "constant")},
+        own=Ownership(
+            **{name: runs[name].y for name in own},
+            stumbles=stumbles,
+            input_changed=any(run.input_changed for name, run in said.items() if name not in unwatched),
+            output_changed=any(run.output_changed for name, run in said.items() if name not in unwatched),
+        ),
+        odd=next((odd for name in plain if (odd := said[name].odd)), ""),
+        nothing_at_first=len(runs[plain[0]].x) < len(cases[plain[0]].signal),
+        needs_alpha=needs_alpha,
+        departs=next((departs for name in plain if (departs := said[name].departs)), ()),
+        stopped=_stopped(said, plain, own[:1] if stumbles else own) | _whatever_goes_in(runs["alone"]),
+    )
+
+
+def _from_first_vector(case: FilterCase, run: FilterRun) -> tuple[FilterCase, FilterRun]:
+    """A case without its first sample if update() returned nothing for that alone, which is one fault and judged as that."""
+    missing = [] if run.output is None else np.flatnonzero(~np.isfinite(run.output).all(axis=1)).tolist()
+    if run.fault or missing != [0] or not run.odd:
+        return case, run
+    assert run.output is not None
+    return replace(case, signal=case.signal[1:]), replace(run, output=run.output[1:])
+
+
+def _rows(case: FilterCase, run: FilterRun) -> Array:
+    """An output for each measurement, NaN where none came."""
+    rows = np.full(case.signal.shape, np.nan)
+    if run.output is not None:
+        rows[: len(run.output)] = run.output[: len(rows)]
+    return rows
+
+
+def _stopped(said: Mapping[str, FilterRun], plain: Sequence[str], own: Sequence[str]) -> dict[str, Exception]:
+    """Why a check's property could not be measured; infinity and NaN for one signal alone are a property of that signal."""
+    whole = next((stop for name in plain if (stop := _stop(said[name]))), None)
+    found = {
+        "follows_recursion": whole,
+        "starts_from_first_measurement": whole or _stop(said["initial"]) or _stop(said["zeros"]),
+        "passes_constant": whole or _stop(said["constant"], may_end=True),
+        "reduces_noise": whole or _stop(said["noise"]),
+        "preserves_signal": whole or _stop(said["slow"], may_end=True),
+        "instances_independent": next((stop for name in own if (stop := _stop(said[name]))), None),
+    }
+    return {name: stop for name, stop in found.items() if stop is not None}
+
+
+def _whatever_goes_in(run: Run) -> dict[str, Exception]:
+    """Nothing is known of the state of a filter whose output is the same number, and none that was measured."""
+    same_numbers = np.isfinite(run.y).all() and not np.ptp(run.y, axis=0).any() and not run.starts
+    return {"instances_independent": Skipped("an output that depends on the measurements")} if same_numbers else {}
+
+
+def _stop(run: FilterRun, *, may_end: bool = False) -> Exception | None:
+    if run.fault:
+        return Raised(run.fault, "filtering measurements")
+    if run.output is None:
+        return Skipped("an output")
+    if np.isfinite(run.output).all() or (may_end and not run.odd):
+        return None
+    mistake = "wrong-return-type" if run.odd else "not-finite"
+    return Unusable(FORM, run.odd or "NaN or infinity", mistakes=[mistake])

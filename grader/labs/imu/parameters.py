@@ -1,0 +1,23 @@
+"""Parameters by which a definition could not be called as the sheet calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from grader.engine.findings import Deviation, Size
+
+_GLOBAL = "global "
+
+
+def reads_global(departs: Sequence[str]) -> bool:
+    """Whether a definition reads a global in the place of a parameter."""
+    return any(each.startswith(_GLOBAL) for each in departs)
+
+
+def departure(name: str, departs: Sequence[str]) -> Deviation | None:
+    """How the definition of `name` departs from the sheet's; `departs` holds the sheet's names, and nothing of the student's."""
+    if not departs:
+        return None
+    read = [each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)]
+    told = " and ".join(read) if read else ", ".join(departs)
+    return Deviation({"name": name, "departs": told}, size=Size(f"those that differ: {told}"))
