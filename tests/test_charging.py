@@ -125,6 +125,23 @@ def test_a_property_that_could_not_be_measured_says_why_and_nothing_is_charged_t
     assert PART.judge(Facts("a form", "cheap odd", {"a": why}), ROWS) == {"part.a": why}
 
 
+def test_a_check_that_stumbles_is_not_judged_and_the_others_are() -> None:
+    def broken(facts: Facts) -> Deviation | None:
+        raise ZeroDivisionError("a fault of ours")
+
+    part = Part(LAB, "part", lambda student, truth: Facts(), PART.reasons, PART.others, dict(PART.checks))
+    part.check("part.b", lab_step=1)(broken)
+    found = part.judge(Facts("a b", "cheap"), ROWS)
+    assert isinstance(found["part.b"], ZeroDivisionError)
+    assert _short(found["part.a"]) == (0.0, "cheap")
+
+
+def test_a_reason_that_cannot_compute_with_the_numbers_is_none() -> None:
+    stumbling = Reason[Facts]("a", 0, "cheap", lambda _: bool(1 / 0))
+    part = Part(LAB, "part", lambda student, truth: Facts(), (stumbling,), {}, dict(PART.checks))
+    assert _short(part.judge(Facts("a"), ROWS)["part.a"]) == (0.0, "part.a")
+
+
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_size_alone() -> None:
     found = Charged(PART.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
     public, hidden = feedback.told(found, None, ROWS), withheld.told(found, ROWS)

@@ -88,7 +88,7 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(
     def broken(*_: object) -> bool:
         raise ZeroDivisionError("a fault of ours")
 
-    monkeypatch.setattr("grader.labs.imu.diagnosis.filtering.noise_gain", broken)
+    monkeypatch.setattr("grader.labs.imu.filtering.measure.Facts.noise_gain", property(broken))
     result = _mark(marker, tmp_path / "s")
     row = next(
         check for criterion in result.criteria for check in criterion.checks if check.id == "filtering.reduces_noise"

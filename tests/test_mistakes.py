@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import yaml
 
+from grader.engine import rubric
 from grader.engine.feedback import mistake_of
 from grader.engine.findings import Fault
 from grader.engine.mistakes import catalogue
@@ -246,6 +247,18 @@ def test_an_entry_has_all_fields_and_none_is_empty(key: str) -> None:
     entry = ENTRIES[key]
     assert [field for field in entry if field not in CHARGING] == FIELDS + ["raised"] * (key in RAISED)
     assert all(isinstance(entry[field], str) and entry[field].strip() for field in FIELDS if field != "step")
+
+
+def test_what_a_fault_deducts_and_takes_are_shares_of_checks_that_there_are() -> None:
+    known = {weight.id for weight in rubric.load(LAB).checks}
+    for group, found in TABLE.items():
+        for key, row in found.items():
+            named = [
+                name if "." in name else f"{group}.{name}" for name in (*row.get("deducts", ()), *row.get("takes", ()))
+            ]
+            assert set(named) <= known, key
+            assert all(0 < share <= 1 for share in row.get("deducts", {}).values()), key
+    assert set(TABLE["checks"]) <= known
 
 
 @every_mistake

@@ -9,7 +9,7 @@ from grader.engine.results import CheckResult, CriterionResult
 from grader.intake import Submission
 from grader.labs.imu import statistics as st
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import filter_outputs, filtering, noise_laws
+from grader.labs.imu.diagnosis import noise_laws
 from grader.labs.imu.diagnosis.noise import Facts, bias_mistakes
 from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.digits import told_apart
@@ -176,88 +176,6 @@ def test_twins_of_a_model_that_no_seed_repeats_show_nothing() -> None:
     change = np.array([0.1, -0.2, 0.3])
     loose = _twins(change, change, _white(40)[0], again=_white(40, seed=9)[0])
     assert [loose.seeded, loose.adds_bias(), loose.scales(), loose.ignores_bias()] == [False] * 4
-
-
-MEASURED = np.random.default_rng(6).normal([0.0, 1.0, -9.81], [1.0, 1.5, 2.0], (300, 3))
-ALPHAS = (0.1, 0.2, 0.35)
-
-
-def _recursion(alpha: float, keep: str = "all") -> Array:
-    kept = {
-        "all": lambda y: y,
-        "two decimals": lambda y: np.round(y, 2),
-        "whole numbers": np.trunc,
-        "single": lambda y: y.astype(np.float32).astype(float),
-        "half": lambda y: y.astype(np.float16).astype(float),
-    }[keep]
-    rows = [kept(MEASURED[0])]
-    for sample in MEASURED[1:]:
-        rows.append(kept(alpha * sample + (1 - alpha) * rows[-1]))
-    return np.array(rows)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("alpha", ALPHAS)
-def test_single_precision_obeys_the_recursion_and_coarser_numbers_are_rounded(alpha: float) -> None:
-    single, half = _recursion(alpha, "single"), _recursion(alpha, "half")
-    assert filtering.obeys(MEASURED, single, alpha, 1 - alpha)
-    assert filter_outputs.grain(alpha, MEASURED, single) == 0
-    assert filter_outputs.grain(alpha, MEASURED, half) == np.spacing(np.float16(np.abs(half).max()))
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("alpha", ALPHAS)
-def test_the_grain_is_that_of_the_output_or_of_the_state_and_of_no_other_filter(alpha: float) -> None:
-    assert filter_outputs.grain(alpha, MEASURED, _recursion(alpha).round(3)) == 1e-3
-    assert filter_outputs.grain(alpha, MEASURED, _recursion(alpha, "two decimals")) == 1e-2
-    assert filter_outputs.grain(alpha, MEASURED, _recursion(alpha, "whole numbers")) == 1
-    assert filter_outputs.grain(alpha, MEASURED, _recursion(0.6).round(3)) == 0
-    assert filter_outputs.grain(alpha, MEASURED, np.zeros_like(MEASURED)) == 0
-    assert filter_outputs.grain(alpha, MEASURED, MEASURED.round()) == 0
-
-
-@pytest.mark.quick
-def test_a_limit_shows_where_the_recursion_goes_beyond_it() -> None:
-    whole = _recursion(0.35)
-    assert filter_outputs.limits(0.35, MEASURED, np.clip(whole, -10.0, 10.0)) == (-10.0, whole.max())
-    assert filter_outputs.limits(0.35, MEASURED, whole) is None
-    assert filter_outputs.limits(0.35, MEASURED, _recursion(0.1)) is None
-    assert filter_outputs.limits(0.35, MEASURED, np.zeros_like(MEASURED)) is None
-
-
-def _windowed(size: int) -> Array:
-    return np.array([MEASURED[max(0, n - size + 1) : n + 1].mean(axis=0) for n in range(len(MEASURED))])
-
-
-@pytest.mark.quick
-def test_a_window_is_found_whatever_its_length_and_only_where_there_is_one() -> None:
-    assert [filter_outputs.window(MEASURED, _windowed(size)) for size in (2, 10, 37)] == [2, 10, 37]
-    assert filter_outputs.window(MEASURED, _recursion(0.1)) == 0
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("name", "filtered"),
-    [
-        ("moving-average", lambda alpha: _windowed(round(2 / alpha - 1))),
-        ("state-not-kept", lambda alpha: alpha * MEASURED + (1 - alpha) * MEASURED[0]),
-        ("does-not-filter", lambda _: 0.5 * MEASURED),
-        ("no-filtering", lambda _: MEASURED),
-        ("output-stuck", lambda _: np.zeros_like(MEASURED)),
-        ("alpha-ignored", lambda _: _recursion(0.05)),
-        ("alpha-swapped", lambda alpha: _recursion(1 - alpha)),
-        ("axes-mixed", lambda alpha: np.column_stack([_recursion(alpha)[:, :2], MEASURED[:, 2]])),
-    ],
-)
-def test_a_filter_has_the_one_name_whose_prediction_fits(name: str, filtered: object) -> None:
-    assert callable(filtered)
-    assert filtering.mistakes([(alpha, MEASURED, filtered(alpha)) for alpha in ALPHAS]) == [name]
-
-
-@pytest.mark.quick
-def test_a_filter_that_is_limited_or_that_steps_by_a_little_is_not_said_to_mix_axes() -> None:
-    limited = [(alpha, MEASURED, np.clip(_recursion(alpha), -10.0, 10.0)) for alpha in ALPHAS]
-    assert filtering.mistakes(limited) == []
 
 
 @pytest.mark.quick

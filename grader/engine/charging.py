@@ -76,9 +76,14 @@ class Part(Generic[Facts]):
     def judge(self, facts: Facts, table: Mapping[str, Mistake]) -> Mapping[str, Charge | Exception]:
         """What each check that is not passed is charged, or why it could not be asked."""
         stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
-        measures = {name: measure for name, (_, measure) in self.checks.items()} | dict(self.others)
-        measured = {name: measure(facts) for name, measure in measures.items() if name not in stopped}
-        off = {name: found for name, found in measured.items() if found is not None}
+        off: dict[str, Deviation] = {}
+        for name, measure in {**{name: measure for name, (_, measure) in self.checks.items()}, **self.others}.items():
+            try:
+                found = None if name in stopped else measure(facts)
+            except Exception as fault_of_ours:  # this check is not judged; the others are
+                stopped[name] = fault_of_ours
+            else:
+                off |= {} if found is None else {name: found}
         return {**stopped, **self._charged(off, self._reasons(off, facts), table, stopped)}
 
     def _reasons(self, off: Mapping[str, Deviation], facts: Facts) -> dict[str, Reason[Facts]]:

@@ -61,7 +61,11 @@ class Reason(Generic[Seen]):
     takes: frozenset[str] = frozenset()
 
     def fits(self, seen: Seen, /) -> bool:
-        return self.holds(seen)
+        """Whether the fault predicts the facts; numbers that it cannot compute with are none that it predicts."""
+        try:
+            return self.holds(seen)
+        except (ArithmeticError, ValueError):  # NumPy's LinAlgError is a ValueError
+            return False
 
 
 Told = TypeVar("Told", bound=Hypothesis)

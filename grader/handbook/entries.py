@@ -73,8 +73,22 @@ def mistake(entry: Mistake, *, level: int = 1) -> str:
     )
     return (
         f"{head} {entry.id}\n\n{_sentence(entry.title)}\n\n{entry.explanation.strip()}\n\n"
-        f"Wrong:\n\n{_code(entry.wrong)}\n\nRight:\n\n{_code(entry.right)}\n\nTry: {entry.hint.strip()}\n{read}{again}"
+        f"Wrong:\n\n{_code(entry.wrong)}\n\nRight:\n\n{_code(entry.right)}\n\nTry: {entry.hint.strip()}\n"
+        f"{_deductions(entry)}{read}{again}"
     )
+
+
+def _deductions(entry: Mistake) -> str:
+    """What a fault costs where the rubric sets no deduction for it."""
+    worth = {weight.id: weight.max_points for weight in rubric().checks}
+    shares = {_full(name, entry): share for name, share in entry.deducts.items()}
+    costs = [f"{number(share * worth[name])} points of `{name}`" for name, share in shares.items()]
+    taken = ", ".join(f"`{_full(name, entry)}`" for name in entry.takes)
+    return f"\nDeducts: {' or '.join(costs)}{f'; all of {taken}' if taken else ''}.\n" if costs else ""
+
+
+def _full(name: str, entry: Mistake) -> str:
+    return name if "." in name else f"{entry.group}.{name}"
 
 
 def _is_part(group: str) -> bool:

@@ -56,7 +56,11 @@ def test_no_two_samples_are_the_same() -> None:
     contents = Counter(tuple(sorted((k, str(v)) for k, v in case.files.items())) for case in cases)
     assert max(contents.values()) == 1
     wrapped_again = {name for name in SOUND if name in WRAPPED}
-    plain = [tuple(sorted((k, str(v)) for k, v in files.items())) for name, files in SOUND.items() if name not in wrapped_again]
+    plain = [
+        tuple(sorted((k, str(v)) for k, v in files.items()))
+        for name, files in SOUND.items()
+        if name not in wrapped_again
+    ]
     assert len(set(plain)) == len(plain)
 
 
@@ -96,4 +100,6 @@ def test_an_edit_that_does_not_apply_once_is_refused() -> None:
 
 
 def test_a_notebook_keeps_its_cells_in_order() -> None:
-    assert notebook("first", ("markdown", "second")).index("first") < notebook("first", ("markdown", "second")).index("second")
+    assert notebook("first", ("markdown", "second")).index("first") < notebook("first", ("markdown", "second")).index(
+        "second"
+    )

@@ -41,8 +41,8 @@ def recursion(alpha: float, x: Array, start: Array) -> Array:
     return np.array(list(steps))
 
 
-def _every(holds: Callable[[float, Array, Array], bool]) -> Callable[[Facts], bool]:
-    return lambda facts: all(holds(run.alpha, run.x, run.y) for run in facts.runs)
+def _every(holds: Callable[[Run], bool]) -> Callable[[Facts], bool]:
+    return lambda facts: all(map(holds, facts.runs))
 
 
 # ---- what is done to the recursion's outputs
@@ -75,16 +75,24 @@ def _limited(run: Run) -> bool:
     return same(run.y, cut, ATOL) and 0.5 < float(np.mean(np.abs(whole - cut) <= ATOL)) < 1
 
 
-def _one_behind(alpha: float, x: Array, y: Array) -> bool:
-    return same(y[2:], alpha * x[1:-1] + (1 - alpha) * y[1:-1], ATOL)
-
-
 # ---- other recursions
 
 
-def _obey(facts: Facts, weight: Callable[[float], float]) -> bool:
-    """Whether each measurement has this weight, and the output before has the rest."""
-    return _every(lambda alpha, x, y: same(y[1:], weight(alpha) * x[1:] + (1 - weight(alpha)) * y[:-1], ATOL))(facts)
+WEIGHTS: tuple[tuple[int, str, Callable[[float], tuple[float, float, float]]], ...] = (
+    (3, "alpha-swapped", lambda alpha: (1 - alpha, 0, alpha)),
+    (3, "no-filtering", lambda _: (1, 0, 0)),
+    (3, "filters-input-history", lambda alpha: (alpha, 1 - alpha, 0)),
+    (3, "filters-input-history", lambda alpha: (1 - alpha, alpha, 0)),
+    (3, "high-pass", lambda alpha: (alpha, -alpha, alpha)),
+    (3, "high-pass", lambda alpha: (1 - alpha, alpha - 1, 1 - alpha)),  # the measurement without its low-passed part
+    (11, "updates-twice", lambda alpha: (1 - (1 - alpha) ** 2, 0, (1 - alpha) ** 2)),
+    (13, "one-behind", lambda alpha: (0, alpha, 1 - alpha)),
+)
+"""Of the measurement, the one before and the output before. The second output is left out: a delay changes it."""
+
+
+def _made_of(weights: Callable[[float], tuple[float, float, float]]) -> Callable[[Facts], bool]:
+    return lambda facts: all(same(run.y[2:], run.made_of(*weights(run.alpha))[1:], ATOL) for run in facts.runs)
 
 
 def _ignores_alpha(facts: Facts) -> bool:
@@ -92,79 +100,61 @@ def _ignores_alpha(facts: Facts) -> bool:
     return bool(weights) and max(weights) - min(weights) < 1e-6 and len({run.alpha for run in facts.runs}) > 1
 
 
-def _high_pass(alpha: float, x: Array, y: Array) -> bool:
-    """``y[n] = c (y[n-1] + x[n] - x[n-1])``, which the input without its low-passed part obeys as well."""
-    return any(same(y[1:], c * (y[:-1] + x[1:] - x[:-1]), ATOL) for c in (alpha, 1 - alpha))
-
-
 def _takes_constants_away(facts: Facts) -> bool:
     left = np.abs(facts.constant.y[-1]).max() < _NOTHING_LEFT * np.abs(facts.constant.x[0]).max()
     return bool(left) and not facts.signal_error < LARGEST_SIGNAL_ERROR
 
 
-def _from_the_first(alpha: float, x: Array, y: Array) -> bool:
+def _from_the_first(run: Run) -> bool:
     """Whether every output is a mean of the measurement and the first one, whichever has the weight alpha."""
-    return any(same(y[1:], w * x[1:] + (1 - w) * x[0], ATOL) for w in (alpha, 1 - alpha))
+    return any(same(run.y[1:], w * run.x[1:] + (1 - w) * run.x[0], ATOL) for w in (run.alpha, 1 - run.alpha))
 
 
-def _from_one_value(alpha: float, x: Array, y: Array) -> bool:
-    """Whether every output is a mean of the measurement and one value that never changes, whichever has the weight alpha."""
-    return any(np.ptp(y[1:] - w * x[1:], axis=0).max() <= ATOL for w in (alpha, 1 - alpha))
-
-
-def _input_history(alpha: float, x: Array, y: Array) -> bool:
-    return any(same(y[1:], c * x[1:] + (1 - c) * x[:-1], ATOL) for c in (alpha, 1 - alpha))
+def _from_one_value(run: Run) -> bool:
+    """The same with a value that never changes in the place of the first measurement."""
+    return any(np.ptp(run.y[1:] - w * run.x[1:], axis=0).max() <= ATOL for w in (run.alpha, 1 - run.alpha))
 
 
 def _restarts(facts: Facts) -> bool:
     """Whether the recursion holds, but that now and then the output is the measurement again, as at the start."""
-    off = [run.off > ATOL for run in facts.runs]
     again = [np.abs(run.y[1:] - run.x[1:]).max(axis=1) <= ATOL for run in facts.runs]
-    seldom = all(o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(off, again, strict=True))
-    return seldom and any((o[1:] & ~o[:-1]).any() for o in off)  # after it had begun
+    seldom = all(o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(facts.off, again, strict=True))
+    return seldom and any((o[1:] & ~o[:-1]).any() for o in facts.off)  # after it had begun
 
 
 def _stays_at_times(facts: Facts) -> bool:
     """Whether the recursion holds, but that at times the output stays where it was, whatever the measurement is."""
-    off = [run.off > ATOL for run in facts.runs]
-    stay = (np.abs(np.diff(run.y, axis=0)[o]).max(initial=0.0) <= ATOL for run, o in zip(facts.runs, off, strict=True))
-    return all(np.sum(~o) >= _FEWEST for o in off) and all(stay)
+    stays = [np.abs(np.diff(run.y, axis=0)).max(axis=1) <= ATOL for run in facts.runs]
+    return all(np.sum(~o) >= _FEWEST and s[o].all() for o, s in zip(facts.off, stays, strict=True))
 
 
 def _begins_late(facts: Facts) -> bool:
     """Whether the recursion holds after the first outputs, a third of all at most."""
-    off = [run.off > ATOL for run in facts.runs]
-    last = [int(np.flatnonzero(o)[-1]) + 1 if o.any() else 0 for o in off]
-    return any(last) and all(end <= len(o) // 3 and o[:end].all() for end, o in zip(last, off, strict=True))
+    first = [int(np.argmin(o)) for o in facts.off]
+    return any(first) and all(end <= len(o) // 3 and not o[end:].any() for end, o in zip(first, facts.off, strict=True))
 
 
-def _window(x: Array, y: Array) -> int:
-    """How many samples each output is the mean of, once there are so many; 0 where it is no such mean."""
-    sums = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(x, axis=0)])
-    for size in range(1, min(_LONGEST, len(x) // 2) + 1):
-        if same(y[size:], (sums[size + 1 :] - sums[1:-size]) / size, ATOL):
-            return size
-    return 0
+def _averages(run: Run) -> bool:
+    """Whether each output is the mean of so many samples, once there are so many."""
+    sums = np.concatenate([np.zeros((1, 3)), np.cumsum(run.x, axis=0)])
+    sizes = range(1, min(_LONGEST, len(run.x) // 2) + 1)
+    return any(same(run.y[size:], (sums[size + 1 :] - sums[1:-size]) / size, ATOL) for size in sizes)
 
 
-def _averages(facts: Facts) -> bool:
-    sizes = [_window(run.x, run.y) for run in facts.runs]
-    return min(sizes) >= 1 and max(sizes) >= 2
-
-
-def _leaves_axes_out(alpha: float, x: Array, y: Array) -> bool:
+def _leaves_axes_out(run: Run) -> bool:
     """Whether some axes obey the recursion, and the others come out as they are or never move."""
-    right = [same(y[1:, i], alpha * x[1:, i] + (1 - alpha) * y[:-1, i], ATOL) for i in range(3)]
-    left = (same(y[1:, i], x[1:, i], ATOL) or np.ptp(y[1:, i]) <= ATOL for i in range(3) if not right[i])
-    return any(right) and not all(right) and all(left)
+    y = run.y[1:]
+    right, as_they_are = ((np.abs(y - other) <= ATOL).all(axis=0) for other in (run.wanted, run.x[1:]))
+    left = as_they_are | (np.ptp(y, axis=0) <= ATOL)
+    return bool(right.any() and not right.all() and (right | left).all())
 
 
-def _mixes_axes(_: float, x: Array, y: Array) -> bool:
+def _mixes_axes(run: Run) -> bool:
     """Whether the outputs follow from all axes together, but not from each by itself."""
-    columns = np.concatenate([x[1:], y[:-1]], axis=1)
-    weights, *_rest = np.linalg.lstsq(columns, y[1:], rcond=None)
+    columns = np.concatenate([run.x[1:], run.y[:-1]], axis=1)
+    weights, *_ = np.linalg.lstsq(columns, run.y[1:], rcond=None)
     apart = ~np.tile(np.eye(3, dtype=bool), (2, 1))
-    return bool(np.abs(weights[apart]).max() > 1e-3) and same(columns @ weights, y[1:], ATOL)
+    return bool(np.abs(weights[apart]).max() > 1e-3) and same(columns @ weights, run.y[1:], ATOL)
 
 
 def _low_pass(facts: Facts) -> bool:
@@ -187,7 +177,8 @@ def _from_zero(facts: Facts) -> bool:
     """Whether the first output is what comes of zero before it; a high-pass filter lets that through at first, too."""
     run = facts.runs[0]
     weights = (run.alpha, 1 - run.alpha, 0.0, *(run.weights or ())[:1])
-    return not run.starts and any(same(run.y[0], w * run.x[0], ATOL) for w in weights) and not _every(_high_pass)(facts)
+    high_pass = any(_made_of(weights)(facts) for _, told, weights in WEIGHTS if told == "high-pass")
+    return not run.starts and not high_pass and any(same(run.y[0], w * run.x[0], ATOL) for w in weights)
 
 
 def ignores_initial(run: Run) -> bool:
@@ -213,30 +204,22 @@ def _of_recursion(cost: int, told: str, holds: Callable[[Facts], bool]) -> Reaso
 
 
 REASONS: tuple[Reason[Facts], ...] = (
-    # Nothing is read off the outputs but a step or two limits.
+    *(_of_recursion(cost, told, _made_of(weights)) for cost, told, weights in WEIGHTS),
     _of_recursion(0, "alpha-default", _default_alone),
     _of_recursion(1, "output-rounded", lambda f: f.own.remembers and all(map(_rounded, f.runs))),
-    _of_recursion(2, "output-limited", lambda f: all(run.obeys or _limited(run) for run in f.runs)),
-    # No number is left free, or a constant.
-    _of_recursion(3, "alpha-swapped", lambda f: _obey(f, lambda alpha: 1 - alpha)),
-    _of_recursion(3, "no-filtering", _every(lambda _, x, y: same(y[1:], x[1:], ATOL))),
-    _of_recursion(3, "output-stuck", _every(lambda _a, _x, y: bool(np.ptp(y[1:], axis=0).max() <= ATOL))),
+    _of_recursion(2, "output-limited", _every(lambda run: run.obeys or _limited(run))),
+    _of_recursion(3, "output-stuck", _every(lambda run: bool(np.ptp(run.y[1:], axis=0).max() <= ATOL))),
     _of_recursion(3, "state-not-kept", _every(_from_the_first)),
-    _of_recursion(3, "filters-input-history", _every(_input_history)),
-    _of_recursion(3, "high-pass", _every(_high_pass)),
     Reason(OF, 4, "state-not-kept", _every(_from_one_value), FOLLOWS, FOLLOWS - {OWN}),
-    # The measurements before are not seen in what comes out.
     _of_recursion(5, "does-not-filter", lambda f: not f.own.remembers),
     # A length, a gain an axis, two coefficients, or a matrix is read off the outputs.
     _of_recursion(6, "filter-restarts", _restarts),
-    _of_recursion(6, "moving-average", _averages),
+    _of_recursion(6, "moving-average", _every(_averages)),
     _of_recursion(7, "gain-not-one", lambda f: any(abs(a + b - 1) > 1e-6 for a, b in f.weights)),
     _of_recursion(8, "alpha-ignored", _ignores_alpha),
     _of_recursion(9, "axes-mixed", _every(_leaves_axes_out)),
     _of_recursion(10, "axes-mixed", lambda f: not f.weights and _every(_mixes_axes)(f)),
-    _of_recursion(11, "updates-twice", lambda f: _obey(f, lambda alpha: 1 - (1 - alpha) ** 2)),
     _of_recursion(12, "another-weight", lambda f: bool(f.weights)),
-    _of_recursion(13, "one-behind", _every(_one_behind)),
     _of_recursion(14, "stays-at-times", _stays_at_times),
     _of_recursion(15, "begins-late", _begins_late),
     _of_recursion(16, "high-pass", _takes_constants_away),
