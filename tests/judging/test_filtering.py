@@ -183,6 +183,7 @@ ANSWERS: list[tuple[str, Mapping[str, FilterRun], Mapping[str, tuple[float, str]
     ("numbers", {name: FilterRun(run.output * np.nan, "a number", None) for name, run in RAN.items()}, dict.fromkeys((OF, START, CONSTANT, NOISE, SIGNAL, OWN), (0.0, "Unusable"))),
     ("None at first", {name: FilterRun(np.vstack([[[np.nan] * 3], run.output[1:]]), "None", None) for name, run in RAN.items()}, {START: (0.0, "wrong-return-type")}),
     ("shared", {"beside": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.0, "shared-state")}),
+    ("shared, and handed out", {name: replace(RAN[name], output=RAN[name].output + 1) for name in ("beside", "spoilt_output")}, {OWN: (0.0, "shared-state aliased-output")}),
     ("another output each time", {name: replace(RAN[name], output=RAN[name].output + 1) for name in ("beside", "again")}, {OWN: (0.0, OWN)}),
     ("spoilt output", {"spoilt_output": replace(RAN["beside"], output=RAN["beside"].output + 1)}, {OWN: (0.5, "aliased-output")}),
     ("one array for all", {"noise": replace(RAN["noise"], output_changed=True)}, {OWN: (0.5, "aliased-output")}),

@@ -231,11 +231,12 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(
         START, 4, "initial-value-mixed", lambda f: f.runs[0].starts and all(run.obeys for run in f.runs) and _is_own(f)
     ),
-    Reason(OWN, 1, "shared-state", lambda f: f.own.shared and f.own.repeats, frozenset({START})),
+    Reason(OWN, 1, "shared-state", lambda f: f.own.shared and f.own.settles(f.own.again), frozenset({START})),
     Reason(OWN, 2, "aliased-output", lambda f: _is_own(f) and not same(f.own.spoilt_output, f.own.alone, ATOL)),
     Reason(OWN, 3, "mutates-input", lambda f: _is_own(f) and f.own.input_changed),
     Reason(OWN, 4, "aliased-output", lambda f: _is_own(f) and f.own.output_changed),
     Reason(OWN, 5, "aliased-input", lambda f: _is_own(f) and not same(f.own.spoilt_input, f.own.alone, ATOL)),
+    Reason("handed_out", 1, "aliased-output", lambda _: True),
     Reason("form", 1, "wrong-return-type", lambda _: True),
     Reason("default", 1, "needs-alpha", lambda _: True),
     Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
@@ -245,6 +246,13 @@ REASONS: tuple[Reason[Facts], ...] = (
 
 def _is_own(facts: Facts) -> bool:
     return not facts.own.shared
+
+
+def _handed_out(facts: Facts) -> Deviation | None:
+    """A state that is shared may be handed out as well: then what is written into an output does not settle."""
+    own = facts.own
+    both = own.shared and not own.stumbles and own.settles(own.again) and not own.settles(own.spoilt_output)
+    return Deviation() if both else None
 
 
 def _form(facts: Facts) -> Deviation | None:
@@ -266,5 +274,10 @@ PART: Part[Facts] = Part(
     "filtering",
     measure,
     REASONS,
-    {"form": _form, "default": _default, "parameters": lambda facts: departure("LowPassFilter", facts.departs)},
+    {
+        "handed_out": _handed_out,
+        "form": _form,
+        "default": _default,
+        "parameters": lambda facts: departure("LowPassFilter", facts.departs),
+    },
 )

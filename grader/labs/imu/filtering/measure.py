@@ -121,10 +121,9 @@ class Ownership:
     def shared(self) -> bool:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
-    @property
-    def repeats(self) -> bool:
-        """Whether two filters grow alike, as those do that only start from different states."""
-        difference = np.abs(self.again - self.alone)
+    def settles(self, other: Array) -> bool:
+        """Whether another run grows alike, as filters do that only start from different states."""
+        difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 
 
