@@ -23,12 +23,14 @@ from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.intake import Submission
 from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
-from grader.platforms import canvas, moodle
+from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
 from grader.platforms.sheet import read_sheet
 from tests import classes
 from tests.made_up import check, result
+
+FORMATS = registry.names("fill", "write")
 
 Run = Callable[..., object]
 
@@ -399,7 +401,7 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["-f", "excel"], "--format excel: there is no such; choose gradescope, moodle, canvas, csv"),
+        (["-f", "excel"], f"--format excel: there is no such; choose {', '.join(FORMATS)}"),
         (["-f", "canvas"], "--format canvas needs --template with the file that it exports"),
         (["-f", "csv", "--template", "x"], "--format csv takes no --template"),
         (
