@@ -1,4 +1,4 @@
-"""The commands that the documents name: each line of a block of code and each span between backticks that starts a program."""
+"""Commands in the documents: each line of a code block and each span between backticks that starts a program."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from pathlib import Path
 
 import typer
 
+from docs import generated
 from grader import cli
-from grader.handbook import pages
 from grader.kit import give, wheel
 
 ROOT = Path(__file__).resolve().parent.parent
-_PROGRAMS = r"(?:imugrade|python3?|pip|dask|bash|\.venv/bin/[a-z]+)"
+_PROGRAMS = r"(?:imugrade|pytest|python3?|pip|dask|bash|\.venv/bin/[a-z]+)"
 _COMMAND = re.compile(rf"(?:[A-Z_]+=\S+ )*(?<!-){_PROGRAMS} \S.*")
-_PIECE = re.compile(r"^```\w*\n(?P<fence>(?:.*\n)*?)```$|^ {4}(?P<line>.*)$|`(?P<span>[^`]+)`", re.MULTILINE)
+_PIECE = re.compile(r"^ *```\w*\n(?P<fence>(?:.*\n)*?) *```$|^ {4}(?P<line>.*)$|`(?P<span>[^`]+)`", re.MULTILINE)
 _SAID_OF_IT = re.compile(r"\s{2,}.*|\s#.*")  # a comment, or words in a column of their own
 
 
@@ -48,22 +48,20 @@ class Command:
 
 
 @functools.cache
-def handbook() -> Mapping[str, str]:
-    """Its pages, as the code says them today."""
-    return pages.pages(cli.app)
+def site() -> Mapping[str, str]:
+    """Return the pages of the documentation by path, with their generated parts."""
+    return generated.pages()
 
 
 def documents() -> dict[str, str]:
-    """What is written for people who run commands, in the order in which they are likely to read it."""
-    names = ["README.md", *re.findall(r"\]\((\w+\.md)\)", handbook()["README.md"])]
-    assert sorted(names) == sorted(name for name in handbook() if name.endswith(".md"))
+    """Return the texts for people who run commands, by name."""
     groups = typer.main.get_command(cli.app).commands  # type: ignore[attr-defined]
     return {
         "README.md": (ROOT / "README.md").read_text(encoding="utf-8"),
         "the students' README.md": (Path(give.__file__).parent.parent / "labs" / "imu" / "starter" / "README.md.txt")
         .read_text(encoding="utf-8")
         .replace("{wheel}", wheel.name()),
-        **{f"handbook/{name}": handbook()[name] for name in names},
+        **{f"docs/{path}": text for path, text in site().items()},
         "SECURITY.md": (ROOT / "SECURITY.md").read_text(encoding="utf-8"),
         "imugrade traces --help": f"```text\n{groups['traces'].help}\n```\n",
     }

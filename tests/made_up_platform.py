@@ -48,18 +48,19 @@ def listed(*does: registry.Deed) -> Iterator[None]:
 
 def who_knows_it() -> dict[str, object]:
     """What lists platforms, and what a test finds missing. All of it is imported after the platform is listed."""
+    from docs import generated
     from grader import cli
-    from grader.handbook import pages
     from tests import test_platforms
     from tests.hostile import outputs
 
-    made = pages.pages(cli.app)
     return {
         **{
             command: _printed(lambda command=command: cli.main([command, "--help"]))
             for command in ("ci", "export", "grade")
         },
-        **{page: made[f"{page}.md"] for page in ("platforms", "classes", "commands")},
+        "platforms": generated.ci_platforms(),
+        "classes": f"{generated.downloads()}\n{generated.gradebooks()}",
+        "commands": generated.commands(),
         "writers": sorted(outputs.WRITERS),
         "unread": sorted(test_platforms.unread()),
         "unnamed in the README": test_platforms.unnamed(

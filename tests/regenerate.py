@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from tests import examples, fault_table, session
+from tests import examples, session
 from tests.judging import made
 from tests.recordings import losses
 
@@ -17,7 +17,6 @@ ROOT = Path(__file__).parents[1]
 GENERATED: dict[Path, Callable[[], str]] = {
     made.WORDS: made.all_words,
     losses.FILE: losses.all_losses,
-    fault_table.FILE: lambda: fault_table.page(losses.pinned()),
     session.RECORD: session.replayed,
     examples.TABLE: examples.table,
 }
@@ -38,14 +37,6 @@ def regenerated() -> Iterator[Path]:
             path.write_text(text, encoding="utf-8")
             yield path
         losses.pinned.cache_clear()
-    yield from _handbook()
-
-
-def _handbook() -> Iterator[Path]:
-    from grader.cli import app
-    from grader.handbook import pages
-
-    yield from pages.write(app)
 
 
 if __name__ == "__main__":

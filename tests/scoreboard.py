@@ -3,7 +3,6 @@
 Grades the whole corpus with the real marker and prints sound submissions with false deductions, faults missed, points lost
 in other criteria, faults that cost more than one check, and mistakes named right, wrong or not at all; a line for each trouble.
 A run over the whole corpus takes long, most of it for the part that hands everything in twice more in other layouts.
-`--table` writes the handbook's page of faults and the checks that they lose.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Every command of the README and the handbook is run: in the order of the documents, where what they assume lies ready.
+"""Run every command of the README and the documentation, with the files that they assume.
 
 A command that is newly documented is run without a word here; one of a new kind fails until there is a line on what comes of it.
 """
@@ -9,10 +9,10 @@ import csv
 import importlib
 import inspect
 import io
+import itertools
 import json
 import os
 import re
-import shlex
 import shutil
 import signal
 import subprocess
@@ -29,6 +29,7 @@ import pytest
 import typer.main
 
 from grader import cli
+from grader.engine.rubric import shipped
 from grader.kit import give, wheel
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -46,10 +47,7 @@ STUDENTS = {
     "alice": Student(0, "Alice", "Adams", filters_alone(1.0)),
     "bob": Student(1, "Bob", "Brown", filters_alone(0.5)),
 }
-FROM_NOTHING = (
-    "README.md",
-    "handbook/clusters.md",
-)  # these grade the class themselves; elsewhere `out` is there already
+EXAMPLE = "s06-id-as-address"
 STANDS_FOR = {"SUBMISSIONS": "submissions", "OUT": "out-monday", "DOWNLOAD": "submissions", "ID": "view-not-copy"}
 STANDS_FOR |= {"R": "none", "F": "poison"}
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
@@ -84,19 +82,28 @@ def _hand_in(place: Path) -> None:
     shutil.copytree(place / "submissions", place / "submissions_example")
     everyone = list(STUDENTS.values())
     canvas(everyone, place).rename(place / "canvas.zip")
-    moodle(everyone[:1], place).rename(place / "moodle.zip")
+    moodle(everyone, place).rename(place / "moodle.zip")
     (place / "gradebook.csv").write_bytes(canvas_gradebook(everyone))
     (place / "worksheet.csv").write_bytes(moodle_worksheet(everyone))
     rows = "".join(f"{id_},{each.name},{each.email},B\n" for id_, each in STUDENTS.items())
     (place / "roster.csv").write_text(f"id,name,email,section\n{rows}", encoding="utf-8")
     table = "id,criterion,points,comment\nalice,filtering,17,in a table\n"
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
+    shutil.copy(shipped(LAB), place / "rubric.yaml")
+    shutil.copytree(ROOT / "submissions_example" / EXAMPLE, place / "submissions_example" / EXAMPLE)
+    (place / "requests.csv").write_text("id,appeal\nalice,My filter is right\n", encoding="utf-8")
     write(tidy(), place / "my_lab")
     write(tidy(), place / "lab")
     write(tidy(), place / "student")
     write(tidy(), place / "my_lab", "zip")
     give.student(LAB, place / "kit")
     write(VERBATIM, place / "kit")
+
+
+def _grades_the_class(document: str) -> bool:
+    """Return whether the first command with OUT writes it; otherwise it has to exist."""
+    first = (each.words for each in COMMANDS if each.document == document and "out" in each.words)
+    return "grade" in next(first, ())
 
 
 class Scene:
@@ -111,12 +118,12 @@ class Scene:
         place = self._scratch / document.replace("/", "-")
         if not place.exists():
             shutil.copytree(self._ready, place)
-            if document not in FROM_NOTHING:
+            if not _grades_the_class(document):
                 shutil.copytree(place / "out-monday", place / "out")
         return place
 
     def cluster(self) -> Site:
-        """A scheduler with the worker that the handbook starts, but one process in place of sixteen."""
+        """A scheduler with the worker that the documentation starts, but one process in place of sixteen."""
         if self._cluster is None:
             site = Site(self._scratch)
             (command,) = {each.words for each in COMMANDS if each.words[0] == "dask"}
@@ -449,14 +456,17 @@ def python(command: Command, folder: Path, scene: Scene) -> None:
         _lines(["-m", "venv", "--without-pip", *words], folder)  # what pip then does is its own
         assert (folder / words[0] / "pyvenv.cfg").is_file()
     elif module == "pytest":
-        assert (
-            f".venv/bin/{shlex.join(['python', *command.words[1:]])}\n" in _ci()
-        )  # this very run, and the one that needs the package index
-        assert _ci().endswith(".venv/bin/python -m pytest\n")
-    elif module == "grader.handbook":
-        assert _lines(["-m", module], ROOT) == ""  # every page is current
+        pytest_arguments(words)
     else:
         by_hand(module, words)
+
+
+def pytest_arguments(words: list[str]) -> None:
+    """The tests do not run themselves: the files and markers exist, and CI runs all tests."""
+    markers = re.findall(r'^    "(\w+): ', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
+    assert {word for before, word in itertools.pairwise(words) if before == "-m"} <= set(markers)
+    assert [word for word in words if word.endswith(".py") and not (ROOT / word).exists()] == []
+    assert _ci().endswith(".venv/bin/python -m pytest\n")
 
 
 def by_hand(module: str, words: list[str]) -> None:
@@ -512,11 +522,18 @@ def bash(command: Command, _folder: Path, _scene: Scene) -> None:
     assert ".venv/bin/python -m pytest" in _ci()
 
 
+def plugin(command: Command, folder: Path, _scene: Scene) -> None:
+    """`pytest --imugrade` passes in the folder of a sound submission."""
+    done = _done(["-m", *command.words], folder if "my_lab" in command.words else folder / "my_lab")
+    assert done.returncode == 0, done.stdout
+
+
 PROGRAMS: Mapping[str, Callable[[Command, Path, Scene], None]] = {
     "imugrade": imugrade,
     "python": python,
     "python3": python,
     "pip": pip,
+    "pytest": plugin,
     "dask": dask,
     "bash": bash,
 }

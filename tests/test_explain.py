@@ -10,8 +10,8 @@ from grader.engine.examination import known_checks
 from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
 from grader.engine.written import checks_of
-from grader.handbook import entries
 from grader.labs.imu.lab import LAB
+from grader.report import explanations
 
 Capture = pytest.CaptureFixture[str]
 
@@ -22,14 +22,14 @@ def explained(capsys: Capture, *arguments: str) -> tuple[int, str, str]:
     return code, told.out, told.err
 
 
-def test_a_mistake_is_explained_with_what_is_wrong_and_what_is_right(capsys: Capture) -> None:
+def test_a_fault_is_explained_with_what_is_wrong_and_what_is_right(capsys: Capture) -> None:
     code, out, _ = explained(capsys, "view-not-copy")
     assert code == 0
     assert out.startswith(
         "# view-not-copy\n\nReturns a view of sensordata, or one array on every call; old readings change when"
     )
     assert out.index("Wrong:\n\n```python") < out.index("Right:\n\n```python") < out.index("Try: Return new arrays")
-    assert out.endswith("Read: Lab 04-01, Step 2.\n\nAgain: `imugrade check --only sensor_access`\n")
+    assert out.endswith("Read: Lab 04-01, Step 2.\n\nRerun: `imugrade check --only sensor_access`\n")
 
 
 def test_a_check_is_explained_with_its_points_and_its_step(capsys: Capture) -> None:
@@ -37,7 +37,7 @@ def test_a_check_is_explained_with_its_points_and_its_step(capsys: Capture) -> N
     assert code == 0
     assert out == (
         "# filtering.passes_constant\n\nA constant input comes out as itself.\n\n"
-        "Worth 3 points. Read: Lab 04-01, Step 6.\n\nAgain: `imugrade check --only filtering`\n"
+        "Worth 3 points. Read: Lab 04-01, Step 6.\n\nRerun: `imugrade check --only filtering`\n"
     )
 
 
@@ -49,9 +49,9 @@ def test_a_criterion_is_explained_with_the_table_of_its_checks(capsys: Capture) 
 
 
 def test_an_unknown_id_is_one_line_with_the_nearest(capsys: Capture) -> None:
-    expected = "imugrade: veiw-not-copy: no mistake, check or criterion is called that; did you mean view-not-copy?\n"
+    expected = "imugrade: veiw-not-copy: no fault, check or criterion has this id; did you mean view-not-copy?\n"
     assert explained(capsys, "veiw-not-copy") == (2, "", expected)
-    assert explained(capsys, "\x1b[31mzzzzzz")[2].endswith("called that; `imugrade explain` lists all\n")
+    assert explained(capsys, "\x1b[31mzzzzzz")[2].endswith("has this id; `imugrade explain` lists all of them\n")
 
 
 def test_without_an_id_everything_is_listed(capsys: Capture) -> None:
@@ -63,11 +63,11 @@ def test_without_an_id_everything_is_listed(capsys: Capture) -> None:
 
 def test_every_id_has_an_entry() -> None:
     for id_ in [*catalogue(LAB), *(part.id for part in load(LAB).parts), *(check.id for check in load(LAB).checks)]:
-        assert entries.explain(id_).startswith("# ")
+        assert explanations.explain(LAB, id_).startswith("# ")
 
 
-def test_every_group_of_mistakes_has_a_title() -> None:
-    assert {mistake.group for mistake in catalogue(LAB).values()} == set(entries.GROUPS)
+def test_every_group_of_faults_has_a_title() -> None:
+    assert {mistake.group for mistake in catalogue(LAB).values()} == set(explanations.groups(LAB))
 
 
 def test_what_is_read_of_the_checks_is_what_they_are_when_they_run() -> None:
@@ -77,5 +77,5 @@ def test_what_is_read_of_the_checks_is_what_they_are_when_they_run() -> None:
 def test_an_explanation_imports_nothing_slow() -> None:
     told = "import sys; from grader import cli; cli.main(['explain', 'filtering']); print(*sys.modules)"
     modules = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout.split()
-    assert "grader.handbook.entries" in modules
+    assert "grader.report.explanations" in modules
     assert not {"numpy", "pytest", "mujoco", "scipy", "matplotlib", "jinja2"}.intersection(modules)

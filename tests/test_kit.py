@@ -332,7 +332,7 @@ def test_the_workflow_installs_the_wheel_beside_it_and_can_only_read(workflows: 
 
 @pytest.fixture(scope="module")
 def workflows(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A repository with the kit's workflow, the handbook's for hidden scenarios, and the kit's pipeline."""
+    """A repository with the kit's workflow, the documented one for hidden scenarios, and the kit's pipeline."""
     out = tmp_path_factory.mktemp("repository")
     give.github(LAB, out)
     give.gitlab(LAB, out)

@@ -14,7 +14,6 @@ from grader.engine.examination import known_checks
 from grader.engine.results import CheckResult
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
-from grader.handbook import rubric_keys
 from grader.intake import read_submission
 from grader.kit import wheel
 from grader.labs.imu import bundles
@@ -22,8 +21,9 @@ from grader.labs.imu.lab import LAB
 from tests.boxes import Opened
 from tests.corpus.sheet import FILTERS, LOW_PASS
 
-(EXAMPLE,) = re.findall(r"## Checks of your own.*?```python\n(.*?)```", rubric_keys.page(), re.DOTALL)
-(LINE,) = re.findall(r"\n( +settles_after_a_step: 4)\n", rubric_keys.page())
+PAGE = (Path(__file__).parent.parent / "docs/instructors/own-checks.md").read_text(encoding="utf-8")
+(EXAMPLE,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+(LINE,) = re.findall(r"\n( +settles_after_a_step: 4)\n", PAGE)
 ID = "filtering.settles_after_a_step"
 
 Own = Callable[..., Path]
@@ -31,7 +31,7 @@ Own = Callable[..., Path]
 
 @pytest.fixture
 def own(tmp_path: Path) -> Own:
-    """A rubric with the handbook's line in it, and a folder of checks beside it."""
+    """A rubric with the documentation's line in it, and a folder of checks beside it."""
 
     def write(**checks: str) -> Path:
         text = rubric.shipped(LAB).read_text(encoding="utf-8")
@@ -52,7 +52,7 @@ def judged(opened: Opened, its_rubric: Rubric, tmp_path: Path, source: str) -> C
     return {check.id: check for part in result.criteria for check in part.checks}[ID]
 
 
-def test_the_handbooks_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(
+def test_the_documented_own_check_is_earned_by_the_sheets_filter_and_lost_by_another(
     opened: Opened, own: Own, tmp_path: Path
 ) -> None:
     its_rubric = pickle.loads(pickle.dumps(rubric.load(LAB, own(check_step=EXAMPLE))))  # as it comes to another machine

@@ -1,4 +1,4 @@
-"""`imugrade explain`: what a report means."""
+"""`imugrade explain`: explain a fault, a check or a criterion."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ def explain(
         str | None,
         typer.Argument(
             metavar="ID",
-            help="A mistake, a check or a criterion; without one, all that there are.",
+            help="A fault, a check or a criterion. Without it: list them all.",
             autocompletion=completion.explained,
         ),
     ] = None,
 ) -> int:
-    """Explain a mistake that a report names, or what a check asks for.
+    """Explain a fault that a report names, or what a check tests.
 
     \b
     Examples:
@@ -29,18 +29,19 @@ def explain(
       imugrade explain sensor-id-as-address
       imugrade explain filtering.follows_recursion
     """
-    from grader.handbook import entries  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+    from grader.report import explanations  # noqa: PLC0415
 
     if id_ is None:
-        print(entries.listing(), end="")
+        print(explanations.listing(LAB), end="")
     else:
-        _show_markdown(entries.explain(id_))
+        _show_markdown(explanations.explain(LAB, id_))
     return 0
 
 
 def _show_markdown(text: str) -> None:
-    """Set on a terminal, as it is in a pipe."""
-    if sys.stdout.isatty():  # rich itself takes longer to import than all else that is done here
+    """Print Markdown, rendered on a terminal and as it is in a pipe."""
+    if sys.stdout.isatty():  # importing rich takes longer than everything else here
         from rich.markdown import Markdown  # noqa: PLC0415
 
         screen = console()

@@ -80,12 +80,12 @@ class Aside:
 
 @dataclass(frozen=True)
 class Help:
-    """What the handbook says of it, in Markdown; what it does has a word here.
+    """Documentation of a platform in Markdown; everything that it does has a text here.
 
     Attributes
     ----------
     respond
-        Its section on the page of the platforms, below the title.
+        Its section on the page about CI, below the title.
     read
         Its row: what is downloaded, by what it is recognised, what a student is there.
     grades
@@ -106,7 +106,7 @@ class Platform:
     name, title
         The value, and what it is called.
     help
-        Its words in the handbook.
+        Its documentation.
     respond
         A job's answer: what the platform reads of a result. Raises GraderError if it has no way to say that a part could not be
         judged.

@@ -2,7 +2,7 @@
 
 For each reader of a stranger's bytes, inputs are put together of the pieces that it looks for, and the dearest are changed
 further, for time and for memory. The worst is then given twice as long: what takes more than in proportion is a finding (exit code
-1). Time is CPU time; memory is what Python and NumPy hold at a time beyond the input. The table is for the handbook.
+1). Time is CPU time; memory is what Python and NumPy hold at a time beyond the input.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Prints a line for each attack that fell, and a table of held and fell for each family and rung. Exit code 1 if one fell on a
 rung that has walls; on the lowest rung falls are counted and listed, for nothing is promised there. With ``--write`` the
-handbook's record of the rung, this user and the family is made anew; ``python -m grader.handbook`` then writes the page.
+results of this isolation level, user and family are written to docs/isolation.json.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--rung", choices=[rung.name for rung in RUNGS], action="append", help="may be given more than once; all that there are")
     parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--only", default="", help="programs whose name holds this")
-    parser.add_argument("--write", action="store_true", help="keep the figures for the handbook")
+    parser.add_argument("--write", action="store_true", help="write the results to docs/isolation.json")
     parser.add_argument("-v", "--verbose", action="store_true", help="a line for what was held, too")
     options = parser.parse_args(arguments)
     if options.write and options.only:

@@ -1,4 +1,4 @@
-"""The handbook's record of what the corpus did, one entry a rung, user and family: `grader/handbook/isolation.json`."""
+"""Results of the hostile corpus, one entry per isolation level, user and family: `docs/isolation.json`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import grader
 from grader.sandbox.rungs import RUNGS
 from tests.hostile.judging import Verdict
 from tests.hostile.program import FAMILIES
 
-RECORD = Path(grader.__file__).parent / "handbook" / "isolation.json"
+RECORD = Path(__file__).resolve().parents[2] / "docs" / "isolation.json"
 
 
 def keep(rung: str, verdicts: Sequence[Verdict]) -> None:

@@ -2,7 +2,7 @@
 
 The file pins partial credit: for every case the checks that it loses, each with the share of its points that is kept, and nothing
 where the check could not be asked. Where a change of the judging moves a mark, the file says which, and the change of the file is
-read before it is committed. The handbook's table of faults is made from it.
+read before it is committed.
 """
 
 from __future__ import annotations

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests import fault_table
 from tests.generated import STALE
 from tests.recordings.losses import disagreements, pinned, pins
 from tests.recordings.marker import recorded_corpus, verdict
@@ -42,8 +41,3 @@ def test_single_faults_that_cost_more_than_one_check_are_few_and_have_a_reason()
     several = {case.name for case in single if sum(kept is not None for kept in pinned().get(case.id, {}).values()) > 1}
     assert several == set(MORE_THAN_ONE)
     assert len(several) <= 0.02 * len(single)
-
-
-def test_the_handbooks_table_of_faults_is_that_of_the_corpus() -> None:
-    kept = fault_table.FILE.read_text(encoding="utf-8")
-    assert kept == fault_table.page(pinned()), STALE

@@ -1,0 +1,255 @@
+"""Parts of the documentation that are generated from the code at build time. A page asks for one by `<!-- generated: NAME -->`."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from grader import cli
+from grader.engine.lab import Part
+from grader.engine.mistakes import catalogue
+from grader.engine.rubric import load, shipped
+from grader.labs.imu.lab import LAB
+from grader.platforms import registry
+from grader.platforms.platform import Platform
+from grader.report import explanations
+from grader.sandbox import packages, surroundings
+from grader.sandbox.rungs import RUNGS, UNWALLED
+
+FOLDER = Path(__file__).resolve().parent
+_MARK = re.compile(r"<!-- generated: ([\w-]+) -->")
+
+
+def _one_of(parts: Iterable[Part]) -> str:
+    *first, last = (f"`{part.id}`" for part in parts)
+    return f"{', '.join(first)} or {last}"
+
+
+RUBRIC_KEYS = {
+    "criteria": "The five criteria of the lab sheet, each once, in any order.",
+    "criteria.id": f"{_one_of(LAB.parts)}.",
+    "criteria.title": "The name in reports and gradebooks.",
+    "criteria.points": "Points of the criterion: 0 to 1000, at most two decimals.",
+    "criteria.checks": "One line `name: weight` for each check. The points of the criterion are shared by weight.",
+    "extra_credit": "What extensions earn beside the score. Default: nothing.",
+    "extra_credit.each": "Points of each extension that has no points of its own.",
+    "extra_credit.cap": "Maximum of all extensions together. Default: their sum.",
+    "extensions": "The four extensions of the lab sheet, each once.",
+    "extensions.id": f"{_one_of(LAB.bonuses)}.",
+    "extensions.title": "The name in reports.",
+    "extensions.file": "The file that must define the extension.",
+    "extensions.points": "0: reported, but not counted. Above 0: extra credit.",
+    "extensions.checks": "One line `name: weight` for each check.",
+    "mistakes": "One line `fault: points` for each fault with a deduction of your own. It never exceeds the points of the check.",
+    "limits": "Limits on the CPU time of student code.",
+    "limits.call_cpu_s": "Seconds for one call.",
+    "limits.submission_cpu_s": "Seconds for all calls of one submission.",
+    "late": "The late policy. Default: none.",
+    "late.due": "Due date and time, with the offset from UTC.",
+    "late.grace_minutes": "Minutes after `due` that do not count as late. After them, days count from `due`.",
+    "late.per_day": "Deduction for each started day: points, or a percentage of the criteria's points.",
+    "late.cut_off_days": "Days after which a submission gets 0. Default: no limit.",
+    "late.tz": "Time zone whose midnight starts a day, for example `Europe/Berlin`. Default: a day is 24 hours.",
+    "late.extensions": "Personal due dates: one line `who: date`. `who` is an id, a name or an e-mail address.",
+    "model": "The robot that is simulated. Default: the humanoid of the lab.",
+    "model.path": "An MJCF file, relative to the rubric. Default: the model of the lab.",
+    "model.sensors": "The two sensors of the IMU.",
+    "model.sensors.accelerometer": "Name of the accelerometer. Default: `torso_accelerometer`.",
+    "model.sensors.gyroscope": "Name of the gyroscope. Default: `torso_gyroscope`.",
+}
+
+
+def fill(text: str) -> str:
+    """Replace each mark of a page by the part that it names."""
+    return _MARK.sub(lambda mark: PARTS[mark[1]](), text)
+
+
+def pages() -> dict[str, str]:
+    """Return every page by its path within the documentation, with its generated parts."""
+    found = sorted(path for path in FOLDER.rglob("*.md"))
+    return {path.relative_to(FOLDER).as_posix(): fill(path.read_text(encoding="utf-8")) for path in found}
+
+
+# --- the rubric, its checks and faults --------------------------------------------------------------------------------
+
+
+def checks() -> str:
+    """Return a table of checks for each criterion and extension."""
+    return "\n".join(explanations.criterion(LAB, part, level=2) for part in load(LAB).parts)
+
+
+def faults() -> str:
+    """Return every named fault, by criterion."""
+    sections = []
+    for group, title in explanations.groups(LAB).items():
+        found = [each for each in catalogue(LAB).values() if each.group == group]
+        sections += [f"## {title}\n", *(explanations.fault(LAB, each, level=3) for each in found)]
+    return "\n".join(sections)
+
+
+def rubric_keys() -> str:
+    """Return the table of the rubric's keys."""
+    return _table(("Key", "Meaning"), ((f"`{key}`", meaning) for key, meaning in RUBRIC_KEYS.items()))
+
+
+def rubric() -> str:
+    """Return the shipped rubric."""
+    return f"```yaml\n{shipped(LAB).read_text(encoding='utf-8').strip()}\n```"
+
+
+# --- commands ---------------------------------------------------------------------------------------------------------
+
+
+def commands() -> str:
+    """Return every command with its arguments, options and examples."""
+    return "\n".join(_commands("imugrade", typer.main.get_command(cli.app)))
+
+
+def _commands(prefix: str, group: Any) -> Iterator[str]:
+    for name, command in sorted(group.commands.items()):
+        if hasattr(command, "commands"):
+            yield from _commands(f"{prefix} {name}", command)
+        elif not command.hidden:
+            yield _command(f"{prefix} {name}", command)
+
+
+def _command(name: str, command: Any) -> str:
+    shown = [each for each in command.params if not getattr(each, "hidden", False) and each.name != "help"]
+    arguments = [each.metavar for each in shown if each.param_type_name == "argument"]
+    table = _table(("Argument or option", "Meaning"), ((_words(each), each.help or "") for each in shown))
+    blocks = "\n\n".join(_block(block) for block in command.help.strip().split("\n\n"))
+    return f"## `{' '.join([name, *arguments])}`\n\n{blocks}\n\n{table if shown else ''}\n"
+
+
+def _words(parameter: Any) -> str:
+    if parameter.param_type_name == "argument":
+        return f"`{parameter.metavar}`"
+    metavar = f" {parameter.metavar}" if parameter.metavar else ""
+    return ", ".join(f"`{word}{metavar}`" for word in parameter.opts)
+
+
+def _block(block: str) -> str:
+    """Return one paragraph of a help text; one that keeps its lines becomes a code block."""
+    lines = [line for line in block.split("\n") if line.strip() != "\b"]
+    if len(lines) == len(block.split("\n")):
+        return " ".join(line.strip() for line in lines)
+    return "\n".join(["```text", *lines, "```"])
+
+
+# --- platforms --------------------------------------------------------------------------------------------------------
+
+
+def ci_platforms() -> str:
+    """Return the table of CI formats, then a section for each."""
+    rows, sections = [], []
+    for each in registry.platforms("respond"):
+        submission = f"`/{each.submission}`" if each.submission else "working folder"
+        answer = f"`{'/' * ('/' in each.answer)}{each.answer}`" if each.answer else "standard output"
+        hidden = "with `--traces`" if each.keeps_secrets else "refused without `--private`"
+        rows.append((f"`{each.name}`", each.title, submission, answer, hidden))
+        sections.append(f"## {each.title}\n\n{each.help.respond}")
+    table = _table(("`--format`", "Platform", "Submission", "Output", "Hidden scenarios"), rows)
+    return "\n\n".join([table, *sections])
+
+
+def downloads() -> str:
+    """Return the table of downloads that `grade` recognises."""
+    rows = [("Folders and archives, one per student", "nothing else fits", "the name of the folder or archive")]
+    for each in registry.platforms("read"):
+        what, sign, student = each.help.read
+        rows.append((", ".join(filter(None, (each.title, what))), sign, student))
+    return _table(("Download", "Recognized by", "Student"), rows)
+
+
+def gradebooks() -> str:
+    """Return one paragraph for each gradebook that `export` writes."""
+    ways = ((each.title, each.help.grades) for each in registry.platforms("fill", "write"))
+    return "\n".join(f"- **{title}**: {text}".replace("\n", "\n  ") for title, text in ways)
+
+
+def platform_fields() -> str:
+    """Return the fields of a platform's record, as its docstring has them."""
+    _, text = inspect.cleandoc(Platform.__doc__ or "").split("Attributes\n----------\n")
+    fields = re.findall(r"^(\S.*)\n((?: {4}.*\n?)+)", text, re.MULTILINE)
+    return _table(("Field", "Meaning"), ((_code(names.split(", ")), " ".join(its.split())) for names, its in fields))
+
+
+# --- isolation --------------------------------------------------------------------------------------------------------
+
+
+def isolation_levels() -> str:
+    """Return the table of isolation levels."""
+    return _table(("Level", "What it uses", "Needs"), ((f"`{each.name}`", each.around, each.needs) for each in RUNGS))
+
+
+def attacks() -> str:
+    """Return the results of the hostile submissions, which `python -m tests.hostile --write` records."""
+    entries = json.loads((FOLDER / "isolation.json").read_text(encoding="utf-8"))
+    families = {entry["family"]: entry["programs"] for entry in entries}
+    rows = []
+    for level, user in dict.fromkeys((entry["rung"], entry["user"]) for entry in entries):
+        fell = {each["family"]: len(each["fell"]) for each in entries if (each["rung"], each["user"]) == (level, user)}
+        rows.append((f"`{level}`", user, *(_held(count, fell.get(name)) for name, count in families.items())))
+    table = _table(("Level", "User", *(f"{name} ({count})" for name, count in families.items())), rows)
+    unwalled = [
+        (entry["family"], name, entry["user"], effect.replace("|", "\\|"))
+        for entry in entries if entry["rung"] == UNWALLED.name
+        for name, effect in entry["fell"].items()
+    ]  # fmt: skip
+    effects = _table(("Family", "Submission", "User", "Effect"), unwalled)
+    return f"{table}\n\nWithout isolation (`{UNWALLED.name}`), these attacks succeed:\n\n{effects}"
+
+
+def _held(count: int, fell: int | None) -> str:
+    return "not run" if fell is None else f"{count - fell} held, {fell} succeeded"
+
+
+def libraries() -> str:
+    """Return the packages that student code may import."""
+    return _code(packages.LIBRARIES)
+
+
+def system_files() -> str:
+    """Return the system files that student code may read."""
+    return _code(surroundings.SYSTEM)
+
+
+# --- the code ---------------------------------------------------------------------------------------------------------
+
+
+def modules() -> str:
+    """Return the table of modules with the first sentence of each docstring."""
+    package = Path(cli.__file__).parent
+    rows = []
+    for path in sorted(package.rglob("*.py")):
+        inside = path.relative_to(package.parent)
+        if text := ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))):
+            name = inside.parent if inside.name == "__init__.py" else inside
+            rows.append((f"`{name.as_posix()}`", " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")))
+    return _table(("Module", "Purpose"), rows)
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def _code(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+PARTS: Mapping[str, Callable[[], str]] = {
+    function.__name__.replace("_", "-"): function
+    for function in (
+        attacks, checks, ci_platforms, commands, downloads, faults, gradebooks, isolation_levels, libraries, modules,
+        platform_fields, rubric, rubric_keys, system_files,
+    )
+}  # fmt: skip
+"""The parts by the name that a page gives."""

@@ -1,0 +1,121 @@
+"""Explanations of faults, checks and criteria as Markdown, for `imugrade explain` and the reference pages of the documentation."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from functools import lru_cache
+
+from grader.engine.lab import Lab
+from grader.engine.mistakes import Mistake, catalogue
+from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
+from grader.engine.written import Check, checks_of
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.report.words import number
+
+
+def explain(lab: Lab, id_: str) -> str:
+    """Return the explanation of a fault, a check, a criterion or an extension.
+
+    Raises
+    ------
+    RequestError
+        If nothing has that id; the message names the closest one.
+    """
+    shipped = _rubric(lab)
+    parts = {part.id: part for part in shipped.parts}
+    weights = {weight.id: weight for weight in shipped.checks}
+    if id_ in catalogue(lab):
+        return fault(lab, catalogue(lab)[id_])
+    if id_ in parts:
+        return criterion(lab, parts[id_])
+    if id_ in weights:
+        return check(lab, weights[id_])
+    near = difflib.get_close_matches(id_, [*catalogue(lab), *parts, *weights], 1)
+    guess = f"did you mean {near[0]}?" if near else "`imugrade explain` lists all of them"
+    raise RequestError(f"{printable(id_)}: no fault, check or criterion has this id; {guess}")
+
+
+def listing(lab: Lab) -> str:
+    """Return one line per id: the faults by criterion, then the checks by criterion."""
+    lines = []
+    for group, title in groups(lab).items():
+        lines += ["", f"Faults: {title}", ""]
+        lines += [f"  {entry.id:<28} {entry.title}" for entry in catalogue(lab).values() if entry.group == group]
+    for each in _rubric(lab).parts:
+        lines += ["", f"Checks: {each.title}", ""] if each.checks else []
+        lines += [f"  {weight.id:<44} {_title(lab, weight.id)}" for weight in each.checks]
+    return "\n".join([*lines[1:], "", "imugrade explain ID explains one of them.", ""])
+
+
+def groups(lab: Lab) -> dict[str, str]:
+    """Return the titles of the groups of faults by id: the criteria, then the extensions, then the rest."""
+    return {**{part.id: part.title for part in lab.parts}, "extensions": "Extensions", "any": "Any file"}
+
+
+def fault(lab: Lab, entry: Mistake, *, level: int = 1) -> str:
+    """Return what a fault is, wrong code, right code and the hint."""
+    read = f"\nRead: {lab.label}, Step {entry.step}.\n" if entry.step is not None else ""
+    rerun = f"\nRerun: `imugrade check --only {entry.group}`\n" if entry.group in {p.id for p in lab.parts} else ""
+    return (
+        f"{'#' * level} {entry.id}\n\n{_sentence(entry.title)}\n\n{entry.explanation.strip()}\n\n"
+        f"Wrong:\n\n{_code(entry.wrong)}\n\nRight:\n\n{_code(entry.right)}\n\nTry: {entry.hint.strip()}\n"
+        f"{_deductions(lab, entry)}{read}{rerun}"
+    )
+
+
+def _deductions(lab: Lab, entry: Mistake) -> str:
+    """Return what a fault deducts unless the rubric says otherwise."""
+    worth = {weight.id: weight.max_points for weight in _rubric(lab).checks}
+    shares = {_full(name, entry): share for name, share in entry.deducts.items()}
+    points = [f"{number(share * worth[name])} points of `{name}`" for name, share in shares.items()]
+    taken = ", ".join(f"`{_full(name, entry)}`" for name in entry.takes)
+    return f"\nDeducts: {' or '.join(points)}{f'; all of {taken}' if taken else ''}.\n" if points else ""
+
+
+def _full(name: str, entry: Mistake) -> str:
+    return name if "." in name else f"{entry.group}.{name}"
+
+
+def check(lab: Lab, weight: CheckWeight, *, level: int = 1) -> str:
+    """Return what a check tests, its points and the step of the lab sheet."""
+    known = _checks(lab).get(weight.id)
+    step = f" Read: {lab.label}, Step {known.lab_step}." if known else ""
+    return (
+        f"{'#' * level} {weight.id}\n\n{_title(lab, weight.id)}.\n\nWorth {number(weight.max_points)} points.{step}\n\n"
+        f"Rerun: `imugrade check --only {weight.id.partition('.')[0]}`\n"
+    )
+
+
+def criterion(lab: Lab, part: Criterion | Extension, *, level: int = 1) -> str:
+    """Return the points of a criterion or an extension with the table of its checks."""
+    worth = f"{number(part.points)} points." if part.points else "No points: reported beside the score."
+    where = f" File: `{part.file}`." if isinstance(part, Extension) else ""
+    rows = [f"| `{w.id.partition('.')[2]}` | {number(w.max_points)} | {_title(lab, w.id)} |" for w in part.checks]
+    table = "\n".join(["| Check | Points | Tests |", "| --- | ---: | --- |", *rows])
+    return f"{'#' * level} {part.title} (`{part.id}`)\n\n{worth}{where}\n" + (f"\n{table}\n" if rows else "")
+
+
+@lru_cache(maxsize=1)
+def _rubric(lab: Lab) -> Rubric:
+    return load(lab)
+
+
+@lru_cache(maxsize=1)
+def _checks(lab: Lab) -> Mapping[str, Check]:
+    return checks_of(lab)
+
+
+def _title(lab: Lab, check_id: str) -> str:
+    known = _checks(lab).get(check_id)
+    return known.title if known else check_id
+
+
+def _sentence(text: str) -> str:
+    text = text.strip().rstrip(".")
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def _code(lines: str) -> str:
+    return f"```python\n{lines.strip()}\n```"

@@ -1,0 +1,104 @@
+"""Tests of the documentation: it builds without a warning, its examples work, and the names in it exist."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from docs import generated
+from grader.engine import rubric
+from grader.labs.imu.lab import LAB
+from tests.documents import ROOT, commands, documents, site
+
+PAGES = site()
+HAND_WRITTEN = sorted(page for page in PAGES if not page.startswith("reference/") and not page.endswith("index.md"))
+YAML = [(page, text) for page in HAND_WRITTEN for text in re.findall(r"```yaml\n(.*?)```", PAGES[page], re.DOTALL)]
+
+
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", "-d", tmp_path / "cache"]
+    environment = {**os.environ, "PYTHONWARNINGS": "default"}
+    done = subprocess.run(
+        [*command, ROOT / "docs", tmp_path / "site"], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    pages = {path.relative_to(tmp_path / "site").with_suffix(".md") for path in (tmp_path / "site").rglob("*.html")}
+    assert {Path(page) for page in PAGES} <= pages
+    assert (tmp_path / "site" / "searchindex.js").is_file()
+
+
+@pytest.mark.parametrize("page", HAND_WRITTEN)
+def test_every_page_has_an_example_command(page: str) -> None:
+    found = commands({page: re.sub(r"<!-- generated.*", "", (ROOT / "docs" / page).read_text(encoding="utf-8"))})
+    assert [command for command in found if command.place == "block"]
+
+
+@pytest.mark.parametrize(("page", "text"), YAML, ids=[page for page, _ in YAML])
+def test_every_yaml_example_is_part_of_a_rubric(page: str, text: str, tmp_path: Path) -> None:
+    shipped = yaml.safe_load(rubric.shipped(LAB).read_text(encoding="utf-8"))
+    example = yaml.safe_load(text)
+    for given in example.get("criteria", []):
+        (own,) = (each for each in shipped["criteria"] if each["id"] == given["id"])
+        own.update(given)
+    if path := example.get("model", {}).get("path"):
+        sensors = example["model"]["sensors"].values()
+        (tmp_path / path).write_text(_robot(*sensors), encoding="utf-8")
+    merged = {**shipped, **{key: value for key, value in example.items() if key != "criteria"}}
+    (tmp_path / "rubric.yaml").write_text(yaml.safe_dump(merged), encoding="utf-8")
+    loaded = rubric.load(LAB, tmp_path / "rubric.yaml")
+    assert loaded.sha256 != rubric.load(LAB).sha256 or example.items() <= shipped.items()
+
+
+def _robot(accelerometer: str, gyroscope: str) -> str:
+    return (
+        '<mujoco><worldbody><body pos="0 0 1"><freejoint/><geom size=".1"/><site name="imu"/></body></worldbody>'
+        f'<sensor><accelerometer name="{accelerometer}" site="imu"/><gyro name="{gyroscope}" site="imu"/></sensor></mujoco>'
+    )
+
+
+def test_every_command_has_an_example_in_the_documents() -> None:
+    named = {command.words[1] for command in commands(documents()) if command.words[0] == "imugrade"}
+    headings = re.findall(r"^## `imugrade (\w+)", generated.commands(), re.MULTILINE)
+    assert set(headings) <= named
+
+
+def test_names_of_tests_and_files_exist() -> None:
+    text = "\n".join(documents().values())
+    tests = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
+    files = {path.stem for path in (ROOT / "tests").rglob("test_*.py")}
+    assert [
+        name for name in re.findall(r"`(test_\w+)`", text) if f"def {name}(" not in tests and name not in files
+    ] == []
+    paths = re.findall(r"`((?:grader|tests|docs|reference)/[\w/.-]+)`", text)
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
+@pytest.mark.parametrize("document", ["README.md", "SECURITY.md", "CHANGELOG.md"])
+def test_every_link_of_a_document_leads_to_a_file(document: str) -> None:
+    links = re.findall(r"\]\(([^)#]+)\)", (ROOT / document).read_text(encoding="utf-8"))
+    assert [link for link in links if not link.startswith("http") and not (ROOT / link).exists()] == []
+
+
+def keys(node: object, prefix: str = "") -> set[str]:
+    """Return the keys of the shipped rubric, with dots; names of checks are not keys."""
+    if isinstance(node, list):
+        return set().union(*(keys(item, prefix) for item in node))
+    if not isinstance(node, dict) or prefix.endswith("checks."):
+        return set()
+    return {prefix + key for key in node} | set().union(
+        *(keys(value, f"{prefix}{key}.") for key, value in node.items())
+    )
+
+
+def test_every_key_of_the_rubric_is_documented() -> None:
+    used = keys(yaml.safe_load(rubric.shipped(LAB).read_text(encoding="utf-8")))
+    commented = ("late", "extra_credit", "mistakes")
+    assert used <= set(generated.RUBRIC_KEYS)
+    left_out = {key for key in set(generated.RUBRIC_KEYS) - used if key.partition(".")[0] not in commented}
+    assert left_out <= {"model.path", "extensions.points"}
