@@ -20,8 +20,8 @@ from grader.course.database import FILE_NAME
 from grader.course.groups import groups
 from grader.course.kept import LARGEST, pack, unpack
 from grader.course.record import Store
-from grader.desk.review_queue import looks
-from grader.desk.similarity_groups import Clique, cliques
+from grader.desk.review_queue import items
+from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
@@ -66,7 +66,7 @@ def give(desk: Desk, id_: str, target: str, points: object, comment: str = "seen
     seen = more.pop("seen", desk.book.on_thread(desk.book.last_number))
     who = str(more.pop("who", ""))
     fields = {"target": target, "points": points, "comment": comment, "seen": seen, **more}
-    answer = desk.post(f"/submission/{id_}/by-hand", fields, who)
+    answer = desk.post(f"/submission/{id_}/override", fields, who)
     desk.book.settled()
     return answer
 
@@ -111,11 +111,11 @@ def test_a_name_that_was_bent_to_this_machine_reaches_nothing(still: Desk, host:
 def test_only_our_own_pages_change_something(still: Desk, origin: str | None) -> None:
     headers = {"Cookie": f"{still.keys.cookie_name}={still.keys.cookie}"} | ({"Origin": origin} if origin else {})
     body = b"target=total&points=1&comment=x"
-    assert still.raw("POST", "/submission/ada/by-hand", body, **headers).status == 403
+    assert still.raw("POST", "/submission/ada/override", body, **headers).status == 403
     assert still.book.on_thread(still.book.store.history) == []
 
 
-@pytest.mark.parametrize("path", ["/tick", "/submission/ada/by-hand", "/decisions/take-back", "/who"])
+@pytest.mark.parametrize("path", ["/reviewed", "/submission/ada/override", "/decisions/take-back", "/who"])
 def test_nothing_is_changed_by_looking(still: Desk, path: str) -> None:
     assert still.get(path).status == 405
 
@@ -138,8 +138,8 @@ def test_the_desk_listens_on_this_machine_alone(still: Desk) -> None:
 
 
 def test_a_form_larger_than_ours_is_not_read(still: Desk) -> None:
-    assert still.post("/appeals", {"text": "x" * 2_100_000}).status == 413
-    assert still.post("/appeals", [("id", k) for k in range(6000)]).status == 400
+    assert still.post("/regrade-requests", {"text": "x" * 2_100_000}).status == 413
+    assert still.post("/regrade-requests", [("id", k) for k in range(6000)]).status == 400
 
 
 # ---- points by hand ----
@@ -188,7 +188,7 @@ def test_undo_brings_back_what_stood_before_and_history_keeps_all(desk: Desk, ou
         (ADDRESS, "7", "x", "points must be a number from 0 to 6, not 7"),
         (ADDRESS, "nan", "x", "points must be a number from 0 to 6, not nan"),
         ("nothing", "1", "x", "there is no criterion nothing"),
-        (ADDRESS, "1", "", "Say why in a comment"),
+        (ADDRESS, "1", "", "Enter a comment"),
         (ADDRESS, "1", "x" * 2001, "say why in a comment of at most 2000 characters"),
     ],
 )
@@ -250,13 +250,13 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
     )
     with desk_over(out) as desk:
         page = words(desk.get("/").text)
-        for title in ("Not judged", "Unreadable", "Empty", "Timed out", "Answer not understood", "Tampering", "Not placed",
-                      "Not in the roster", "Unknown lateness", "Alike", "Picture without code", "Picture of other curves", "Near a boundary"):  # fmt: skip
+        for title in ("Grader failed", "Unreadable", "Empty", "Timed out", "Unclear answer", "Tampering", "Not assigned",
+                      "Not in the roster", "Unknown lateness", "Similar code", "Picture without code", "Picture of other curves", "Near a grade boundary"):  # fmt: skip
             assert f"{title} 1" in page, title
         assert "sound" not in page
         assert "notes.txt &lt;is&gt; nobody" in page
-        assert "0.5 below 90, and 0.5 points hang on what was earned in part" in page
-        assert "In the roster, and nothing handed in Zoe" in page
+        assert "0.5 below 90, and 0.5 points were lost on partial checks" in page
+        assert "No submission Zoe" in page
         only = words(desk.get("/?kind=alike").text)
         assert "twin1 l 100 , twin2 100 , twin3 100" in only
         assert "No .py" not in only
@@ -269,47 +269,52 @@ def test_who_handed_in_the_same_files_is_not_listed_as_alike_as_well() -> None:
         id_: Standing(id_, replace(each, provenance=made["cyd"].provenance if id_ == "cyd" else shared))
         for id_, each in made.items()
     }
-    groups = [Clique(("ada", "bob"), (1.0, 1.0), (50, 50)), Clique(("ada", "bob", "cyd"), (0.6, 1.0), (30, 50))]
-    listed = [(each.reason.kind, each.ids) for each in looks(standings, groups, {}, (), {})]
+    groups = [
+        SimilarityGroup(("ada", "bob"), (1.0, 1.0), (50, 50)),
+        SimilarityGroup(("ada", "bob", "cyd"), (0.6, 1.0), (30, 50)),
+    ]
+    listed = [(each.reason.kind, each.ids) for each in items(standings, groups, {}, (), {})]
     assert listed == [("same-files", ("ada", "bob")), ("alike", ("ada", "bob", "cyd"))]
 
 
 def test_a_tick_is_recorded_with_who_and_when_and_can_be_taken_back(tmp_path: Path) -> None:
     out = make_class(tmp_path / "out", NEEDY)
     with desk_over(out) as desk:
-        key = next(each for each in desk.book.on_thread(lambda: looks_of(desk)) if each.id == "void").key
-        assert desk.post("/tick", {"look": key, "done": "yes"}, "Ann").status == 303
+        key = next(each for each in desk.book.on_thread(lambda: queue_of(desk)) if each.id == "void").key
+        assert desk.post("/reviewed", {"look": key, "done": "yes"}, "Ann").status == 303
         (tick,) = desk.book.on_thread(desk.book.store.ticks).values()
         assert (tick.id, tick.author, tick.at[:2]) == ("void", "Ann", "20")
         page = words(desk.get("/").text)
         assert "Empty 1" not in page
-        assert "Looked at by Ann" in page
-        desk.post("/tick", {"look": key, "done": "no"})
+        assert "Reviewed by Ann" in page
+        desk.post("/reviewed", {"look": key, "done": "no"})
         assert "Empty 1" in words(desk.get("/").text)
-        assert desk.post("/tick", {"look": "empty/0/void", "done": "yes"}).status == 400
+        assert desk.post("/reviewed", {"look": "empty/0/void", "done": "yes"}).status == 400
 
 
 def test_all_of_one_kind_are_ticked_at_once_or_none(tmp_path: Path) -> None:
     out = make_class(tmp_path / "out", [Student(f"late{k}", hand_in=HandIn(late=Lateness("", None))) for k in range(3)])
     with desk_over(out) as desk:
-        assert "Looked at all" not in desk.get("/").text
+        assert "Mark all as reviewed" not in desk.get("/").text
         page = desk.get("/?kind=lateness").text
-        keys = re.findall(r'name="look" value="([^"]*)"', page[: page.index("Looked at all 3")])
+        keys = re.findall(r'name="look" value="([^"]*)"', page[: page.index("Mark all as reviewed: 3")])
         assert (
-            desk.post("/tick", [("look", each) for each in [*keys, "lateness/0/late0"]] + [("done", "yes")]).status
+            desk.post("/reviewed", [("look", each) for each in [*keys, "lateness/0/late0"]] + [("done", "yes")]).status
             == 400
         )
         assert "Unknown lateness 3" in words(desk.get("/").text)
-        answer = desk.post("/tick", [("look", each) for each in keys] + [("done", "yes"), ("kind", "lateness")], "Ann")
+        answer = desk.post(
+            "/reviewed", [("look", each) for each in keys] + [("done", "yes"), ("kind", "lateness")], "Ann"
+        )
         assert answer.headers["location"] == "/?kind=lateness"
         assert {each.author for each in desk.book.on_thread(desk.book.store.ticks).values()} == {"Ann"}
-        assert "Nothing is left to look at here." in words(desk.get("/?kind=lateness").text)
+        assert "Nothing of this kind needs review." in words(desk.get("/?kind=lateness").text)
 
 
-def looks_of(desk: Desk):  # type: ignore[no-untyped-def]
-    from grader.desk.overviews import all_looks
+def queue_of(desk: Desk):  # type: ignore[no-untyped-def]
+    from grader.desk.overviews import queue
 
-    return all_looks(desk.book)
+    return queue(desk.book)
 
 
 # ---- groups ----
@@ -331,13 +336,13 @@ def test_one_decision_stands_for_all_of_a_group_is_shown_as_one_and_taken_back_a
     assert desk.post("/groups/mistake/sensor-id-as-address", fields).status == 303
     desk.book.settled()
     assert [row(out, id_)["final"] for id_ in ("ada", "bob", "cyd")] == ["100", "100", "100"]
-    assert "(one decision for several)" in words(desk.get("/submission/bob").text)
+    assert "(one decision for a group)" in words(desk.get("/submission/bob").text)
     give(desk, "cyd", ADDRESS, "4", "but not this one")
-    assert "in force for 1" in words(desk.get("/groups").text)
+    assert "in effect for 1" in words(desk.get("/groups").text)
     assert desk.post("/decisions/take-back", {"number": 1}).status == 303
     desk.book.settled()
     assert [row(out, id_)["final"] for id_ in ("bob", "cyd")] == ["94", "98"]
-    assert "taken back" in words(desk.get("/groups").text)
+    assert "undone" in words(desk.get("/groups").text)
     assert desk.post("/decisions/take-back", {"number": 1}).status == 400
 
 
@@ -353,9 +358,9 @@ def test_a_decision_on_several_is_all_or_none(desk: Desk) -> None:
 def test_one_decision_stands_for_all_who_are_alike(tmp_path: Path) -> None:
     out = make_class(tmp_path / "out", NEEDY)
     with desk_over(out) as desk:
-        (place,) = set(re.findall(r'href="(/groups/alike/[0-9a-f]+)"', desk.get("/alike").text))
+        (place,) = set(re.findall(r'href="(/groups/alike/[0-9a-f]+)"', desk.get("/similar").text))
         assert f'href="{place}"' in desk.get("/?kind=alike").text
-        assert "Alike: twin1 and 2 more" in words(desk.get(place).text)
+        assert "Similar code: twin1 and 2 more" in words(desk.get(place).text)
         fields = [
             *(("id", f"twin{k}") for k in (1, 2, 3)),
             ("target", "total"),
@@ -385,11 +390,11 @@ def test_who_lost_exactly_the_same_is_a_group(tmp_path: Path) -> None:
 def test_a_ring_of_twelve_copies_is_one_line_and_a_chain_is_its_pairs() -> None:
     ids = [f"s{k:02}" for k in range(12)]
     ring = [Pair(one, other, 60, 1.0) for k, one in enumerate(ids) for other in ids[k + 1 :]]
-    (clique,) = cliques(ring)
-    assert clique.ids == tuple(ids)
+    (group,) = similarity_groups(ring)
+    assert group.ids == tuple(ids)
     chain = [Pair("a", "b", 60, 0.9), Pair("b", "c", 40, 0.6)]
-    assert [each.ids for each in cliques(chain)] == [("a", "b"), ("b", "c")]
-    assert [each.ids for each in cliques([*chain, Pair("a", "c", 40, 0.6)])] == [("a", "b", "c")]
+    assert [each.ids for each in similarity_groups(chain)] == [("a", "b"), ("b", "c")]
+    assert [each.ids for each in similarity_groups([*chain, Pair("a", "c", 40, 0.6)])] == [("a", "b", "c")]
 
 
 OWN = "".join(
@@ -411,8 +416,8 @@ def test_shared_lines_stand_side_by_side_and_the_sheet_is_never_among_them(tmp_p
         Student("other", files=other, prints=fingerprint(other)),
     ]
     with desk_over(make_class(tmp_path / "out", students)) as desk:
-        assert "2 alike" in words(desk.get("/alike").text)
-        page = desk.get("/alike/one/other").text
+        assert "2 submissions" in words(desk.get("/similar").text)
+        page = desk.get("/similar/one/other").text
         assert page.count('class="both"') > 150
         assert "lab.ipynb" in page
         shared = desk.book.on_thread(lambda: desk.book.shared("one", "other"))
@@ -428,34 +433,34 @@ def test_shared_lines_stand_side_by_side_and_the_sheet_is_never_among_them(tmp_p
 
 def test_an_appeal_stands_beside_its_check_and_its_answer_reaches_the_student(desk: Desk, out: Path) -> None:
     text = '{"student": "bob@x.edu", "check": "%s", "text": "My <script>ids</script> are right."}' % ADDRESS  # noqa: UP031
-    assert "told=1" in desk.post("/appeals", {"text": text}).headers["location"]
-    assert "told=0" in desk.post("/appeals", {"text": text}).headers["location"]  # dropped in twice is one
-    assert "Appeal 1" in words(desk.get("/").text)
+    assert "told=1" in desk.post("/regrade-requests", {"text": text}).headers["location"]
+    assert "told=0" in desk.post("/regrade-requests", {"text": text}).headers["location"]  # dropped in twice is one
+    assert "Request 1" in words(desk.get("/").text)
     page = desk.get("/submission/bob").text
     assert "My &lt;script&gt;ids&lt;/script&gt; are right." in page
-    assert page.rindex("My &lt;script&gt;") > page.index(f'id="by-hand-{ADDRESS.replace(".", "-")}"')
+    assert page.rindex("My &lt;script&gt;") > page.index(f'id="override-{ADDRESS.replace(".", "-")}"')
     assert give(desk, "bob", ADDRESS, "6", "You are right.", answers=1).status == 303
     assert "You are right." in (out / "submissions" / "bob" / "report.html").read_text()
     assert row(out, "bob")["final"] == "100"
-    assert "Appeal 1" not in words(desk.get("/").text)
-    assert "Answered by prof" in words(desk.get("/appeals").text)
+    assert "Request 1" not in words(desk.get("/").text)
+    assert "Answered by prof" in words(desk.get("/regrade-requests").text)
 
 
 def test_a_table_of_appeals_is_read_whole_or_not_at_all(desk: Desk) -> None:
     table = "name;check;appeal\nBob Bird;;Please look\nnobody;;x\nada;no.such;x\n"
-    answer = desk.post("/appeals", {"text": table})
+    answer = desk.post("/regrade-requests", {"text": table})
     assert answer.status == 400
-    assert "line 3: nobody is called nobody" in words(answer.text)
+    assert "line 3: no student nobody" in words(answer.text)
     assert "line 4: there is no check no.such" in words(answer.text)
-    assert desk.book.on_thread(desk.book.appeals) == []
-    desk.post("/appeals", {"text": "name;check;appeal\nBob Bird;;Please look\nada;;\n"})
-    assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.appeals)] == [("bob", "Please look")]
+    assert desk.book.on_thread(desk.book.requests) == []
+    desk.post("/regrade-requests", {"text": "name;check;appeal\nBob Bird;;Please look\nada;;\n"})
+    assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.requests)] == [("bob", "Please look")]
 
 
 def test_plain_words_are_an_appeal_of_whom_the_form_names(desk: Desk) -> None:
-    assert desk.post("/appeals", {"text": "[sic] why?", "who": "ada", "about": "filtering"}).status == 303
-    assert desk.post("/appeals", {"text": "why?", "who": ""}).status == 400
-    (appeal,) = desk.book.on_thread(desk.book.appeals)
+    assert desk.post("/regrade-requests", {"text": "[sic] why?", "who": "ada", "about": "filtering"}).status == 303
+    assert desk.post("/regrade-requests", {"text": "why?", "who": ""}).status == 400
+    (appeal,) = desk.book.on_thread(desk.book.requests)
     assert (appeal.id, appeal.about, appeal.text) == ("ada", "filtering", "[sic] why?")
 
 
@@ -463,18 +468,18 @@ def test_plain_words_are_an_appeal_of_whom_the_form_names(desk: Desk) -> None:
 
 
 def test_the_class_moves_before_anything_is_saved_and_the_saved_rubric_says_the_same(desk: Desk, out: Path) -> None:
-    page = words(desk.get(f"/cost?weight:{ADDRESS}=14").text)
-    assert "2 of 3 would move; mean 96.7 → 94.7" in page
+    page = words(desk.get(f"/what-if?weight:{ADDRESS}=14").text)
+    assert "2 of 3 scores change; mean 96.7 → 94.7" in page
     assert row(out, "bob")["total"] == "94"
-    assert desk.post("/cost", {f"weight:{ADDRESS}": "14", "do": "save"}).status == 303
+    assert desk.post("/what-if", {f"weight:{ADDRESS}": "14", "do": "save"}).status == 303
     (file,) = out.glob("rubric-*.yaml")
     assert rubric.load(LAB, file).check(ADDRESS).max_points == 10.0
     assert row(out, "bob")["total"] == "94"
 
 
 def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, out: Path) -> None:
-    assert "2 of 3 would move" in words(desk.get("/cost?price:sensor-id-as-address=1").text)
-    desk.post("/cost", {"price:sensor-id-as-address": "1", "do": "mark"})
+    assert "2 of 3 scores change" in words(desk.get("/what-if?price:sensor-id-as-address=1").text)
+    desk.post("/what-if", {"price:sensor-id-as-address": "1", "do": "mark"})
     assert [row(out, id_)["total"] for id_ in ("bob", "cyd")] == ["99", "98"]
     assert "99 / 100" in words(desk.get("/submission/bob").text)
     desk.book.settled()
@@ -483,8 +488,8 @@ def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, ou
 
 
 def test_a_rubric_that_is_none_is_refused_with_its_reasons(desk: Desk) -> None:
-    assert "must be a number" in words(desk.get(f"/cost?weight:{ADDRESS}=many").text)
-    assert desk.post("/cost", {f"weight:{ADDRESS}": "-1", "do": "save"}).status == 400
+    assert "must be a number" in words(desk.get(f"/what-if?weight:{ADDRESS}=many").text)
+    assert desk.post("/what-if", {f"weight:{ADDRESS}": "-1", "do": "save"}).status == 400
 
 
 # ---- files as they were handed in ----
@@ -537,7 +542,7 @@ def test_a_record_of_the_layout_before_is_read_and_grows(tmp_path: Path) -> None
     old.close()
     with desk_over(out) as desk:
         page = words(desk.get("/submission/ada").text)
-        assert "The files are not on record. Grade again" in page
+        assert "The files are not on record. Run `imugrade grade` again" in page
         assert "filtering 12" in page
         assert give(desk, "ada", TITLES, "0").status == 303
 
@@ -571,8 +576,8 @@ def test_nothing_of_a_hostile_submission_leaves_its_quotation_marks(tmp_path: Pa
     )
     with desk_over(out) as desk:
         give(desk, "evil", ADDRESS, "1", NASTY, who="%3Cscript%3E")
-        desk.post("/appeals", {"text": NASTY, "who": "evil"})
-        for path in ("/", "/class", "/groups", "/alike", "/appeals", "/cost", "/submission/evil"):
+        desk.post("/regrade-requests", {"text": NASTY, "who": "evil"})
+        for path in ("/", "/class", "/groups", "/similar", "/regrade-requests", "/what-if", "/submission/evil"):
             page = desk.get(path)
             assert page.status == 200, path
             assert "<script>alert" not in page.text
@@ -587,17 +592,17 @@ def test_nothing_of_a_hostile_submission_leaves_its_quotation_marks(tmp_path: Pa
         assert [name for name, answer in served.items() if answer.status == 200] == ["real.png"]
         assert served["real.png"].headers["content-type"] == "image/png"
         assert desk.get("/submission/evil/picture/99").status == 400
-        assert "it is said to have 1048575 × 1048575 pixels" in text
+        assert "its header says 1048575 × 1048575 pixels" in text
 
 
 @pytest.mark.parametrize(
     "path",
-    ["/submission/nobody", "/groups/mistake/none", "/alike/ada/ada", "/alike/ada/zed", "/submission/..%2f..%2fetc"],
+    ["/submission/nobody", "/groups/mistake/none", "/similar/ada/ada", "/similar/ada/zed", "/submission/..%2f..%2fetc"],
 )
 def test_what_is_not_there_is_said_in_one_line(desk: Desk, path: str) -> None:
     answer = desk.get(path)
     assert answer.status in (400, 404)
-    assert "There is no such" in words(answer.text)
+    assert "does not exist" in words(answer.text)
 
 
 # ---- the command ----

@@ -12,7 +12,7 @@ import pytest
 from markupsafe import escape
 
 from grader.course import classroom
-from grader.desk.overviews import all_looks
+from grader.desk.overviews import queue
 from grader.engine import rubric
 from grader.engine.marking import Marker
 from grader.engine.rubric import Rubric
@@ -105,16 +105,16 @@ def desk(out: Path) -> Iterator[Desk]:
 
 def listed(desk: Desk, kind: str) -> list[tuple[str, str, str]]:
     """What stands on the page of one kind, open or done: who, why, and what a form sends to tick it."""
-    found = desk.book.on_thread(lambda: all_looks(desk.book))
+    found = desk.book.on_thread(lambda: queue(desk.book))
     return [(each.id, each.reason.sentence, each.key) for each in found if each.reason.kind == kind]
 
 
 CASES = {
-    "boundary": ("nearly", "0.5 below 90, and 1.5 points hang on what was earned in part: ", "Near a boundary"),
+    "boundary": ("nearly", "0.5 below 90, and 1.5 points were lost on partial checks: ", "Near a grade boundary"),
     "not-judged": ("ours", "The grader failed here; the points are open: ", "Not judged"),
     "picture": ("undrawn", "imu_data.png was handed in, and no code draws it: ", "Picture without code"),
     "empty": ("png", "", "Empty"),
-    "nothing": ("other", "Nothing was earned: ", "Nothing earned"),
+    "nothing": ("other", "The submission has no points. ", "No points"),
 }
 
 
@@ -128,17 +128,17 @@ def test_a_doubtful_case_is_listed_with_its_reason_and_ticked(desk: Desk, kind: 
     assert escape(sentence) in page
     assert re.findall(r'name="look" value="([^"]*)"', page) == [key]
     assert title in words(desk.get(f"/submission/{who}").text)
-    assert desk.post("/tick", {"look": key, "done": "yes"}, "Ann").status == 303
+    assert desk.post("/reviewed", {"look": key, "done": "yes"}, "Ann").status == 303
     assert f"{title} 1" not in words(desk.get("/").text)
-    assert "Looked at by Ann" in desk.get(f"/?kind={kind}").text
-    desk.post("/tick", {"look": key, "done": "no"})
+    assert "Reviewed by Ann" in desk.get(f"/?kind={kind}").text
+    desk.post("/reviewed", {"look": key, "done": "no"})
     assert f"{title} 1" in words(desk.get("/").text)
 
 
 def test_a_fault_of_ours_takes_no_point_and_the_sound_one_is_not_listed(desk: Desk) -> None:
     standings = desk.book.on_thread(desk.book.standings)
     assert (standings["ours"].final, standings["nearly"].final, standings["sound"].final) == (None, 89.5, 100.0)
-    found = desk.book.on_thread(lambda: all_looks(desk.book))
+    found = desk.book.on_thread(lambda: queue(desk.book))
     assert [each.reason.kind for each in found if each.id == "sound"] == []
 
 
@@ -152,9 +152,9 @@ def test_pictures_without_any_code_are_shown_to_whoever_looks(desk: Desk) -> Non
 
 
 def test_two_who_handed_in_the_sheets_own_code_are_told_as_the_same_and_as_no_more(desk: Desk) -> None:
-    page = words(desk.get("/alike/twin1/twin2").text)
+    page = words(desk.get("/similar/twin1/twin2").text)
     assert "They handed in the same files, byte for byte." in page
     assert page.count("Nothing that is shared goes beyond what the sheet and the kit give") == 2
-    assert "byte for byte" not in words(desk.get("/alike/twin1/sound").text)
+    assert "byte for byte" not in words(desk.get("/similar/twin1/sound").text)
     ((_, sentence, _),) = listed(desk, "same-files")
     assert sentence == "2 handed in the same files."

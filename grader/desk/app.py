@@ -1,4 +1,4 @@
-"""The pages of the desk and what can be done on them: addresses to functions. Whatever changes something comes by POST."""
+"""Routes of the review desk. Every route that changes something is a POST."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from starlette.routing import Route
 from grader.course.record import OvertakenError
 from grader.desk import asking, comparing, grouping, overviews, regrade_requests, rubric_what_if, submissions
 from grader.desk.asking import Ask
-from grader.desk.auth import Doors, Keys
+from grader.desk.auth import Guard, Keys
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import STATIC, page
 from grader.ground.errors import RequestError
@@ -21,34 +21,34 @@ from grader.ground.errors import RequestError
 Handler = Callable[[Classbook, Ask], Response]
 
 PAGES: dict[str, Handler] = {
-    "/": overviews.needs_a_look,
-    "/class": overviews.everybody,
+    "/": overviews.review_queue,
+    "/class": overviews.class_page,
     "/groups": grouping.show_all,
     "/groups/{kind}/{key}": grouping.show,
-    "/alike": comparing.show_all,
-    "/alike/{first}/{second}": comparing.show,
-    "/appeals": regrade_requests.show,
-    "/cost": rubric_what_if.show,
+    "/similar": comparing.show_all,
+    "/similar/{first}/{second}": comparing.show,
+    "/regrade-requests": regrade_requests.show,
+    "/what-if": rubric_what_if.show,
     "/submission/{id}": submissions.show,
     "/submission/{id}/picture/{place:int}": submissions.picture,
 }
 WRITES: dict[str, Handler] = {
-    "/tick": overviews.tick,
+    "/reviewed": overviews.mark_reviewed,
     "/groups/{kind}/{key}": grouping.decide,
     "/decisions/take-back": grouping.take_back,
-    "/appeals": regrade_requests.add,
-    "/cost": rubric_what_if.save,
-    "/submission/{id}/by-hand": submissions.by_hand,
+    "/regrade-requests": regrade_requests.add,
+    "/what-if": rubric_what_if.save,
+    "/submission/{id}/override": submissions.override,
 }
 
 
-def application(book: Classbook, keys: Keys, author: str) -> Doors:
-    """The desk over one class, as ASGI.
+def application(book: Classbook, keys: Keys, author: str) -> Guard:
+    """Return the desk over one class as an ASGI application.
 
     Parameters
     ----------
     author
-        Who decides, as long as a browser does not say otherwise.
+        The name under which decisions are recorded unless the browser sets another.
     """
     called = f"{keys.cookie_name}-author"
 
@@ -58,19 +58,19 @@ def application(book: Classbook, keys: Keys, author: str) -> Doors:
                 ask = await asking.read(request, called, author)
                 return await asyncio.get_running_loop().run_in_executor(book.thread, handler, book, ask)
             except asking.TooLargeError:
-                return _refused("That is more than a form of this desk can hold.", 413)
+                return _refused("The form is too large: at most 2 MB.", 413)
             except OvertakenError as problem:
                 return _refused(
-                    f"{problem}. Nothing of yours was recorded: go back, load the page again and decide anew.", 409
+                    f"{problem}. Your change was not saved: go back, reload the page and decide again.", 409
                 )
             except RequestError as problem:
                 return _refused(str(problem), 400)
-            except Exception as problem:  # the next page may well be fine
-                return _refused(f"The desk itself failed: {type(problem).__name__}: {problem}", 500)
+            except Exception as problem:  # one failed page must not stop the desk
+                return _refused(f"The review desk failed: {type(problem).__name__}: {problem}", 500)
 
         return answer
 
-    async def say_who(request: Request) -> Response:
+    async def set_author(request: Request) -> Response:
         ask = await asking.read(request, called, author)
         answer = RedirectResponse("/", 303)
         answer.set_cookie(called, asking.in_cookie(asking.name(ask.text("name"))), httponly=True, samesite="strict")
@@ -79,11 +79,11 @@ def application(book: Classbook, keys: Keys, author: str) -> Doors:
     routes = [
         *(Route(path, endpoint(handler), methods=["GET"]) for path, handler in PAGES.items()),
         *(Route(path, endpoint(handler), methods=["POST"]) for path, handler in WRITES.items()),
-        Route("/who", say_who, methods=["POST"]),
+        Route("/who", set_author, methods=["POST"]),
         *(Route(f"/static/{name}", _static(name), methods=["GET"]) for name in STATIC),
     ]
-    nothing = {404: lambda request, problem: _refused("There is no such page.", 404)}
-    return Doors(Starlette(routes=routes, exception_handlers=nothing), keys)
+    nothing = {404: lambda request, problem: _refused("This page does not exist.", 404)}
+    return Guard(Starlette(routes=routes, exception_handlers=nothing), keys)
 
 
 def _refused(message: str, status: int) -> Response:

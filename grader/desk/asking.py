@@ -1,4 +1,4 @@
-"""What a browser asks, read within bounds: fields of a form, a number, who is asking."""
+"""Request parsing with bounds: form fields, numbers, the author."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from grader.ground.errors import RequestError
 from grader.ground.text import printable
 
 MOST_BYTES = 2_000_000
-_MOST_FIELDS = 5000  # a decision on a class of two thousand has one for each
+_MOST_FIELDS = 5000  # a decision for a class of 2000 has one field per submission
 _NAME = 80
 
 
 class TooLargeError(Exception):
-    """A form of more bytes than any of ours has."""
+    """The request body is larger than any form of the desk."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class Ask:
     Attributes
     ----------
     author
-        Who is asking.
+        The name under which a decision is recorded.
     form
-        The fields that were sent, each with all its values; empty with GET.
+        The form fields, each with all its values; empty for GET.
     query
-        Those of the address.
+        The query parameters.
     path
-        Parts of the address that stand for something.
+        The path parameters.
     """
 
     author: str
@@ -45,7 +45,7 @@ class Ask:
         return (self.form.get(name) or self.query.get(name) or [""])[0].strip()
 
     def number(self, name: str) -> int | None:
-        """A whole number, or None."""
+        """Return a field as a whole number, or None."""
         text = self.text(name)
         return int(text) if text.isascii() and text.isdigit() and len(text) < 16 else None
 
@@ -54,14 +54,14 @@ class Ask:
 
 
 async def read(request: Request, cookie: str, author: str) -> Ask:
-    """The request as a handler wants it.
+    """Read a request.
 
     Raises
     ------
     TooLargeError
-        Before more is read than a form may have.
+        If the body is larger than `MOST_BYTES`.
     RequestError
-        If it has more fields.
+        If it has more than `_MOST_FIELDS` fields.
     """
     data = bytearray()
     if request.method == "POST":
@@ -75,7 +75,7 @@ async def read(request: Request, cookie: str, author: str) -> Ask:
 
 
 def name(text: str) -> str:
-    """How somebody may be called."""
+    """Return an author's name without control characters."""
     return printable(text.strip(), _NAME)
 
 

@@ -1,6 +1,6 @@
-"""Who may come in: this machine alone, with the token of the first address and then a cookie; writes from our own pages alone.
+"""Access control: localhost only, token then cookie, same-origin writes.
 
-The pages show hostile text, so the browser is told to run no script but ours, to send nothing elsewhere and to guess no types.
+The pages show hostile text. The Content-Security-Policy allows only the desk's own script and no request to another host.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ HEADERS = {
 
 @dataclass(frozen=True)
 class Keys:
-    """The token of the first address, and what the cookie holds from then on: neither tells the other."""
+    """The token in the first address and the secret in the cookie. Neither reveals the other."""
 
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
@@ -48,12 +48,12 @@ class Keys:
 
     @property
     def cookie_name(self) -> str:
-        """Cookies do not know ports: two desks on one machine must not share one."""
+        """The cookie's name contains the port: browsers share cookies between ports of one host."""
         return f"imugrade-desk-{self.port}"
 
 
-class Doors:
-    """What stands in front of the application, as ASGI."""
+class Guard:
+    """ASGI middleware that refuses foreign hosts, unknown browsers and cross-origin writes."""
 
     def __init__(self, app: ASGIApp, keys: Keys) -> None:
         self._app, self._keys = app, keys
@@ -72,13 +72,13 @@ class Doors:
     def _refusal(self, scope: Scope) -> Response | None:
         headers = Headers(scope=scope)
         if headers.get("host") not in self._keys.hosts:
-            return PlainTextResponse("This desk answers to its own address alone.", 421)
+            return PlainTextResponse("The review desk is only available at its own address.", 421)
         if scope["method"] not in ("GET", "HEAD", "POST"):
-            return PlainTextResponse("There is no such way to ask.", 405, {"Allow": "GET, HEAD, POST"})
+            return PlainTextResponse("This method is not allowed.", 405, {"Allow": "GET, HEAD, POST"})
         if scope["method"] == "POST" and headers.get("origin") != f"http://{headers['host']}":
-            return PlainTextResponse("Only a page of this desk may change something.", 403)
+            return PlainTextResponse("Only a page of this review desk may change something.", 403)
         if scope["path"] != ENTRANCE and not self._knows(headers):
-            return PlainTextResponse("Open the whole address that `imugrade review` printed.", 403)
+            return PlainTextResponse("Open the full address that `imugrade review` printed.", 403)
         return None
 
     def _knows(self, headers: Headers) -> bool:
@@ -91,7 +91,7 @@ class Doors:
     def _entered(self, scope: Scope) -> Response:
         given = parse_qs(scope["query_string"][:512].decode("latin-1")).get("token", [""])[0]
         if not _same(given, self._keys.token):
-            return PlainTextResponse("That is not the address that `imugrade review` printed.", 403)
+            return PlainTextResponse("This is not the address that `imugrade review` printed.", 403)
         answer = RedirectResponse("/", 303)
         answer.set_cookie(self._keys.cookie_name, self._keys.cookie, httponly=True, samesite="strict")
         return answer

@@ -1,4 +1,4 @@
-"""The class as the desk sees it: the record, read once and again when it has changed, and the files of OUT kept in step with it."""
+"""The class behind the desk: the record, cached until it changes, and a writer that keeps the files of OUT up to date."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grader.course.kept import Kept, unpack
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Appeal, Store, Tick
 from grader.course.remarking import remark
-from grader.desk.similarity_groups import Clique, cliques
+from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.rubric import Rubric
@@ -26,25 +26,25 @@ from grader.report.similarity import Pair, own_hashes, pairs
 
 T = TypeVar("T")
 _MOST_PAIRS = 20_000
-"""Two hundred copies of one file are as many pairs, and one line."""
+"""Most similar pairs that are listed: 200 copies of one file are that many pairs."""
 
 
 @dataclass(frozen=True)
-class Alikes:
-    """Who is alike: the groups, and all pairs below them."""
+class Similar:
+    """Groups of similar submissions, and the pairs that they consist of."""
 
-    cliques: tuple[Clique, ...] = ()
+    groups: tuple[SimilarityGroup, ...] = ()
     pairs: tuple[Pair, ...] = ()
     more: bool = False
 
 
 class Classbook:
-    """The record behind the desk. Everything is done on one thread, so that one connection and one memory of it serve all.
+    """The record behind the desk. All access is on one thread, so that one connection and one cache serve all requests.
 
     Parameters
     ----------
     out
-        What `imugrade grade` wrote.
+        The folder that `imugrade grade` wrote.
     rubric
         What-if starts from it; None is the one that the class was graded by.
     """
@@ -62,7 +62,7 @@ class Classbook:
         self._seen = self._last = -1
         self._marked: dict[str, Standing] = {}
         self._made: dict[str, tuple[object, Any]] = {}
-        self._alikes: Alikes | None = None
+        self._similar: Similar | None = None
         self._publisher = _Publisher(lab, out, self._keep_digests)
 
     def _keep_digests(self, digests: Mapping[str, str]) -> None:
@@ -72,18 +72,16 @@ class Classbook:
         return self.thread.submit(do).result()
 
     def close(self) -> None:
-        """Write what is still to be written, and let go of the record."""
+        """Write pending pages and close the record."""
         self._publisher.close()
         self.on_thread(self._store.close)
         self.thread.shutdown()
 
-    # ---- what is there ----
-
     def standings(self) -> dict[str, Standing]:
-        """Everybody, by id: results are read again only when somebody else has written; points by hand always."""
+        """Return all submissions by id. Results are read again only after another process wrote; overrides after any change."""
         seen = self._store.changes()
         if seen != self._seen:
-            self._marked, self._seen, self._alikes = self._store.standings(), seen, None
+            self._marked, self._seen, self._similar = self._store.standings(), seen, None
             self._last = self.last_number()
         elif self._last != (last := self.last_number()):
             adjustments, self._last = self._store.adjustments(), last
@@ -91,23 +89,23 @@ class Classbook:
         return self._marked
 
     def once(self, name: str, facts: object, make: Callable[[], T]) -> T:
-        """What follows from the facts; what was made of the same ones before is given again."""
+        """Return `make()`, or the cached value if the facts are the same as in the last call."""
         known = self._made.get(name)
         if known is None or known[0] != facts:
             known = self._made[name] = (facts, make())
         made: T = known[1]
         return made
 
-    def alikes(self) -> Alikes:
+    def similar(self) -> Similar:
         self.standings()
-        if self._alikes is None:
+        if self._similar is None:
             prints = {id_: hashes for id_, hashes in self._store.fingerprints().items() if id_ in self._marked}
             found = pairs(prints, of_the_sheet(self.lab), _MOST_PAIRS)
-            self._alikes = Alikes(tuple(cliques(found)), tuple(found), len(found) == _MOST_PAIRS)
-        return self._alikes
+            self._similar = Similar(tuple(similarity_groups(found)), tuple(found), len(found) == _MOST_PAIRS)
+        return self._similar
 
     def shared(self, first: str, second: str) -> frozenset[int]:
-        """The hashes that two have in common beyond what the lab gives and half of the class has."""
+        """Return the hashes that two submissions share beyond the lab's code and code that half of the class has."""
         own = own_hashes(self._store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
@@ -122,39 +120,37 @@ class Classbook:
         return [each for who, each in self._store.history() if who == id_]
 
     def last_number(self) -> int:
-        """The number of the last adjustment that there is: what somebody who looks now has seen."""
+        """Return the number of the last override: a page loaded now shows everything up to it."""
         return self._store.last_adjustment()
 
-    # ---- what people say ----
-
     def decide(self, wishes: Sequence[Wish], author: str, seen: int | None, what: str = "") -> list[Made]:
-        """As `adjusting.decide`; the files of OUT follow."""
+        """Record overrides as `adjusting.decide` does, and update the files of OUT."""
         made = decide(self._store, self.standings(), wishes, author, seen=seen, what=what)
         self._publisher.changed(each.id for each in made if each.fresh)
         return made
 
-    def tick(self, looked: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
-        self._store.tick([Tick(*key, done, author, now()) for key in looked])
-        self._publisher.changed(
-            id_ for id_, reason, _ in looked if reason in ("empty", "unreadable")
-        )  # no longer blank
+    def mark_reviewed(self, keys: Sequence[tuple[str, str, str]], author: str, *, done: bool) -> None:
+        """Record a review. A reviewed empty or unreadable submission is no longer left blank, so its page changes."""
+        self._store.tick([Tick(*key, done, author, now()) for key in keys])
+        self._publisher.changed(id_ for id_, reason, _ in keys if reason in ("empty", "unreadable"))
 
     def mark_by(self, rubric: Rubric) -> None:
-        """Mark the class anew by another rubric, from what is on record."""
+        """Regrade the class by another rubric, from the recorded facts."""
         marked = remark(self.out, self._store, rubric)
         self.rubric, self._seen = rubric, -1
         self._publisher.changed(marked)
 
-    def appeals(self) -> list[Appeal]:
+    def requests(self) -> list[Appeal]:
+        """Return all regrade requests."""
         return self._store.appeals()
 
     def settled(self) -> None:
-        """Wait until the files of OUT are as the record says."""
+        """Wait until the files of OUT match the record."""
         self._publisher.settled()
 
     @property
     def trouble(self) -> str:
-        """Why files of OUT could not be written; "" if they could."""
+        """Why files of OUT could not be written; "" if they were."""
         return self._publisher.trouble
 
 
@@ -163,7 +159,7 @@ def now() -> str:
 
 
 class _Beside(Store):
-    """A connection of its own for reading; what it keeps the desk's own one writes, which then knows that nobody else has."""
+    """A second connection for reading. The desk's own connection writes, so that it sees no foreign change."""
 
     def __init__(self, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
         super().__init__(out)
@@ -174,7 +170,7 @@ class _Beside(Store):
 
 
 class _Publisher:
-    """Writes pages in the background: whoever decides does not wait for the page of a class of two thousand."""
+    """Writes pages in the background: a decision must not wait for the class page of 2000 submissions."""
 
     def __init__(self, lab: Lab, out: Path, keep: Callable[[Mapping[str, str]], None]) -> None:
         self._lab, self._out, self._keep = lab, out, keep
@@ -212,7 +208,7 @@ class _Publisher:
             try:
                 self._publish(ids)
                 self.trouble = ""
-            except Exception as problem:  # the decisions are on record; what could not be written is said on every page
+            except Exception as problem:  # the decisions are on record; every page shows the problem
                 self.trouble = f"The files of {self._out} could not be written: {problem}"
 
     def _publish(self, ids: set[str]) -> None:

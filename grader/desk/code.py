@@ -1,4 +1,4 @@
-"""Files as they were handed in, ready to be read: lines of escaped, coloured text, and never more than a page can hold."""
+"""Submitted files as escaped, syntax-coloured lines, within bounds on lines, characters and picture size."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from grader.ground.text import printable
 MOST_LINES = 1500
 LONGEST_LINE = 500
 _COLOURED = 100_000
-"""Characters of a file that are coloured; a longer one is shown plain."""
+"""Longest file, in characters, that is syntax-coloured; a longer one is shown plain."""
 _SHOWN = 300_000
 _TEXTS = (".py", ".ipynb", ".txt", ".md", ".csv", ".json", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".xml")
 _PICTURE = b"\x89PNG\r\n\x1a\n"
-_WIDEST = 5000  # pixels: a browser unpacks a picture whole
+_WIDEST = 5000  # pixels; a browser decodes a picture completely
 
 
 @dataclass(frozen=True)
 class Line:
-    """One line; `named` if a finding names it."""
+    """One line of code; `named` if a check names it."""
 
     number: int
     text: Markup
@@ -36,7 +36,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Listing:
-    """One file; `more` lines of it are not shown."""
+    """One file; `more` is the number of lines that are not shown."""
 
     path: str
     anchor: str
@@ -47,7 +47,7 @@ class Listing:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture by its place among the files; `why` says why it is not shown."""
+    """A picture, by its index among the files; `why` is the reason if it is not shown."""
 
     path: str
     place: int
@@ -56,7 +56,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Shelf:
-    """All that was handed in: what can be read, pictures, and the rest by name and size."""
+    """All submitted files: text, pictures, and the rest by name and size."""
 
     listings: tuple[Listing, ...]
     pictures: tuple[Picture, ...]
@@ -68,14 +68,14 @@ class Shelf:
 
 
 def shelf(kept: Kept, named: Mapping[str, set[int]]) -> Shelf:
-    """Set out what was kept.
+    """Prepare the recorded files for the page.
 
     Parameters
     ----------
     kept
         The files.
     named
-        Lines that a finding names, by file.
+        Lines that a check names, by file.
     """
     paths = list(kept.files)
     texts = [path for path in paths if path.lower().endswith(_TEXTS)]
@@ -90,23 +90,23 @@ def shelf(kept: Kept, named: Mapping[str, set[int]]) -> Shelf:
 
 
 def unshowable(content: bytes) -> str:
-    """Why a picture is not handed to the browser; "" if it is."""
+    """Return why a picture is not served; "" if it is."""
     if not content.startswith(_PICTURE) or content[12:16] != b"IHDR":
-        return "it is no PNG"
+        return "it is not a PNG"
     width, height = (int.from_bytes(content[start : start + 4], "big") for start in (16, 20))
     if not (0 < width <= _WIDEST and 0 < height <= _WIDEST):
-        return f"it is said to have {width} × {height} pixels"
+        return f"its header says {width} × {height} pixels"
     return ""
 
 
 def named_lines(checks: Iterable[CheckResult], paths: Iterable[str]) -> dict[str, set[int]]:
-    """The lines that checks name, of each of these files."""
+    """Return the lines that checks name, by file."""
     named = [check.where for check in checks if check.where is not None]
     return {path: {each.line for each in named if each.file == path and each.line is not None} for path in paths}
 
 
 def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """Where the functions and classes of these names are defined: file and line."""
+    """Yield file and line of each definition of these names."""
     if not names:
         return
     wanted = re.compile(rf"^[ \t]*(?:async )?(?:def|class)[ \t]+(?:{'|'.join(map(re.escape, names))})\b", re.MULTILINE)
@@ -117,7 +117,7 @@ def defined(kept: Kept, names: Sequence[str]) -> Iterator[tuple[str, int]]:
 
 
 def source(path: str, content: bytes) -> str:
-    """The text of a file; of a notebook the code of its cells."""
+    """Return the text of a file; for a notebook, the code of its cells."""
     text = content.decode("utf-8", "replace").removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     return cells(text) if path.lower().endswith(".ipynb") else text
 
@@ -130,7 +130,7 @@ def _listing(anchor: str, path: str, content: bytes, named: set[int]) -> Listing
 
 
 def coloured(path: str, text: str) -> list[Markup]:
-    """Every line as escaped text with spans that say what it is; without them where that takes too long."""
+    """Return the lines as escaped text with syntax spans; without spans if the file is too long."""
     text = "\n".join(
         printable(line, LONGEST_LINE, newlines=True) for line in text[:_SHOWN].split("\n")[: MOST_LINES + 1]
     )
@@ -145,7 +145,7 @@ def coloured(path: str, text: str) -> list[Markup]:
 
 
 def _span(kind: _TokenType, text: str) -> Markup:
-    """The classes are the short ones that Pygments gives its tokens."""
+    """Return a token in a span with Pygments' short class name."""
     while kind not in STANDARD_TYPES:
         kind = kind.parent or Token
     name = STANDARD_TYPES[kind]

@@ -1,4 +1,4 @@
-"""Who is alike, as groups in place of pairs, and the shared lines of two of them side by side."""
+"""Similar code: the list of groups, and the shared lines of two submissions side by side."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from grader.ground.text import printable
 from grader.people.standing import Standing
 from grader.report.similarity import Pair
 
-_AROUND = 2  # lines shown above and below shared ones
+_AROUND = 2  # context lines above and below shared lines
 _MOST_FILES = 20
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Lines that follow each other, after `skipped` ones without anything shared."""
+    """Consecutive lines, after `skipped` lines that are not shared."""
 
     skipped: int
     lines: tuple[Line, ...]
@@ -34,7 +34,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Excerpt:
-    """What is shared of one file: `count` lines of `of`."""
+    """The shared lines of one file: `count` of `of`."""
 
     path: str
     pieces: tuple[Piece, ...]
@@ -43,7 +43,7 @@ class Excerpt:
 
 
 def show_all(book: Classbook, ask: Ask) -> Response:
-    return framed(book, ask, "alike.html.j2", alikes=book.alikes(), together=lambda ids: address(alike(ids)))
+    return framed(book, ask, "similar.html.j2", similar=book.similar(), together=lambda ids: address(alike(ids)))
 
 
 def show(book: Classbook, ask: Ask) -> Response:
@@ -51,9 +51,9 @@ def show(book: Classbook, ask: Ask) -> Response:
     two = [standings.get(ask.path[place]) for place in ("first", "second")]
     first, second = two
     if first is None or second is None or first is second:
-        raise RequestError("There is no such pair")
+        raise RequestError("This pair does not exist")
     shared = book.shared(first.id, second.id)
-    pair = next((each for each in book.alikes().pairs if {each.first, each.second} == {first.id, second.id}), None)
+    pair = next((each for each in book.similar().pairs if {each.first, each.second} == {first.id, second.id}), None)
     kept = [book.kept(each).files for each in (first, second)]
     sides = [(each, excerpts(files, shared), bool(files)) for each, files in zip((first, second), kept, strict=True)]
     same = any(equal((first, second)))
@@ -61,13 +61,13 @@ def show(book: Classbook, ask: Ask) -> Response:
 
 
 def _others(book: Classbook, first: Standing, second: Standing) -> list[Pair]:
-    """The other pairs that either of them is in."""
+    """Return the other pairs that contain one of the two."""
     ids = {first.id, second.id}
-    return [each for each in book.alikes().pairs if len({each.first, each.second} & ids) == 1]
+    return [each for each in book.similar().pairs if len({each.first, each.second} & ids) == 1]
 
 
 def excerpts(files: Mapping[str, bytes], shared: Set[int]) -> list[Excerpt]:
-    """The files in which something is shared, most of it first."""
+    """Return excerpts of the files with shared lines, most shared lines first."""
     found = []
     for path, content in files.items():
         if path.lower().endswith((".py", ".ipynb")):

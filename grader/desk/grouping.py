@@ -1,4 +1,4 @@
-"""The pages of groups: one decision for all who have something in common, taken back in one go."""
+"""Group pages: one decision for all submissions with the same fault or failed check, undone as one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from grader.course.adjusting import Wish
 from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
-from grader.desk.overviews import all_looks, framed
+from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
 from grader.ground.errors import RequestError
 from grader.people.standing import BONUS, TOTAL
@@ -19,7 +19,7 @@ from grader.people.standing import BONUS, TOTAL
 
 def show_all(book: Classbook, ask: Ask) -> Response:
     found = groups(book.standings())
-    kinds = {MISTAKE: "The same mistake", CHECK: "The same lost check", SAME: "Exactly the same lost checks"}
+    kinds = {MISTAKE: "Same fault", CHECK: "Same failed check", SAME: "Same set of failed checks"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
     return framed(
         book, ask, "groups.html.j2", address=address, listed=listed, decisions=decisions(book.store, book.standings())
@@ -48,19 +48,19 @@ def show(book: Classbook, ask: Ask) -> Response:
 
 
 def decide(book: Classbook, ask: Ask) -> Response:
-    """One decision for those of a group that were chosen."""
+    """Record one decision for the selected submissions of a group."""
     group = _one(book, ask)
     chosen = [id_ for id_ in group.ids if id_ in set(ask.all("id"))]
     points, comment = ask.text("points").replace(",", "."), ask.text("comment")
     if not chosen or not comment:
-        raise RequestError("Choose at least one of them and say why: nothing was recorded")
+        raise RequestError("Select at least one submission and enter a comment. Nothing was saved")
     wishes = [Wish(id_, ask.text("target"), points, comment, place=id_, alone=not points) for id_ in chosen]
     book.decide(wishes, ask.author, ask.number("seen"), group.what)
     return RedirectResponse(f"{address(group)}#decisions", 303)
 
 
 def take_back(book: Classbook, ask: Ask) -> Response:
-    """All of one decision that is still the last word."""
+    """Undo the parts of a decision that no later override has replaced."""
     wishes = adjusting.undone_decision(book.store, ask.number("number") or 0)
     book.decide(wishes, ask.author, ask.number("seen"))
     return RedirectResponse("/groups#decisions", 303)
@@ -68,9 +68,9 @@ def take_back(book: Classbook, ask: Ask) -> Response:
 
 def _one(book: Classbook, ask: Ask) -> Group:
     wanted = (ask.path["kind"], ask.path["key"])
-    together = (alike(each.ids) for each in all_looks(book) if each.others)
+    together = (alike(each.ids) for each in queue(book) if each.others)
     every = itertools.chain(groups(book.standings()), together)
     found = next((group for group in every if (group.kind, group.key) == wanted), None)
     if found is None:
-        raise RequestError("There is no such group: the record has changed, or nobody else is in it any more")
+        raise RequestError("This group does not exist: the record has changed, or it has only one member left")
     return found

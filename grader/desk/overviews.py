@@ -1,4 +1,4 @@
-"""The page of what needs a look, the page of everybody, and ticks."""
+"""The review queue, the class page, and marking as reviewed."""
 
 from __future__ import annotations
 
@@ -7,28 +7,29 @@ from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
 
+from grader.desk import review_queue as queue_of
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import page
-from grader.desk.review_queue import KINDS, Look, looks
+from grader.desk.review_queue import KINDS, Item
 from grader.ground.errors import RequestError
 
 
-def all_looks(book: Classbook) -> list[Look]:
-    """Every reason to look, made anew only when what it follows from has changed."""
-    facts = (book.standings(), book.alikes().cliques, book.store.told(), book.appeals(), book.store.ticks())
-    return book.once("looks", facts, lambda: looks(*facts))
+def queue(book: Classbook) -> list[Item]:
+    """Return the review queue. It is computed again only after the record has changed."""
+    facts = (book.standings(), book.similar().groups, book.store.told(), book.requests(), book.store.ticks())
+    return book.once("queue", facts, lambda: queue_of.items(*facts))
 
 
-def needs_a_look(book: Classbook, ask: Ask) -> Response:
-    """The first page: every reason that nobody has ticked, and below it those that somebody has."""
-    found = all_looks(book)
+def review_queue(book: Classbook, ask: Ask) -> Response:
+    """Show the first page: the open items of the review queue, then those marked as reviewed."""
+    found = queue(book)
     kind = ask.text("kind") if ask.text("kind") in KINDS else ""
     open_ = [each for each in found if each.tick is None]
     return framed(
         book,
         ask,
-        "looks.html.j2",
+        "review_queue.html.j2",
         open=[each for each in open_ if kind in ("", each.reason.kind)],
         done=[each for each in found if each.tick is not None and kind in ("", each.reason.kind)],
         kind=kind,
@@ -38,26 +39,26 @@ def needs_a_look(book: Classbook, ask: Ask) -> Response:
     )
 
 
-def everybody(book: Classbook, ask: Ask) -> Response:
-    waiting = Counter(id_ for each in all_looks(book) if each.tick is None for id_ in each.ids)
+def class_page(book: Classbook, ask: Ask) -> Response:
+    waiting = Counter(id_ for each in queue(book) if each.tick is None for id_ in each.ids)
     return framed(book, ask, "class.html.j2", waiting=waiting)
 
 
-def tick(book: Classbook, ask: Ask) -> Response:
-    """Somebody has looked at one reason or at several, or takes that back."""
-    known = {each.key: each for each in all_looks(book)}
+def mark_reviewed(book: Classbook, ask: Ask) -> Response:
+    """Mark items of the queue as reviewed, or open them again."""
+    known = {each.key: each for each in queue(book)}
     looked = [known.get(key) for key in ask.all("look")]
     found = [(each.id, each.reason.kind, each.reason.about) for each in looked if each]
     if not found or len(found) < len(looked):
-        raise RequestError("That is no longer a reason to look: the record has changed. Load the page again")
-    book.tick(found, ask.author, done=ask.text("done") == "yes")
+        raise RequestError("This item is no longer in the queue because the record has changed. Reload the page")
+    book.mark_reviewed(found, ask.author, done=ask.text("done") == "yes")
     if ask.text("back") in book.standings():
         return RedirectResponse(f"/submission/{quote(ask.text('back'), safe='')}", 303)
     return RedirectResponse(f"/?kind={ask.text('kind')}" if ask.text("kind") in KINDS else "/", 303)
 
 
 def framed(book: Classbook, ask: Ask, template: str, **values: object) -> Response:
-    """A page with what stands around all of them."""
+    """Render a page inside the frame that all pages share."""
     standings = book.standings()
     lab = next((each.result.lab for each in standings.values()), None)
     frame = {"standings": standings, "lab": lab.label if lab else "", "author": ask.author, "trouble": book.trouble}

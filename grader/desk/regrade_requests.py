@@ -1,4 +1,4 @@
-"""Appeals: what students say against their marks, read from text, JSON or a table, and set beside the check that it is about."""
+"""Regrade requests: read from text, JSON or a table, matched to a submission and a check, and listed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
 
@@ -38,12 +39,12 @@ _WHO = (
     "name",
 )
 _ABOUT = ("check", "criterion", "about")
-_TEXT = ("appeal", "text", "message", "reason", "comment")
+_TEXT = ("request", "appeal", "text", "message", "reason", "comment")
 
 
 @dataclass(frozen=True)
 class Dropped:
-    """One appeal as it came: whom it says that it is from, about what, and its words."""
+    """One request as received: the student, the check and the text."""
 
     who: str
     about: str
@@ -52,29 +53,35 @@ class Dropped:
 
 
 def show(book: Classbook, ask: Ask) -> Response:
-    appeals = book.appeals()
+    requests = book.requests()
     standings = book.standings()
     about = dict.fromkeys(target for standing in standings.values() for target in targets(standing))
     return framed(
         book,
         ask,
-        "appeals.html.j2",
-        open=[each for each in appeals if not each.answered and each.id in standings],
-        answered=[each for each in reversed(appeals) if each.answered and each.id in standings],
+        "regrade_requests.html.j2",
+        open=[each for each in requests if not each.answered and each.id in standings],
+        answered=[each for each in reversed(requests) if each.answered and each.id in standings],
         about=about,
         told=ask.text("told"),
     )
 
 
 def add(book: Classbook, ask: Ask) -> Response:
-    """Record what was dropped in: text of one student, a JSON file, or a table of many."""
+    """Record the requests in a form: one student's text, a JSON file, or a table of many."""
     dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
     new = book.store.keep_appeals(placed(dropped, book.standings()))
-    return RedirectResponse(f"/appeals?told={new}+of+{len(dropped)}+appeals+are+new", 303)
+    return RedirectResponse(f"/regrade-requests?told={quote(added(new, len(dropped)))}", 303)
+
+
+def added(new: int, read: int) -> str:
+    """Return ``1 regrade request added``, with the number that the record already had."""
+    known = f", {read - new} already on record" if read > new else ""
+    return f"{new} regrade request{'' if new == 1 else 's'} added{known}"
 
 
 def read_in(book: Classbook, path: Path) -> str:
-    """Read the appeals of a file; a line on what came of it."""
+    """Read the requests in a file and return a line that says how many were added."""
     try:
         with open(path, "rb") as stream:
             data = stream.read(MOST_BYTES + 1)
@@ -87,29 +94,29 @@ def read_in(book: Classbook, path: Path) -> str:
         raise RequestError(f"--appeals {printable(str(path), 500)}: is larger than {MOST_BYTES // 1_000_000} MB")
     dropped = list(read(text, path.stem, ""))
     new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.standings())))
-    return f"{new} of {len(dropped)} appeals are new"
+    return added(new, len(dropped))
 
 
 def read(text: str, who: str, about: str) -> Iterator[Dropped]:
-    """The appeals in a text, whichever form it has.
+    """Yield the requests in a text, which may have any of the forms.
 
     Parameters
     ----------
     text
-        A JSON object or a list of them, a table with a column for people and one called `appeal`, or plain words.
+        A JSON object or a list of objects, a CSV table with a column for people and one for the text, or plain text.
     who, about
-        What counts where the text does not say.
+        Defaults where the text names no student or check.
 
     Raises
     ------
     RequestError
-        If there is none in it.
+        If the text is empty.
     """
     if not text.strip():
-        raise RequestError("The appeal is empty: nothing was recorded")
+        raise RequestError("The request is empty. Nothing was saved")
     records = _json(text) or _table(text)
     if records is None:
-        yield _bounded(Dropped(who, about, text.strip(), "the appeal"))
+        yield _bounded(Dropped(who, about, text.strip(), "the request"))
         return
     for place, record in records[:_MOST]:
         said = {str(key).strip().casefold(): str(value).strip() for key, value in record.items() if value is not None}
@@ -119,34 +126,34 @@ def read(text: str, who: str, about: str) -> Iterator[Dropped]:
 
 
 def placed(dropped: Sequence[Dropped], standings: Mapping[str, Standing]) -> list[Appeal]:
-    """Each with the submission that it is from and the check that it is about.
+    """Match each request to a submission and a check.
 
     Raises
     ------
     RequestError
-        With a line for each that is from nobody, or about nothing.
+        With a line for each request without a match.
     """
     directory = Directory({id_: standing.people for id_, standing in standings.items()})
-    appeals, problems = [], []
+    requests, problems = [], []
     for each in dropped:
         asked = (Row(numbers=(each.who,)), Row(email=each.who), Row(name=each.who))
         match = next(filter(None, map(directory.find, asked)), None) if each.who else None
         if match is None or match.id not in standings:
             problems.append(
-                f"{each.place}: nobody is called {printable(each.who) or 'nothing'}{guess_at(each.who, standings)}"
+                f"{each.place}: no student {printable(each.who) or 'is named'}{guess_at(each.who, standings)}"
             )
         elif each.about and each.about not in (known := targets(standings[match.id])):
             problems.append(f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")
         else:
-            appeals.append(Appeal(match.id, each.about, each.text, now()))
+            requests.append(Appeal(match.id, each.about, each.text, now()))
     if problems:
         raise RequestError("\n".join(problems[:20]))
-    return appeals
+    return requests
 
 
-def target(appeal: Appeal) -> str:
-    """Where its answer goes: to the check that it is about, or to the submission as a whole."""
-    return appeal.about or TOTAL
+def target(request: Appeal) -> str:
+    """Return what the answer overrides: the check, or the total."""
+    return request.about or TOTAL
 
 
 def _bounded(dropped: Dropped) -> Dropped:
@@ -161,15 +168,15 @@ def _json(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
     try:
         data = json.loads(text)
     except (ValueError, RecursionError):
-        return None  # words that begin with a bracket
+        return None  # plain text that begins with a bracket
     records = data if isinstance(data, list) else [data]
     if not all(isinstance(record, dict) for record in records):
         return None
-    return [(f"appeal {number}", record) for number, record in enumerate(records, 1)]
+    return [(f"request {number}", record) for number, record in enumerate(records, 1)]
 
 
 def _table(text: str) -> list[tuple[str, Mapping[str, object]]] | None:
-    """Rows of a CSV whose first line names people and words; anything else is no table."""
+    """Return the rows of a CSV whose header names a student and a text column, else None."""
     head = text.lstrip("\ufeff").partition("\n")[0]
     table = csv.DictReader(io.StringIO(text.lstrip("\ufeff"), newline=""), delimiter=max(",;\t", key=head.count))
     try:

@@ -1,4 +1,4 @@
-"""From what is known to HTML: one environment, everything escaped, the styles of the reports."""
+"""Templates of the desk: one Jinja environment with autoescape, and the style sheet of the reports."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ def points(value: float | None) -> str:
 
 
 def safe_text(value: str, limit: int = 2000) -> str:
-    """Text of strangers, without controls; jinja escapes it."""
+    """Return untrusted text without control characters. Jinja escapes it."""
     return printable(value, limit, newlines=True)
 
 
 def address(value: Standing | str) -> str:
-    """Where a submission's page is."""
+    """Return the address of a submission's page."""
     return f"/submission/{quote(value if isinstance(value, str) else value.id, safe='')}"

@@ -1,4 +1,4 @@
-"""What would it cost: other weights, other points, a price for a mistake, a cap; the class moves before anything is saved."""
+"""Rubric what-if: preview the class under other points, deductions or late rules before saving them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 
 @dataclass(frozen=True)
 class Move:
-    """One who would have other points."""
+    """A submission whose grade would change."""
 
     standing: Standing
     before: float | None
@@ -43,7 +43,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Outlook:
-    """How the class would stand: who moves, the farthest first, and both distributions."""
+    """The changes, largest first, and both distributions."""
 
     moves: tuple[Move, ...]
     more: int
@@ -57,7 +57,7 @@ def show(book: Classbook, ask: Ask) -> Response:
 
 
 def save(book: Classbook, ask: Ask) -> Response:
-    """Write the changed rubric beside the class, and with `mark` mark the class by it."""
+    """Write the changed rubric into OUT; with `do=mark`, regrade the class by it."""
     changed, text = _changed(book, ask)
     target = book.out / f"rubric-{now()[:19].replace(':', '')}.yaml"
     write_whole(target, text)
@@ -65,7 +65,7 @@ def save(book: Classbook, ask: Ask) -> Response:
     if ask.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
         told += ", and the class is marked by it"
-    return RedirectResponse(f"/cost?told={quote(told)}", 303)
+    return RedirectResponse(f"/what-if?told={quote(told)}", 303)
 
 
 def _page(book: Classbook, ask: Ask, told: str) -> Response:
@@ -83,7 +83,7 @@ def _page(book: Classbook, ask: Ask, told: str) -> Response:
     return framed(
         book,
         ask,
-        "cost.html.j2",
+        "what_if.html.j2",
         rubric=base,
         given=lambda name, value: ask.text(name) or value,
         mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
@@ -97,12 +97,12 @@ def _page(book: Classbook, ask: Ask, told: str) -> Response:
 
 
 def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
-    """The rubric with what was entered, and its text.
+    """Return the changed rubric and its text.
 
     Raises
     ------
     RubricError
-        With all that is wrong with it.
+        With every problem of the changed rubric.
     """
     base = book.rubric
     data: dict[str, Any] = yaml.safe_load(base.text)
@@ -129,7 +129,7 @@ def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
 
 
 def _number(text: str) -> float | int | str:
-    """A number where it is one; whatever else is for the rubric's own reader to refuse."""
+    """Return the number in a text, or the text itself for the rubric reader to refuse."""
     try:
         value = float(text.replace(",", "."))
     except ValueError:

@@ -1,4 +1,4 @@
-"""The desk as a server: on this machine alone, until it is stopped."""
+"""HTTP server of the desk, bound to the loopback address."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _AT_ONCE = 64
 
 
 def open_socket(port: int) -> socket.socket:
-    """A socket that this machine alone can reach; port 0 takes any that is free.
+    """Open a socket on the loopback address; port 0 takes any free port.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def open_socket(port: int) -> socket.socket:
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         made.bind((_LOOPBACK, port))
-        made.listen(_AT_ONCE)  # who opens the address at once waits, and is not turned away
+        made.listen(_AT_ONCE)  # a browser that connects before the server runs waits
     except OSError as error:
         made.close()
         raise RequestError(f"--port {port}: {error.strerror}; choose another, or none for any that is free") from error
@@ -52,7 +52,7 @@ def server(book: Classbook, keys: Keys, author: str) -> uvicorn.Server:
 
 
 def serve(book: Classbook, author: str, port: int, announce: Callable[[str], None]) -> None:
-    """Serve until interrupted; `announce` is told the first address.
+    """Serve until interrupted. `announce` is called with the first address.
 
     Raises
     ------
@@ -62,6 +62,6 @@ def serve(book: Classbook, author: str, port: int, announce: Callable[[str], Non
     with open_socket(port) as listening:
         keys = Keys(listening.getsockname()[1])
         made = server(book, keys, author)
-        with suppress(KeyboardInterrupt):  # the way to end it
+        with suppress(KeyboardInterrupt):  # Ctrl-C ends the desk
             announce(keys.first_address)
             made.run(sockets=[listening])

@@ -1,4 +1,4 @@
-"""Groups in which everybody's code is alike with everybody else's, in place of their pairs: twelve copies are one line, not 66."""
+"""Groups of mutually similar submissions: twelve copies are one group, not 66 pairs."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from grader.report.similarity import Pair
 
 
 @dataclass(frozen=True)
-class Clique:
-    """`share` and `lines` are the least and the most that two of them have in common."""
+class SimilarityGroup:
+    """A group of similar submissions; `share` and `lines` are the least and the most that two of them share."""
 
     ids: tuple[str, ...]
     share: tuple[float, float]
     lines: tuple[int, int]
 
 
-def cliques(pairs: Sequence[Pair]) -> Iterator[Clique]:
-    """Groups that hold every pair once, the largest first; which of several equally good ones is told by the order of the pairs."""
+def similarity_groups(pairs: Sequence[Pair]) -> Iterator[SimilarityGroup]:
+    """Yield groups that contain every pair at least once, largest first. The order of the pairs breaks ties."""
     by_ids = {frozenset((pair.first, pair.second)): pair for pair in pairs}
     near: dict[str, set[str]] = {}
     for pair in pairs:
@@ -31,12 +31,12 @@ def cliques(pairs: Sequence[Pair]) -> Iterator[Clique]:
         together = [key for key in _pairs_of(ids) if key in by_ids]
         for key in together:
             left.pop(key, None)
-        found.append(_clique(ids, [by_ids[key] for key in together]))
-    yield from sorted(found, key=lambda clique: (-len(clique.ids), -clique.share[1], clique.ids))
+        found.append(_group(ids, [by_ids[key] for key in together]))
+    yield from sorted(found, key=lambda group: (-len(group.ids), -group.share[1], group.ids))
 
 
 def _grown(ids: list[str], near: dict[str, set[str]]) -> list[str]:
-    """Everybody who is alike with all of them, one after the other."""
+    """Extend a pair by submissions that are similar to all members, one at a time."""
     candidates = set.intersection(*(near[id_] for id_ in ids))
     while candidates:
         joins = min(candidates, key=lambda id_: (-len(near[id_] & candidates), id_))
@@ -49,6 +49,6 @@ def _pairs_of(ids: Sequence[str]) -> Iterable[frozenset[str]]:
     return (frozenset((one, other)) for k, one in enumerate(ids) for other in ids[k + 1 :])
 
 
-def _clique(ids: Sequence[str], pairs: Sequence[Pair]) -> Clique:
+def _group(ids: Sequence[str], pairs: Sequence[Pair]) -> SimilarityGroup:
     shares, lines = [pair.share for pair in pairs], [pair.lines for pair in pairs]
-    return Clique(tuple(ids), (min(shares), max(shares)), (min(lines), max(lines)))
+    return SimilarityGroup(tuple(ids), (min(shares), max(shares)), (min(lines), max(lines)))

@@ -1,4 +1,4 @@
-"""One submission: its report and its code side by side, what people said of it, and their points by hand."""
+"""Submission page: report beside code, regrade requests, and overrides."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from grader.course.record import Appeal
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.code import Shelf, defined, named_lines, shelf, unshowable
-from grader.desk.overviews import all_looks, framed
-from grader.desk.review_queue import Look
+from grader.desk.overviews import framed, queue
+from grader.desk.review_queue import Item
 from grader.engine.evidence import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.ground.errors import RequestError
@@ -26,8 +26,8 @@ from grader.report.pages import Figure
 
 
 @dataclass(frozen=True)
-class Said:
-    """What stands by hand on one thing: `points` in place of `automatic`, or words alone; and who said so."""
+class Overrides:
+    """Override, comment and regrade requests of one target: a check, a criterion, the total or the bonus."""
 
     target: str
     most: float
@@ -35,7 +35,7 @@ class Said:
     points: Adjustment | None
     comment: Adjustment | None
     covered: str = ""
-    appeals: tuple[Appeal, ...] = ()
+    requests: tuple[Appeal, ...] = ()
 
     @property
     def anchor(self) -> str:
@@ -44,7 +44,7 @@ class Said:
 
 @dataclass(frozen=True)
 class Place:
-    """A line of a file that is shown."""
+    """A line of a shown file."""
 
     path: str
     anchor: str
@@ -53,10 +53,10 @@ class Place:
 
 @dataclass(frozen=True)
 class Row:
-    """One check: what was found, what stands by hand, and where in the code it points."""
+    """One check: its feedback, its overrides, and the lines of code that it is about."""
 
     row: words.Row
-    said: Said | None
+    said: Overrides | None
     places: tuple[Place, ...]
 
 
@@ -65,16 +65,16 @@ class Part:
     id: str
     title: str
     points: str
-    said: Said | None
+    said: Overrides | None
     rows: tuple[Row, ...]
     figures: tuple[Figure, ...]
 
 
 def show(book: Classbook, ask: Ask) -> Response:
     standing = one(book, ask)
-    looks = all_looks(book)
+    items = queue(book)
     history = book.history(standing.id)
-    appeals = [each for each in book.appeals() if each.id == standing.id]
+    requests = [each for each in book.requests() if each.id == standing.id]
     kept = book.kept(standing)
     result = standing.result
     marked = result.status not in ("empty", "unreadable")
@@ -84,7 +84,7 @@ def show(book: Classbook, ask: Ask) -> Response:
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
     shown = book.store.charts(standing.id)
-    shown_parts = [_part(standing, part, code, shown, appeals) for part in parts]
+    shown_parts = [_part(standing, part, code, shown, requests) for part in parts]
     return framed(
         book,
         ask,
@@ -95,21 +95,21 @@ def show(book: Classbook, ask: Ask) -> Response:
         notes=words.notes(result),
         mistakes=[words.misconception(id_) for id_ in result.misconceptions],
         parts=shown_parts,
-        keys=_keys(shown_parts if marked else (), appeals),
+        keys=_keys(shown_parts if marked else (), requests),
         marked=marked,
-        whole=[_said(standing, target, appeals) for target in (TOTAL, BONUS)],
+        whole=[_said(standing, target, requests) for target in (TOTAL, BONUS)],
         files=files,
-        looks=[each for each in looks if standing.id in each.ids],
+        items=[each for each in items if standing.id in each.ids],
         history=list(reversed(history)),
         told=adjusting.said,
         decisions=book.store.decisions(),
         seen=max((each.number for each in history), default=0),
-        way=_way(list(book.standings()), standing.id, looks),
+        way=_way(list(book.standings()), standing.id, items),
     )
 
 
-def by_hand(book: Classbook, ask: Ask) -> Response:
-    """Points, words alone, or the last word on something taken back."""
+def override(book: Classbook, ask: Ask) -> Response:
+    """Record an override or a comment, or undo the last one."""
     standing = one(book, ask)
     target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
     if ask.text("do") in ("undo", "undo-comment"):
@@ -119,40 +119,40 @@ def by_hand(book: Classbook, ask: Ask) -> Response:
     else:
         wish = Wish(standing.id, target, points or ALONE, comment, place=standing.id, alone=not points)
         if not comment:
-            raise RequestError("Say why in a comment: nothing was recorded")
+            raise RequestError("Enter a comment. Nothing was saved")
     book.decide([wish], ask.author, ask.number("seen"))
     if answers := ask.number("answers"):
         book.store.answer(answers, comment, ask.author, now())
-    return RedirectResponse(f"/submission/{quote(standing.id, safe='')}#by-hand-{target.replace('.', '-')}", 303)
+    return RedirectResponse(f"/submission/{quote(standing.id, safe='')}#override-{target.replace('.', '-')}", 303)
 
 
 def picture(book: Classbook, ask: Ask) -> Response:
-    """One of the pictures that were handed in: a PNG by its own first bytes, and nothing that a browser could run."""
+    """Serve a submitted picture. Only files with a PNG header are served, so a browser cannot run them."""
     kept = book.kept(one(book, ask))
     place = int(ask.path["place"])
     contents = list(kept.files.values())
     if place >= len(contents) or unshowable(contents[place]):
-        raise RequestError("There is no such picture")
+        raise RequestError("This picture does not exist")
     return Response(contents[place], media_type="image/png")
 
 
 def one(book: Classbook, ask: Ask) -> Standing:
     standing = book.standings().get(ask.path["id"])
     if standing is None:
-        raise RequestError("There is no such submission")
+        raise RequestError("This submission does not exist")
     return standing
 
 
 @dataclass(frozen=True)
 class _Code:
-    """Where the code is that a row is about: the lines that checks name, and the definitions of each part."""
+    """Finds the code of a check: the lines that it names, or the definitions of its criterion."""
 
     shelf: Shelf
     named: Mapping[str, set[int]]
     defined: Mapping[str, Sequence[tuple[str, int]]]
 
     def places(self, check: CheckResult, part: str) -> tuple[Place, ...]:
-        """Lines that the check names, or else the definition that the check is of."""
+        """Return the lines that the check names, or else the definitions of its criterion."""
         mine = [(path, line) for path, lines in named_lines([check], self.named).items() for line in sorted(lines)]
         return tuple(
             Place(printable(path), anchor, line)
@@ -166,7 +166,7 @@ def _part(
     part: CriterionResult | ExtensionResult,
     code: _Code,
     shown: Sequence[Chart],
-    appeals: Sequence[Appeal],
+    requests: Sequence[Appeal],
 ) -> Part:
     lab = standing.result.lab
     figures = tuple(
@@ -178,56 +178,56 @@ def _part(
     rows = tuple(
         Row(
             words.row(each, part.id, lab),
-            _said(standing, each.id, appeals) if by_hand else None,
+            _said(standing, each.id, requests) if by_hand else None,
             code.places(each, part.id),
         )
         for each in part.checks
     )
     if isinstance(part, CriterionResult):
         points = words.fraction(standing.points(part), part.max_points)
-        return Part(part.id, part.title, points, _said(standing, part.id, appeals), rows, figures)
+        return Part(part.id, part.title, points, _said(standing, part.id, requests), rows, figures)
     title = f"Extension: {part.id.replace('_', ' ')}"
     return Part(part.id, title, words.extension_points(part), None, rows, figures)
 
 
-def _said(standing: Standing, target: str, appeals: Sequence[Appeal]) -> Said:
+def _said(standing: Standing, target: str, requests: Sequence[Appeal]) -> Overrides:
     comments = (each for each in standing.adjustments if each.alone and each.criterion == target)
-    return Said(
+    return Overrides(
         target,
         worth(standing.result, target) or 0.0,
         None if target == BONUS else summed(under(standing.result, target) or {}),
         standing.adjustment(target),
         next(comments, None),
         adjusting.covering(standing, target),
-        tuple(each for each in appeals if (each.about or TOTAL) == target),
+        tuple(each for each in requests if (each.about or TOTAL) == target),
     )
 
 
-def _keys(parts: Sequence[Part], appeals: Sequence[Appeal]) -> dict[str, str]:
-    """The key that opens each form: ``m`` the total, ``o`` the bonus, ``b`` what most likely is decided on.
+def _keys(parts: Sequence[Part], requests: Sequence[Appeal]) -> dict[str, str]:
+    """Return the key of each form: ``m`` the total, ``o`` the bonus, ``b`` the most likely target.
 
-    That is what an appeal is about that nobody has answered, or else the first check that lost points, or else the total.
+    That is the target of an open regrade request, else the first check that lost points, else the total.
     """
-    asked = [each.about or TOTAL for each in appeals if not each.answered]
-    lost = [row.said.target for part in parts for row in part.rows if row.said and row.row.outcome.kind != "earned"]
+    asked = [each.about or TOTAL for each in requests if not each.answered]
+    lost = [row.said.target for part in parts for row in part.rows if row.said and row.row.outcome.kind != "passed"]
     keys = {TOTAL: "m", BONUS: "o"}
     return keys | {first: f"b {keys.get(first, '')}".strip() for first in [*asked, *lost, TOTAL][:1]}
 
 
 @dataclass(frozen=True)
 class Way:
-    """Whom to look at before and after this one, and next of those who need a look; "" where there is nobody."""
+    """The previous and next submission, and the next that needs review; "" where there is none."""
 
     place: int
     of: int
     previous: str
     next: str
-    next_look: str
+    next_open: str
 
 
-def _way(ids: Sequence[str], id_: str, looks: Sequence[Look]) -> Way:
+def _way(ids: Sequence[str], id_: str, items: Sequence[Item]) -> Way:
     here = ids.index(id_)
-    waiting = {id_ for each in looks if each.tick is None for id_ in each.ids}
+    waiting = {id_ for each in items if each.tick is None for id_ in each.ids}
     later = [each for each in (*ids[here + 1 :], *ids[:here]) if each in waiting]
     previous = ids[here - 1] if here else ""
     following = ids[here + 1] if here + 1 < len(ids) else ""

@@ -34,8 +34,8 @@ STUDENTS = (
     Student("void", status="empty", notes=("No .py or .ipynb file was found.",)),
 )  # fmt: skip
 PAGES = (
-    "/", "/class", "/groups", "/groups/mistake/sensor-id-as-address", "/alike", "/alike/ada/cyd", "/appeals",
-    f"/cost?weight:{ADDRESS}=14", "/submission/bob", "/submission/ada", "/submission/void", "/submission/nobody",
+    "/", "/class", "/groups", "/groups/mistake/sensor-id-as-address", "/similar", "/similar/ada/cyd", "/regrade-requests",
+    f"/what-if?weight:{ADDRESS}=14", "/submission/bob", "/submission/ada", "/submission/void", "/submission/nobody",
 )  # fmt: skip
 
 
@@ -43,8 +43,8 @@ PAGES = (
 def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
     out = make_class(tmp_path_factory.mktemp("desk") / "out", STUDENTS, {"leftover": ["notes.txt"]})
     with desk_over(out) as opened:
-        opened.post("/appeals", {"text": "Please look at this again.", "who": "bob", "about": ADDRESS})
-        opened.post("/submission/ada/by-hand", {"target": "bonus", "points": "1", "comment": "neat", "seen": 0})
+        opened.post("/regrade-requests", {"text": "Please look at this again.", "who": "bob", "about": ADDRESS})
+        opened.post("/submission/ada/override", {"target": "bonus", "points": "1", "comment": "neat", "seen": 0})
         yield opened
 
 
@@ -110,7 +110,7 @@ def test_a_doubtful_case_is_decided_without_a_mouse(visit: Visit, desk: Desk) ->
     page.keyboard.press("n")
     expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
     page.keyboard.press("b")
-    expect(page.locator(f"#by-hand-{ADDRESS.replace('.', '-')} input[name=points]")).to_be_focused()
+    expect(page.locator(f"#override-{ADDRESS.replace('.', '-')} input[name=points]")).to_be_focused()
     page.keyboard.type("4.5")
     page.keyboard.press("Tab")
     page.keyboard.type("pn: the letters of a key are only letters here")
@@ -118,7 +118,7 @@ def test_a_doubtful_case_is_decided_without_a_mouse(visit: Visit, desk: Desk) ->
     page.keyboard.press("Enter")
     expect(page.locator(".score")).to_contain_text("98")
     page.keyboard.press("t")
-    expect(page.locator(".looks").first).to_contain_text("Looked at by prof")
+    expect(page.locator(".queue").first).to_contain_text("Reviewed by prof")
     page.keyboard.press("l")
     expect(page.get_by_role("heading", level=1)).to_have_text("cyd")
     assert desk.book.on_thread(lambda: desk.book.history("bob"))[-1].points == 4.5
@@ -140,17 +140,17 @@ def test_the_list_is_worked_off_by_keys_and_a_form_is_recorded_and_left_by_keys(
     page.keyboard.press("l")
     expect(page.get_by_role("heading", level=1)).to_have_text("void")
     page.keyboard.press("m")
-    expect(page.locator("#by-hand-total input[name=points]")).to_be_focused()
+    expect(page.locator("#override-total input[name=points]")).to_be_focused()
     page.keyboard.type("7")
     page.keyboard.press("Tab")
     page.keyboard.type("for the attempt")
     page.keyboard.press("Control+Enter")
-    expect(page.locator("#by-hand-total .given")).to_contain_text("7 in place of 100, by prof: for the attempt")
+    expect(page.locator("#override-total .given")).to_contain_text("7, automatic 100, by prof: for the attempt")
     page.keyboard.press("o")
-    expect(page.locator("#by-hand-bonus input[name=points]")).to_be_focused()
+    expect(page.locator("#override-bonus input[name=points]")).to_be_focused()
     page.keyboard.press("Escape")
     page.keyboard.press("t")
-    expect(page.locator(".looks").first).to_contain_text("Looked at by prof")
+    expect(page.locator(".queue").first).to_contain_text("Reviewed by prof")
     page.keyboard.press("2")
     expect(page.get_by_role("heading", level=1)).to_have_text("6 submissions")
 
@@ -171,13 +171,13 @@ def test_report_and_code_stand_side_by_side_and_the_named_line_is_marked(visit: 
 
 def test_the_picture_is_shown_and_nothing_else_of_a_submission_is_fetched(visit: Visit) -> None:
     page = visit.open("/submission/ada")
-    assert page.locator("img.handed-in").evaluate("each => each.decode().then(() => each.naturalWidth)") == 1
+    assert page.locator("img.submitted").evaluate("each => each.decode().then(() => each.naturalWidth)") == 1
     page = visit.open("/submission/evil")
-    expect(page.locator("img.handed-in")).to_have_count(1)
+    expect(page.locator("img.submitted")).to_have_count(1)
 
 
 def test_nothing_that_a_student_wrote_runs(visit: Visit) -> None:
-    for path in ("/class", "/submission/evil", f"/cost?weight:{ADDRESS}=14"):
+    for path in ("/class", "/submission/evil", f"/what-if?weight:{ADDRESS}=14"):
         page = visit.open(path)
         expect(page.locator("body")).to_contain_text("<script>alert(1)</script>")
         assert (
@@ -196,27 +196,27 @@ def test_the_policy_stops_a_script_that_is_not_ours(visit: Visit) -> None:
 
 def test_without_scripts_everything_can_still_be_decided(visit: Visit) -> None:
     page = visit.open("/submission/cyd", java_script_enabled=False)
-    form = page.locator("#by-hand-filtering")
+    form = page.locator("#override-filtering")
     form.locator("summary").click()
     form.locator("input[name=points]").fill("19")
     form.locator("textarea").fill("untidy")
-    form.get_by_role("button", name="Record").click()
-    expect(page.locator("#by-hand-filtering .given")).to_contain_text("19 in place of 20, by prof: untidy")
+    form.get_by_role("button", name="Save").click()
+    expect(page.locator("#override-filtering .given")).to_contain_text("19, automatic 20, by prof: untidy")
 
 
 def test_a_dropped_file_is_read_into_its_field(visit: Visit, tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text('{"id": "ada", "text": "Why?"}')
-    page = visit.open("/appeals")
-    page.locator("#appeal-file").set_input_files(tmp_path / "a.json")
+    page = visit.open("/regrade-requests")
+    page.locator("#request-file").set_input_files(tmp_path / "a.json")
     expect(page.locator("textarea")).to_have_value('{"id": "ada", "text": "Why?"}')
     page.get_by_role("button", name="Add").click()
-    expect(page.get_by_role("status")).to_have_text("1 of 1 appeals are new")
+    expect(page.get_by_role("status")).to_have_text("1 regrade request added")
 
 
 def test_who_decides_can_say_another_name(visit: Visit, desk: Desk) -> None:
     page = visit.open("/submission/open")
-    page.get_by_label("You are").fill("Ann <b>")
+    page.get_by_label("Grading as").fill("Ann <b>")
     page.get_by_role("button", name="Change").click()
     page.goto(f"{desk.origin}/submission/open")
-    expect(page.get_by_label("You are")).to_have_value("Ann <b>")
+    expect(page.get_by_label("Grading as")).to_have_value("Ann <b>")
     assert page.evaluate("document.cookie") == ""

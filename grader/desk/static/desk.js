@@ -22,7 +22,7 @@ document.addEventListener("keydown", (event) => {
 
 // What is opened is written into.
 document.addEventListener("toggle", (event) => {
-  if (event.target.matches(".by-hand > details[open]")) event.target.querySelector("input:not([type=hidden])").focus();
+  if (event.target.matches(".override > details[open]")) event.target.querySelector("input:not([type=hidden])").focus();
 }, true);
 
 // A text file that is dropped on a field, or chosen beside it, is read into it.
