@@ -296,8 +296,16 @@ def test_a_download_of_resubmissions_reports_nobody_as_missing(run: Run, tmp_pat
     Path("roster.csv").write_text("id,name\nalice,Alice A\nbob,Bob B\ncarol,Carol C\ndora,Dora D\n")
     assert "no submission: Dora D\n" in run("grade", "class", "-o", "out", "--roster", "roster.csv")[2]
     hand_in(tmp_path / "again", bob=0.25)
-    code, out, err = run("grade", "again", "-o", "out")
-    assert (code, err) == (0, "imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n")
+    Path("roster.csv").write_text("id,name\nalice,Alice Adams\nbob,Bob B\ncarol,Carol C\ndora,Dora D\n")
+    code, out, err = run("grade", "again", "-o", "out", "--roster", "roster.csv")
+    another = "imugrade: another roster: no score changes\n"
+    assert code == 0, err
+    assert column(Path("out/gradebook.csv"), "name")["alice"] == "Alice Adams"
+    assert "Alice Adams" in Path("out/submissions/alice/report.html").read_text(encoding="utf-8")
+    assert (code, err) == (
+        0,
+        f"{another}imugrade: 1 warning, unchanged since the last run (`imugrade review` lists them)\n",
+    )
     assert "1 graded" in out
     assert (
         run("export", "out", "-f", "csv", "-o", "marks.csv")[2].splitlines()[1]

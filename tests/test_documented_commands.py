@@ -29,6 +29,7 @@ import pytest
 import typer.main
 
 from grader import cli
+from grader.course import classroom
 from grader.engine.rubric import shipped
 from grader.kit import give, wheel
 from grader.labs.imu import bundles
@@ -80,12 +81,14 @@ def _hand_in(place: Path) -> None:
     for name, student in STUDENTS.items():
         write(student.files, place / "submissions" / name)
     shutil.copytree(place / "submissions", place / "submissions_example")
-    everyone = list(STUDENTS.values())
-    canvas(everyone, place).rename(place / "canvas.zip")
+    others = [Student(2, "Carl", "Clark", filters_alone(1.0)), Student(3, "Dora", "Davis", filters_alone(0.5))]
+    everyone = [*STUDENTS.values(), *others]
+    canvas(others, place).rename(place / "canvas.zip")
     moodle(everyone, place).rename(place / "moodle.zip")
     (place / "gradebook.csv").write_bytes(canvas_gradebook(everyone))
     (place / "worksheet.csv").write_bytes(moodle_worksheet(everyone))
-    rows = "".join(f"{id_},{each.name},{each.email},B\n" for id_, each in STUDENTS.items())
+    ids = [*STUDENTS, *(each.canvas for each in others)]
+    rows = "".join(f"{id_},{each.name},{each.email},B\n" for id_, each in zip(ids, everyone, strict=True))
     (place / "roster.csv").write_text(f"id,name,email,section\n{rows}", encoding="utf-8")
     table = "id,criterion,points,comment\nalice,filtering,17,in a table\n"
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
@@ -237,6 +240,14 @@ class Done:
         return None if word is None else self.folder / word
 
 
+def one_secret(folder: Path, out: str, here: pytest.MonkeyPatch) -> str:
+    """Return the OUT that a class is graded into: a class has one secret, and whoever graded it has that in the environment."""
+    known = classroom.on_record(folder / out)
+    if known is not None and known.hidden and "IMUGRADE_SEED" not in os.environ:
+        here.setenv("IMUGRADE_SEED", "a-secret")
+    return "out-hidden" if known is not None and not known.hidden and "IMUGRADE_SEED" in os.environ else out
+
+
 def imugrade(command: Command, folder: Path, scene: Scene) -> None:
     """As it stands; with --help where it is a heading, or a name in the middle of words."""
     names = subcommands(command.words[1:])
@@ -267,9 +278,12 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
         return
     with pytest.MonkeyPatch.context() as here:
         here.chdir(folder)
+        if words[0] == "grade":
+            at = words.index("-o") + 1
+            words[at] = one_secret(folder, words[at], here)
         code, out, err = run(words)
-    assert code == 0, err
-    OUTCOMES[words[0]](Done(words, folder, out, err))
+        assert code == 0, err
+        OUTCOMES[words[0]](Done(words, folder, out, err))
 
 
 def subcommands(words: tuple[str, ...]) -> list[str]:

@@ -81,7 +81,10 @@ class Order:
 
 @dataclass(frozen=True)
 class Class:
-    """Who is in the class: submissions with what is known of each beside its files, and what there is to tell of that."""
+    """Who is in the class: submissions with what is known of each beside its files, and what there is to tell of that.
+
+    `others` are hand-ins on record that are not in the download, with the people that the roster has for them.
+    """
 
     entries: tuple[Entry, ...]
     leftovers: tuple[str, ...]
@@ -89,6 +92,7 @@ class Class:
     absent: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
     doubtful: tuple[str, ...] = ()
+    others: Mapping[str, HandIn] = field(default_factory=dict)
 
 
 class Audience(Protocol):
@@ -144,11 +148,12 @@ def find(order: Order) -> Class:
     entries = _chosen(submissions, order.only, Meant({id_: each.people for id_, each in placed.hand_ins.items()}))
     dated = tuple(replace(entry, hand_in=_judged(entry, placed, order.rubric)) for entry in entries)
     unknown = placed.unknown if listed else ()
-    missing = roster.place(placed.absent, _recorded(order.out)).absent if placed.absent else ()
-    absent = tuple(each.person.name for each in missing)
-    return Class(
-        dated, found.leftovers, found.told, absent, unknown, (*placed.doubtful, *_contradicted(entries, placed))
-    )
+    others = {id_: each for id_, each in _recorded(order.out).items() if id_ not in {entry.id for entry in submissions}}
+    rest = roster.place(placed.absent, others)
+    absent = tuple(each.person.name for each in rest.absent)
+    doubtful = (*placed.doubtful, *_contradicted(entries, placed))
+    named = {id_: each for id_, each in rest.hand_ins.items() if each != others[id_]}
+    return Class(dated, found.leftovers, found.told, absent, unknown, doubtful, named)
 
 
 def _recorded(out: Path) -> dict[str, HandIn]:
@@ -277,6 +282,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
             run = _Run(order, store, audience, outcome, publisher)
             try:
                 run.grade(found.entries)
+                _keep_people(store, publisher, found.others)
             finally:
                 standings = publish_class(order.out, store, order.rubric.lab)
                 _keep_isolation(store, standings)
@@ -290,6 +296,16 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     new = [line for line in now if line not in remarked]
     outcome.remarks, outcome.known = (*outdated(standings), *new), len(now) - len(new)
     return outcome
+
+
+def _keep_people(store: Store, publisher: Publisher, named: Mapping[str, HandIn]) -> None:
+    """Record the people that a roster has for hand-ins which are not in the download."""
+    for id_, hand_in in named.items():
+        store.keep_hand_in(id_, hand_in)
+    if named:
+        standings = store.standings()
+        for id_ in named:
+            publisher.put(standings[id_])
 
 
 def _keep_isolation(store: Store, standings: Mapping[str, Standing]) -> None:
