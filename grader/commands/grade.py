@@ -77,7 +77,7 @@ def grade(
     """Grade a class. Killed or stopped, the same command goes on where it ended.
 
     OUT remembers the rubric, the roster, the attempt rule and the scenarios: they need not be given again. What is given again and
-    would change scores on record is told first, and done with --change or a yes on a terminal; `imugrade diff OUT` then compares.
+    would change scores on record is told first, and done with --change or a yes on a terminal. `imugrade diff` compares then.
 
     \b
     Examples:
