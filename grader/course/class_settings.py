@@ -226,7 +226,8 @@ def change(
     known = [(was, now) for was, now in finals if was is not None and now is not None]
     means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
     moved = sum(was != now for was, now in finals)
-    chosen_anew = old.attempts != new.attempts and bool(standings)
+    several = new.attempts == "latest" or None in hand_ins.values()
+    chosen_anew = old.attempts != new.attempts and several and bool(standings)
     return Change(
         differences, moved, len(finals), means, len(standings) - len(kept), chosen_anew, len(everyone) - len(standings)
     )
