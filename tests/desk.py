@@ -13,9 +13,9 @@ from typing import Any
 from urllib.parse import urlencode, urlsplit
 
 from grader import __version__
-from grader.course.kept import pack
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
+from grader.course.submission_archive import pack
 from grader.desk.auth import Keys
 from grader.desk.classbook import Classbook
 from grader.desk.serving import open_socket, server

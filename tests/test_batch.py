@@ -14,7 +14,7 @@ import pytest
 
 from grader.course import classroom
 from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
-from grader.course.remarks import remarks
+from grader.course.warnings import remarks
 from grader.engine import rubric
 from grader.engine.results import Result
 from grader.ground.errors import RequestError

@@ -18,8 +18,8 @@ import pytest
 from grader import cli
 from grader.course.database import FILE_NAME
 from grader.course.groups import groups
-from grader.course.kept import LARGEST, pack, unpack
 from grader.course.record import Store
+from grader.course.submission_archive import LARGEST, pack, unpack
 from grader.desk.review_queue import items
 from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine import rubric

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from grader import __version__
-from grader.course import classroom, remarking
+from grader.course import classroom, regrade
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric
@@ -23,7 +23,7 @@ from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.lateness import judged
+from grader.people.late_policy import judged
 from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
 from grader.report import charts
 from grader.report.pages import drawn_in
@@ -103,7 +103,7 @@ def test_what_a_rubric_would_cost_is_told_and_nothing_is_changed(tmp_path: Path)
     keep(tmp_path, changed())
     with Store(tmp_path) as store:
         before = store.standings()
-        after = remarking.under(before, changed(PRICES, text=SHIPPED + LATE))
+        after = regrade.under(before, changed(PRICES, text=SHIPPED + LATE))
         assert store.standings() == before
     moved = {id_: (before[id_].final, each.final) for id_, each in after.items()}
     assert moved == {
@@ -118,7 +118,7 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
     keep(tmp_path / "anew", changed())
     with Store(tmp_path / "anew") as store:
         written(tmp_path / "anew", store)
-        after = remarking.remark(tmp_path / "anew", store, by)
+        after = regrade.remark(tmp_path / "anew", store, by)
         for standing in after.values():
             publish(tmp_path / "anew", standing, store, LAB)
         assert {each.result.provenance["rubric_sha256"] for each in store.standings().values()} == {by.sha256}
@@ -151,7 +151,7 @@ def test_other_points_leave_the_charts_of_a_report_as_they_stand_there(
         before = written(tmp_path, store)
         with monkeypatch.context() as nothing:
             nothing.setattr(charts, "views", lambda _: pytest.fail("a chart was drawn again"))
-            remarking.remark(tmp_path, store, changed(PRICES))
+            regrade.remark(tmp_path, store, changed(PRICES))
             after = written(tmp_path, store)
             assert written(tmp_path, store) == after
         figures = [(drawn_in(before[id_].decode()), drawn_in(after[id_].decode())) for id_ in before]
@@ -172,7 +172,7 @@ def test_charts_that_are_not_as_they_were_written_are_drawn_again(
     report = tmp_path / "damaged" / "submissions" / names[0] / "report.html"
     with Store(tmp_path / "damaged") as store, Store(tmp_path / "whole") as other:
         report.write_bytes(damage(written(tmp_path / "damaged", store)[names[0]]))
-        remarking.remark(tmp_path / "damaged", store, changed(PRICES))
+        regrade.remark(tmp_path / "damaged", store, changed(PRICES))
         assert written(tmp_path / "damaged", store) == written(tmp_path / "whole", other)
 
 
@@ -188,13 +188,13 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
         with pytest.raises(
             RequestError, match=r"rubric\.yaml: asks other things than were asked of s02-vectorised, s06"
         ):
-            remarking.remark(tmp_path, store, changed(edit))
+            regrade.remark(tmp_path, store, changed(edit))
         assert store.standings() == before
 
 
 def test_a_record_of_before_says_that_it_has_to_be_graded_again(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="the record is older"):
-        remarking.under({"alice": Standing("alice", result())}, changed())
+        regrade.under({"alice": Standing("alice", result())}, changed())
 
 
 def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None:
@@ -202,14 +202,14 @@ def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None
     by_hand = Adjustment("sensor_access", 20.0, "seen", "me", "now", beneath(graded.criteria[0]))
     before = {"a": Standing("a", graded, adjustments=(by_hand,))}
     assert before["a"].outdated() == []
-    after = remarking.under(before, changed(PRICES))["a"]
+    after = regrade.under(before, changed(PRICES))["a"]
     assert (after.final, after.outdated()) == (100.0, [by_hand])
 
 
 def test_a_date_of_the_rosters_own_holds_under_another_policy() -> None:
     graded = marked(found("s02-vectorised"), changed())
     hand_in = HandIn((Person("a"),), "2026-11-22T00:00:00+00:00", due="2026-11-22T00:00:00+00:00")
-    after = remarking.under({"a": Standing("a", graded, hand_in)}, changed(text=SHIPPED + LATE))["a"]
+    after = regrade.under({"a": Standing("a", graded, hand_in)}, changed(text=SHIPPED + LATE))["a"]
     assert (after.late, after.final) == (None, 100.0)
 
 

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.remarks import gone, of_policy, outdated, remarks
+from grader.course.warnings import gone, of_policy, outdated, remarks
 from grader.engine.results import to_json
 from grader.engine.rubric import LatePolicy
 from grader.ground.errors import RequestError
 from grader.ground.stamps import read_stamp, stamp
 from grader.people import roster
 from grader.people.identity import Directory, Row, participant, spellings
-from grader.people.lateness import judged
+from grader.people.late_policy import judged
 from grader.people.standing import (
     Adjustment,
     HandIn,

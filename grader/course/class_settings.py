@@ -19,7 +19,7 @@ from grader.engine.marks import fits, marked
 from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
-from grader.people import lateness, roster
+from grader.people import late_policy, roster
 from grader.people.roster import NO_ROSTER, Roster
 from grader.people.standing import HandIn, Standing
 
@@ -249,7 +249,7 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
 def _judged(standing: Standing, rubric: Rubric, found: HandIn | None) -> Standing:
     """Return the standing by the late policy of a rubric, with another hand-in than on record where one is given."""
     names = (standing.id, standing.result.submission)
-    return replace(standing, hand_in=lateness.judged(found or standing.hand_in, rubric.late, names))
+    return replace(standing, hand_in=late_policy.judged(found or standing.hand_in, rubric.late, names))
 
 
 def others(settings: ClassSettings, standings: Mapping[str, Standing]) -> list[str]:

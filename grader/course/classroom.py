@@ -15,12 +15,12 @@ from grader import __version__
 from grader.course import class_settings, cluster
 from grader.course.class_settings import Change, ClassSettings
 from grader.course.database import FILE_NAME
-from grader.course.kept import pack
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
 from grader.course.pool import Outcome as Marked
 from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
-from grader.course.remarks import gone, of_policy, outdated, remarks
+from grader.course.submission_archive import pack
+from grader.course.warnings import gone, of_policy, outdated, remarks
 from grader.engine.evidence import Evidence, unpacked
 from grader.engine.examination import known_checks
 from grader.engine.marking import Marker
@@ -33,7 +33,7 @@ from grader.engine.traces import Traces
 from grader.ground.errors import GraderError, RequestError
 from grader.ground.text import printable
 from grader.intake import Submission
-from grader.people import lateness, roster
+from grader.people import late_policy, roster
 from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
 from grader.people.standing import HandIn, Person, Standing
@@ -179,7 +179,7 @@ def _judged(entry: Entry, placed: roster.Placed, rubric: Rubric) -> HandIn:
         due=own.isoformat() if own else "",
         grace_days=placed.grace_days.get(entry.id, 0),
     )
-    return lateness.judged(hand_in, rubric.late, (entry.id, entry.name))
+    return late_policy.judged(hand_in, rubric.late, (entry.id, entry.name))
 
 
 def _contradicted(entries: Sequence[Entry], placed: roster.Placed) -> Iterator[str]:

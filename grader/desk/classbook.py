@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 
 from grader.course import class_settings
 from grader.course.adjusting import Made, Wish, decide
-from grader.course.kept import Kept, unpack
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Appeal, Store, Tick
-from grader.course.remarking import remark
+from grader.course.regrade import remark
+from grader.course.submission_archive import Kept, unpack
 from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab

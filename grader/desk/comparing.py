@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from starlette.responses import Response
 
 from grader.course.groups import alike
-from grader.course.remarks import equal
+from grader.course.warnings import equal
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.code import Line, coloured, source

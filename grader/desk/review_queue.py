@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick, about, why_empty
-from grader.course.remarks import equal, not_understood, timed_out
+from grader.course.warnings import equal, not_understood, timed_out
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.results import Result

@@ -13,7 +13,7 @@ from urllib.parse import quote
 import yaml
 from starlette.responses import RedirectResponse, Response
 
-from grader.course import remarking
+from grader.course import regrade
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
@@ -75,7 +75,7 @@ def _page(book: Classbook, ask: Ask, told: str) -> Response:
     try:
         changed, _ = _changed(book, ask)
         if changed.sha256 != base.sha256:
-            outlook = _outlook(standings, remarking.under(standings, changed))
+            outlook = _outlook(standings, regrade.under(standings, changed))
     except RequestError as error:
         problem = str(error)
     made = Counter(id_ for each in standings.values() for id_ in each.result.misconceptions)

@@ -19,7 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from grader import __version__
-from grader.course import remarking
+from grader.course import regrade
 from grader.course.publishing import publish
 from grader.course.record import Key, Store
 from grader.engine import rubric
@@ -73,9 +73,9 @@ def main() -> None:
         on_record(students, out)
         with Store(out) as store:
             with timed("what it would cost"):
-                remarking.under(store.standings(), rubric.load(LAB, other))
+                regrade.under(store.standings(), rubric.load(LAB, other))
             with timed("another rubric kept, with gradebook and class page"):
-                after = remarking.remark(out, store, rubric.load(LAB, other))
+                after = regrade.remark(out, store, rubric.load(LAB, other))
             with timed("the pages of the students"):
                 for standing in after.values():
                     publish(out, standing, store, LAB)

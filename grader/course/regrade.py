@@ -12,7 +12,7 @@ from grader.engine.marks import fits, marked
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people import lateness
+from grader.people import late_policy
 from grader.people.standing import HandIn, Standing
 
 _A_LINE = 10  # names
@@ -53,7 +53,7 @@ def _under(standing: Standing, rubric: Rubric) -> Standing:
 
 
 def _judged(standing: Standing, rubric: Rubric) -> HandIn:
-    return lateness.judged(standing.hand_in, rubric.late, (standing.id, standing.result.submission))
+    return late_policy.judged(standing.hand_in, rubric.late, (standing.id, standing.result.submission))
 
 
 def _told(ids: list[str]) -> str:
