@@ -160,3 +160,13 @@ def test_open_points_and_empty_hand_ins_are_left_out() -> None:
         "sensor_access.b": 1,
         "sensor_access.matches_truth": 1,
     }
+
+
+def test_a_discrimination_needs_five_who_lost_points_and_has_its_bounds() -> None:
+    """Fisher's z by hand: r = 0.5 with 28 submissions gives z = 0.5493, and 1.96 / 5 = 0.392 to each side."""
+    item = Item("a", "A", 28, 5, 0.5, 0.5)
+    assert item.bounds == (
+        pytest.approx(0.1560, abs=1e-4),
+        pytest.approx(0.7355, abs=1e-4),
+    )  # both rounded to four digits
+    assert Item("a", "A", 28, 4, 0.5, None).bounds is None

@@ -111,7 +111,7 @@ def listed(desk: Desk, kind: str) -> list[tuple[str, str, str]]:
 
 CASES = {
     "boundary": ("nearly", "0.5 below 90, and 1.5 points were lost on partial checks: ", "Near a grade boundary"),
-    "not-judged": ("ours", "The grader failed on these checks, so their points are open: ", "Not judged"),
+    "not-judged": ("ours", "The grader failed on these checks, so their points are open: ", "Grader failed"),
     "picture": ("undrawn", "imu_data.png was handed in, and no code draws it: ", "Picture without code"),
     "empty": ("png", "", "Empty"),
     "nothing": ("other", "The submission has no points. ", "No points"),
@@ -154,7 +154,7 @@ def test_pictures_without_any_code_are_shown_to_whoever_looks(desk: Desk) -> Non
 def test_two_who_handed_in_the_sheets_own_code_are_told_as_the_same_and_as_no_more(desk: Desk) -> None:
     page = words(desk.get("/similar/twin1/twin2").text)
     assert "Both contain the same files, byte for byte." in page
-    assert page.count("Nothing that is shared goes beyond what the sheet and the kit give") == 2
+    assert page.count("The shared code is from the lab sheet, the kit, or in half of the class") == 2
     assert "byte for byte" not in words(desk.get("/similar/twin1/sound").text)
     ((_, sentence, _),) = listed(desk, "same-files")
-    assert sentence == "2 handed in the same files."
+    assert sentence == "2 submissions contain the same files."

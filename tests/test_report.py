@@ -418,17 +418,33 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
     assert {href for href in hrefs if href[0] != "#"} == {"submissions/a/report.html", "submissions/b%20b/report.html"}
     text = Tags(page).text
     assert "2 submissions" in text
-    assert re.search(r"mean\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
+    assert re.search(r"mean score\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
 
 
-def test_the_distribution_is_finer_towards_the_top_and_told_in_words() -> None:
+def test_the_bins_of_the_distribution_have_equal_widths() -> None:
     page = index({str(i): made for i, made in enumerate([result(), result(), result(lost())])})
     bars = Tags(page[page.index('class="distribution"') : page.index("</ul>")]).text
     told = re.findall(r"([\d.–]+) points: (\d+)", bars)
-    assert told[:3] == [("20", "2"), ("19.6–20", "0"), ("19.2–19.6", "0")]
+    assert told[:2] == [("18–20", "2"), ("16–18", "0")]
     assert told[-2:] == [("2–4", "0"), ("0–2", "1")]
-    assert len(told) == 17
+    assert len(told) == 10
+
+
+def test_a_fault_of_an_extension_is_not_among_what_deducts_points() -> None:
+    made = result()
+    row = check("failed", 0.0, max_points=0.0, id="allan_variance.a", misconceptions=("adev-is-avar",))
+    extended = replace(made, extensions=(replace(made.extensions[0], checks=(row,)),))
+    assert "adev-is-avar" in extended.misconceptions
+    assert "adev is avar" not in index({"a": extended})
+
+
+def test_names_are_sorted_without_case_and_accents_and_by_their_numbers() -> None:
+    names = ["Zoe", "Élodie", "eve", "Student 10", "Student 9", "Özil", "Adam"]
+    page = index({str(k): result(name=name) for k, name in enumerate(names)})
+    table = page[page.index('<table id="submissions"') : page.index('<h2 id="checks"')]
+    shown = re.findall(r'report.html">([^<]*)</a>', table)
+    assert shown == ["Adam", "Élodie", "eve", "Özil", "Student 9", "Student 10", "Zoe"]
 
 
 def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() -> None:

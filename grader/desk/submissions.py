@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
@@ -24,6 +25,8 @@ from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, summed, u
 from grader.report import charts, words
 from grader.report.pages import Figure
 
+_MOST_COMMENTS = 30
+
 
 @dataclass(frozen=True)
 class Overrides:
@@ -36,6 +39,11 @@ class Overrides:
     comment: Adjustment | None
     covered: str = ""
     requests: tuple[Appeal, ...] = ()
+
+    @property
+    def asked(self) -> bool:
+        """Whether a person gave points, commented or asked for a regrade."""
+        return bool(self.points or self.comment or self.requests)
 
     @property
     def anchor(self) -> str:
@@ -58,6 +66,11 @@ class Row:
     row: words.Row
     said: Overrides | None
     places: tuple[Place, ...]
+
+    @property
+    def folded(self) -> bool:
+        """Whether the check passed and nobody decided or asked anything about it."""
+        return self.row.outcome.kind == "passed" and not (self.said and self.said.asked)
 
 
 @dataclass(frozen=True)
@@ -85,6 +98,7 @@ def show(book: Classbook, ask: Ask) -> Response:
     code = _Code(files, named, definitions)
     shown = book.store.charts(standing.id)
     shown_parts = [_part(standing, part, code, shown, requests) for part in parts]
+    shown_parts.sort(key=lambda part: all(row.folded for row in part.rows))  # criteria with deductions first
     return framed(
         book,
         ask,
@@ -95,6 +109,7 @@ def show(book: Classbook, ask: Ask) -> Response:
         notes=words.notes(result),
         mistakes=[words.misconception(id_) for id_ in result.misconceptions],
         parts=shown_parts,
+        comments=_comments(book),
         keys=_keys(shown_parts if marked else (), requests),
         marked=marked,
         whole=[_said(standing, target, requests) for target in (TOTAL, BONUS)],
@@ -134,6 +149,12 @@ def picture(book: Classbook, ask: Ask) -> Response:
     if place >= len(contents) or unshowable(contents[place]):
         raise RequestError("This picture does not exist")
     return Response(contents[place], media_type="image/png")
+
+
+def _comments(book: Classbook) -> list[str]:
+    """Return the comments that were used before, most frequent first, for the forms to suggest."""
+    used = Counter(each.comment for _, each in book.store.history() if each.comment not in ("", "undone", "withdrawn"))
+    return [printable(comment, 300) for comment, _ in used.most_common(_MOST_COMMENTS)]
 
 
 def one(book: Classbook, ask: Ask) -> Standing:

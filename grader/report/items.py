@@ -9,6 +9,7 @@ the total that it is correlated with.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -18,6 +19,10 @@ from grader.engine.results import CheckResult, Result
 
 FEWEST = 10
 """Fewest submissions for a discrimination: with 10 its standard error is 0.3."""
+FEWEST_FAILED = 5
+"""Fewest submissions that lost points on the check: fewer make the correlation a matter of one or two people."""
+_QUANTILE = 1.96
+"""Standard normal quantile of a two-sided 95 % confidence interval."""
 _WEAK = 0.1
 _ENOUGH = 30
 
@@ -46,6 +51,14 @@ class Item:
     discrimination: float | None
 
     @property
+    def bounds(self) -> tuple[float, float] | None:
+        """The 95 % confidence interval of the discrimination, by Fisher's z transform; None without one."""
+        if self.discrimination is None:
+            return None
+        z, half = math.atanh(max(-0.999, min(self.discrimination, 0.999))), _QUANTILE / math.sqrt(self.judged - 3)
+        return math.tanh(z - half), math.tanh(z + half)
+
+    @property
     def doubtful(self) -> bool:
         """Return whether strong submissions fail it as often as weak ones, so that the check should be reviewed."""
         return self.judged >= _ENOUGH and self.discrimination is not None and self.discrimination < _WEAK
@@ -68,12 +81,13 @@ def _item(row: list[tuple[CheckResult, float]]) -> Item:
     first = row[0][0]
     shares = np.array([(check.points or 0.0) / check.max_points for check, _ in row])
     rests = np.array([rest for _, rest in row])
-    related = len(row) >= FEWEST and np.ptp(shares) > 0 and np.ptp(rests) > 0
+    failed = int((shares < 1).sum())
+    related = len(row) >= FEWEST and failed >= FEWEST_FAILED and np.ptp(shares) > 0 and np.ptp(rests) > 0
     return Item(
         id=first.id,
         title=first.title,
         judged=len(row),
-        losers=int((shares < 1).sum()),
+        losers=failed,
         difficulty=float(shares.mean()),
         discrimination=float(np.corrcoef(shares, rests)[0, 1]) if related else None,
     )

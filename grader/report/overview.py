@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import bisect
 import itertools
+import re
 import statistics
+import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -18,8 +19,8 @@ from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
 
 _SLOWEST = 5
-_EDGES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.92, 0.94, 0.96, 0.98, 1.0)
-"""Lower edges of the histogram bins, as shares of all points."""
+_BINS = 10
+"""Number of histogram bins. All have the same width; the last one includes the maximum."""
 _SINGLE = ("grader", "rubric_sha256", "traces_sha256", "mujoco")  # comparable results have one of each
 _LABELS = {
     "grader": "imugrade",
@@ -171,9 +172,22 @@ def _tags(standing: Standing) -> Iterable[str]:
         yield "status:adjusted"
     if standing.outdated():
         yield "status:outdated"
-    yield from (f"mistake:{id_}" for id_ in standing.result.misconceptions)
+    yield from (f"mistake:{id_}" for id_ in deducting(standing.result))
     for criterion in standing.result.criteria:
         yield from (f"lost:{c.id}" for c in criterion.checks if c.points is not None and c.points < c.max_points)
+
+
+def deducting(result: Result) -> list[str]:
+    """Return the faults of a result without those that only extensions show: these deduct nothing."""
+    of_criteria = {id_ for part in result.criteria for check in part.checks for id_ in check.misconceptions}
+    of_extensions = {id_ for part in result.extensions for check in part.checks for id_ in check.misconceptions}
+    return [id_ for id_ in result.misconceptions if id_ in of_criteria or id_ not in of_extensions]
+
+
+def by_name(name: str) -> list[tuple[str, int]]:
+    """Return the sort key of a name: without case and accents, and with numbers by their value."""
+    plain = "".join(c for c in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(c))
+    return [(text, int(digits or 0)) for text, digits in re.findall(r"([^0-9]*)([0-9]*)", plain)]
 
 
 def filters(entries: Iterable[Entry], mistakes: Iterable[Mistake], checks: Iterable[CheckRow]) -> list[Filter]:
@@ -202,7 +216,7 @@ def figures(scores: list[float]) -> list[tuple[str, str]]:
     if not scores:
         return []
     return [
-        ("mean", words.number(round(statistics.fmean(scores), 1))),
+        ("mean score", words.number(round(statistics.fmean(scores), 1))),
         ("median", words.number(round(statistics.median(scores), 1))),
         ("lowest", words.number(min(scores))),
         ("highest", words.number(max(scores))),
@@ -210,26 +224,26 @@ def figures(scores: list[float]) -> list[tuple[str, str]]:
 
 
 def bars(scores: list[float], top: float) -> list[Bar]:
-    """How many there are of each range of points, the best first; the ranges are narrower towards the top."""
+    """Return the histogram of the scores in bins of equal width, highest first."""
     counts = Counter(_bin(score, top) for score in scores)
     tallest = max(counts.values(), default=1)
-    edges = [words.number(round(share * top, 2)) for share in _EDGES]
-    labels = [*(f"{low}–{high}" for low, high in itertools.pairwise(edges)), edges[-1]]
+    edges = [words.number(round(place * top / _BINS, 2)) for place in range(_BINS + 1)]
+    labels = [f"{low}–{high}" for low, high in itertools.pairwise(edges)]
     return [Bar(f"score:{i}", label, counts[i], round(100 * counts[i] / tallest, 1)) for i, label in enumerate(labels)][
         ::-1
     ]
 
 
 def _bin(score: float, top: float) -> int:
-    """The last range has full points alone."""
-    return max(bisect.bisect_right(_EDGES, score / (top or 1.0) + 1e-9) - 1, 0)
+    """Return the bin of a score. A score on an edge belongs to the higher bin."""
+    return min(max(int(_BINS * score / (top or 1.0) + 1e-9), 0), _BINS - 1)
 
 
 def mistakes(standings: Iterable[Standing]) -> list[Mistake]:
     """Return the faults by how many submissions have them, most first, and which."""
     who: dict[str, list[Link]] = {}
     for standing in standings:
-        for id_ in standing.result.misconceptions:
+        for id_ in deducting(standing.result):
             who.setdefault(id_, []).append(link(standing))
     ranked = sorted(who.items(), key=lambda item: (-len(item[1]), item[0]))
     return [Mistake(f"mistake:{id_}", words.misconception(id_), tuple(links)) for id_, links in ranked]

@@ -192,7 +192,8 @@ def index_page(
     results = [standing.result for standing in standings.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
     columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
-    entries = [overview.entry(standing, columns, top) for standing in standings.values()]
+    named = sorted(standings.values(), key=lambda each: (overview.by_name(each.name), each.id))
+    entries = [overview.entry(standing, columns, top) for standing in named]
     mistakes = overview.mistakes(standings.values())
     checks = overview.checks(results, columns)
     return _page(

@@ -25,6 +25,18 @@ document.addEventListener("toggle", (event) => {
   if (event.target.matches(".override > details[open]")) event.target.querySelector("input:not([type=hidden])").focus();
 }, true);
 
+// An earlier comment is copied into the form.
+document.addEventListener("DOMContentLoaded", () => {
+  const earlier = Array.from(document.querySelectorAll("#comments option"), (option) => option.value);
+  for (const list of earlier.length ? document.querySelectorAll("select[data-reuse]") : []) {
+    list.append(...earlier.map((text) => new Option(text, text)));
+    list.closest("label").hidden = false;
+    list.addEventListener("change", () => {
+      if (list.value) list.form.elements.comment.value = list.value;
+    });
+  }
+});
+
 // A text file that is dropped on a field, or chosen beside it, is read into it.
 document.addEventListener("DOMContentLoaded", () => {
   for (const field of document.querySelectorAll("textarea[data-drop]")) {
