@@ -39,11 +39,14 @@ from tests.recordings import Marking
 PARTS = ("sound", "faulty", "lookalikes", "pairs", "broken", "extensions", "module level", "nothing", "recast")
 ONE_FAULT = ("faulty", "lookalikes")
 _WHOLE_FILE = "the file that is missing was to hold two parts or more, and each part has nothing to show"
+_UNPARSED_FILE = "the file that does not parse defines three parts, and none of them can run"
 _HALF_A_PICTURE = "half of the picture is missing: the panel, and the three curves in it"
 MORE_THAN_ONE: Mapping[str, str] = {
     "no-imu-reader": _WHOLE_FILE,
     "no-imu-reader-sheet": _WHOLE_FILE,
     "no-filters": _WHOLE_FILE,
+    "reader-with-a-syntax-error": _UNPARSED_FILE,
+    "recorder-with-a-syntax-error": _UNPARSED_FILE,
     "accelerometer-panel-only": _HALF_A_PICTURE,
     "saved-before-the-gyroscope": _HALF_A_PICTURE,
 }

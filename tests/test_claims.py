@@ -21,7 +21,6 @@ RAISES = lab(
 
 
 DEPARTS = edit(tidy(), "filters.py", ("def update(self, measurement):", "def update(self, measurement, dt):"))
-SILENT = edit(tidy(), "filters.py", ("        return self.state.copy()\n", ""))
 NAMELESS = {**tidy(), "filters.py": "x = 1\n"}
 
 
@@ -34,7 +33,6 @@ def benches() -> dict[str, Bench]:
         "raises": RAISES,
         "nameless": NAMELESS,
         "departs": DEPARTS,
-        "silent": SILENT,
     }
     return {name: Bench(each) for name, each in files.items()}
 
@@ -94,42 +92,6 @@ def test_a_departure_that_is_not_told_hides_itself_alone(benches: dict[str, Benc
         return replace(frame, fields={**frame.fields, "cases": [{**c, "departs": []} for c in frame.fields["cases"]]})
 
     assert gained(benches["departs"], lie) == {"filtering.follows_recursion": 3.0}
-
-
-def test_a_return_that_is_said_to_be_there_hides_its_lack_alone(benches: dict[str, Bench]) -> None:
-    def lie(op: str, frame: Frame) -> Frame:
-        return replace(frame, fields={**frame.fields, "unreturned": []}) if op == "load" else frame
-
-    assert gained(benches["silent"], lie) == {"filtering.follows_recursion": 3.0}
-
-
-SLIP = {"path": "filters.py", "function": 1, "at": 1, "kind": "expression", "meant": "x"}
-
-
-def test_names_that_are_said_to_have_been_missing_earn_nothing_and_have_an_end(benches: dict[str, Bench]) -> None:
-    said = []
-
-    def lie(op: str, frame: Frame) -> Frame:
-        if op != "filter":
-            return frame
-        said.append(op)
-        return replace(frame, fields={**frame.fields, "slip": SLIP | {"own": f"name{len(said)}"}})
-
-    assert gained(benches["raises"], lie) == {}
-    assert len(said) == 9  # eight in all, and the answer that counts
-
-
-@pytest.mark.parametrize(
-    "wrong", [{"own": 1}, {"own": "x" * 201}, {"at": "1"}, {"function": None}, {"path": ["x"]}], ids=str
-)
-def test_a_missing_name_that_is_none_is_no_answer(benches: dict[str, Bench], wrong: dict[str, object]) -> None:
-    def lie(op: str, frame: Frame) -> Frame:
-        slip = SLIP | {"own": "y"} | wrong
-        return replace(frame, fields={**frame.fields, "slip": slip}) if op == "filter" else frame
-
-    with benches["sound"].open():
-        lying = points(benches["sound"], lie)
-    assert sum(earned for check, earned in lying.items() if check.startswith("filtering.")) == 0
 
 
 def test_every_field_of_an_answer_that_speaks_of_the_process_is_in_the_table() -> None:

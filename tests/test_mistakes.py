@@ -175,16 +175,13 @@ ADDED = {
         "index-out-of-bounds",
         "missing-package",
         "not-written",
-        "import-missing",
         "unknown-name",
-        "return-missing",
         "other-parameters",
         "global-for-parameter",
-        "array-asked-for-truth",
     ],
 }
 FIELDS = ["title", "hint", "explanation", "step", "wrong", "right"]
-RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written", "array-asked-for-truth"]
+RAISED = ["sensor-not-found", "index-out-of-bounds", "not-written", "unknown-name"]
 STEPS = {"sensor_access": {2}, "data_collection": {3}, "visualization": {4, 6}, "noise_model": {5}, "filtering": {6}}
 
 every_mistake = pytest.mark.parametrize("key", ENTRIES)
@@ -205,22 +202,15 @@ def sentences(text: str) -> int:
 @pytest.mark.parametrize(
     ("exception", "message", "key"),
     [
-        ("IndexError", "index 43 is out of bounds for axis 0 with size 43", "index-out-of-bounds"),
-        ("IndexError", "list index out of range", "index-out-of-bounds"),
-        ("IndexError", "only integers, slices (`:`), ellipsis (`...`), … are valid indices", "raises"),
-        ("IndexError", "too many indices for array: array is 1-dimensional, but 2 were indexed", "raises"),
+        ("IndexError", "whatever Python or NumPy says", "index-out-of-bounds"),
+        ("NameError", "whatever Python says", "unknown-name"),
+        ("UnboundLocalError", "whatever Python says", "unknown-name"),
         ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "sensor-not-found"),
-        ("ValueError", "operands could not be broadcast together", "raises"),
-        (
-            "ValueError",
-            "The truth value of an array with more than one element is ambiguous. Use a.any() or a.all()",
-            "array-asked-for-truth",
-        ),
-        ("ValueError", "The truth value of an empty array is ambiguous.", "array-asked-for-truth"),
+        ("ValueError", "whatever NumPy says", "raises"),
         ("NotImplementedError", "TODO", "not-written"),
     ],
 )
-def test_an_exception_shows_a_mistake_where_its_message_does(exception: str, message: str, key: str) -> None:
+def test_the_type_of_an_exception_shows_a_mistake(exception: str, message: str, key: str) -> None:
     assert mistake_of(Fault(exception, message, None, None, None), catalogue(LAB)) == key
 
 

@@ -38,7 +38,6 @@ PLOT_FIRST = "imu_reader.plot_imu_data(imu_reader.simulate_and_collect(*imu_read
 STOPPED_IN_PLOT = {
     "an exception": ('imu_data["time"]', 'imu_data["clock"]'),
     "a loop without an end": ("    t = ", "    while True:\n        pass\n    t = "),
-    "a slip of the pen": ('imu_data["time"]', 'imu_data["time"] = = 1'),
 }
 PLOTS_FIRST = {
     "under a guard": COMPARE.replace("    compare()\n", f"    import imu_reader\n    {PLOT_FIRST}    compare()\n"),

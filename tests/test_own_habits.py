@@ -1,4 +1,4 @@
-"""A forgotten import or return, a misspelt name, other parameters: each is one fault, whatever would fail for it."""
+"""Other parameters are one fault, whatever would fail for them; a forgotten import and a misspelled name cost nothing."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _renamed(files: Files, old: str, new: str) -> Files:
 NOISE, READ, RECURSION = "noise_model.noise_size", "sensor_access.returns_two_vectors", "filtering.follows_recursion"
 RECORD, PLOT = "data_collection.returns_named_arrays", "visualization.saves_image"
 
-OTHER, FORGOT = ("other-parameters",), ("import-missing",)
+OTHER = ("other-parameters",)
 
 FILTER_IN_TIME = {
     "alpha=0.1, initial_value=None": "cutoff_hz, dt, initial_value=None",
@@ -194,64 +194,18 @@ PARAMETERS: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = 
     ),
 }  # fmt: skip
 FORGOTTEN: dict[str, tuple[str, str, dict[str, float]]] = {
-    "numpy": (READER, "import numpy as np\n", {RECORD: 3.0}),
-    "mujoco": (READER, "import mujoco\n", {RECORD: 3.0}),
-    "pyplot": (READER, "import matplotlib.pyplot as plt\n", {PLOT: 2.0}),
-    "the reader and all that comes with it": (NOISY, "from imu_reader import *\n", {NOISE: 3.0}),
+    "numpy": (READER, "import numpy as np\n", {}),
+    "mujoco": (READER, "import mujoco\n", {}),
+    "pyplot": (READER, "import matplotlib.pyplot as plt\n", {}),
+    "the reader and all that comes with it": (NOISY, "from imu_reader import *\n", {"visualization.comparison_plot": 4.0}),
     "the noise model and all that comes with it": (FILTER, "from noisy_imu import *\n", {"visualization.comparison_plot": 4.0}),
 }  # fmt: skip
-MISSPELT = {
-    ("LowPassFilter", "LowpassFilter"): RECURSION,
-    ("NoisyIMU", "NoisyImu"): NOISE,
-    ("get_imu_readings", "get_imu_reading"): READ,
-    ("simulate_and_collect", "simulateAndCollect"): RECORD,
-}
-OTHER_METHODS: dict[str, tuple[str, Changes, str]] = {
-    "process": (FILTER, {"def update": "def process", ".update(": ".process("}, RECURSION),
-    "a call": (FILTER, {"def update": "def __call__", "accel_filter.update(": "accel_filter("}, RECURSION),
-    "filter, beside others": (
-        FILTER,
-        {
-            "    def update": "    def reset(self):\n        self.value = None\n\n    def set_alpha(self, alpha):\n        self.alpha = alpha\n\n"
-            "    def filter",
-            ".update(": ".filter(",
-        },
-        RECURSION,
-    ),
-    "of a base": (
-        FILTER,
-        {"class LowPassFilter:": "class Base:\n    def step(self, x):\n        return self.next(x, 1)\n\n\nclass LowPassFilter(Base):",
-         "def update(self, measurement)": "def next(self, measurement, times)", "accel_filter.update(": "accel_filter.step("},
-        RECURSION,
-    ),
-    "get_readings": (NOISY, {"def read(": "def get_readings(", "noisy_imu.read()": "noisy_imu.get_readings()"}, NOISE),
-    "sample": (NOISY, {"def read(": "def sample(", "noisy_imu.read()": "noisy_imu.sample()"}, NOISE),
-}  # fmt: skip
-"""Methods under other names, where only one can be meant."""
-SILENT: dict[str, tuple[str, Changes, str]] = {
-    "the reader": (READER, {"    return acceleration, angular_velocity\n": ""}, READ),
-    "the reader prints": (READER, {"    return acceleration, angular_velocity\n": "    print(f'{acceleration}', acceleration, angular_velocity)\n"}, READ),
-    "the reader, without the word": (READER, {"    return acceleration, angular_velocity\n": "    acceleration, angular_velocity\n"}, READ),
-    "a recording by a name": (READER, {"    return {\n        'time'": "    imu_data = {\n        'time'"}, RECORD),
-    "a recording without the word": (READER, {"    return {\n        'time'": "    {\n        'time'"}, RECORD),
-    "read": (NOISY, {"        return accel_noisy, gyro_noisy\n": ""}, NOISE),
-    "read keeps them": (
-        NOISY,
-        {"        return accel_noisy, gyro_noisy\n": "        self.last = (accel_noisy, gyro_noisy)\n        self.reads = 1\n"},
-        NOISE,
-    ),
-    "update": (FILTER, {"        return self.value.copy()\n": ""}, RECURSION),
-    "update, once it has begun": (
-        FILTER,
-        {
-            "            self.value = measurement.copy()\n": (
-                "            self.value = measurement.copy()\n            return measurement\n"
-            ),
-            "        return self.value.copy()\n": "",
-        },
-        RECURSION,
-    ),
-}  # fmt: skip
+MISSPELLED = (
+    ("LowPassFilter", "LowpassFilter"),
+    ("NoisyIMU", "NoisyImu"),
+    ("get_imu_readings", "get_imu_reading"),
+    ("simulate_and_collect", "simulateAndCollect"),
+)
 _SENSOR = "mujoco.mjtObj.mjOBJ_SENSOR"
 _STORED = (
     "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id)",
@@ -308,16 +262,6 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         | {f'mujoco.mj_name2id(model, {_SENSOR}, "torso_{sensor}")': f'"torso_{sensor}"' for sensor in ("accelerometer", "gyroscope")},
         {READ: 3.0}, OTHER,
     ),
-    "an array that is asked for its truth": (
-        FILTER, {"if self.value is None": "if not self.value"}, {RECURSION: 3.0}, ("array-asked-for-truth",),
-    ),
-    "an array that is compared with nothing": (
-        FILTER, {"if self.value is None": "if self.value == None"}, {RECURSION: 3.0}, ("array-asked-for-truth",),
-    ),
-    "a bias, or another": (
-        NOISY, {"accel_bias if accel_bias is not None else np": "accel_bias or np"}, {NOISE: 3.0}, ("array-asked-for-truth",),
-    ),
-    "a size that is an array": (NOISY, {"self.accel_noise_std, 3)": "self.accel_noise_std, size=accel)"}, {NOISE: 3.0}, ("raises",)),
     "rows that are stored behind the loop": (
         READER, {f"        {line}": f"    {line}" for line in _STORED}, {"data_collection.matches_truth": 6.0}, ("rows-left-zero",),
     ),
@@ -336,23 +280,6 @@ LEGEND, CURVES, LABELS = (
     "visualization.curves_match_data",
     "visualization.axis_labels_with_units",
 )
-LEFT_OUT: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
-    "a style that is nowhere": (READER, {"    fig, axes =": "    plt.style.use('my-style')\n    fig, axes ="}, {PLOT: 2.0}, ("raises",)),
-    "a heading of no size": (
-        READER, {"    plt.tight_layout()\n": "    plt.suptitle('IMU', fontsize='hugee')\n    plt.tight_layout()\n"}, {PLOT: 2.0}, ("raises",),
-    ),
-    "a picture of no resolution": (READER, {"dpi=150": "dpi='high'"}, {PLOT: 2.0}, ("raises",)),
-    "a legend at no place": (READER, {"axes[1].legend()": "axes[1].legend(loc='top')"}, {LEGEND: 1.0}, ("no-legend",)),
-    "a label of no size": (READER, {"(m/s²)')": "(m/s²)', size='hugee')"}, {LABELS: 1.0}, ("no-axis-labels",)),
-    "a curve of no colour": (READER, {"[:, 0], label='X'": "[:, 0], 'grenn', label='X'"}, {CURVES: 5.0 - 4.17}, ("curves-missing",)),
-    "a print in the reader": (
-        READER, {"    return acceleration,": "    print(f'{acceleration:.2f}')\n    return acceleration,"}, {READ: 3.0}, ("raises",),
-    ),
-    "a print of the noise": (
-        NOISY, {"        return accel_noisy,": "        print('noisy: ' + accel_noisy)\n        return accel_noisy,"}, {NOISE: 3.0}, ("raises",),
-    ),
-}  # fmt: skip
-"""A call for its effect alone that raises: what it lacks is charged, or else that it raises."""
 READING = {
     "both readings": ("accel, gyro", "*get_imu_readings(model, data, accel_id, gyro_id)"),
     "the scene": ("model, data", "model, data"),
@@ -360,31 +287,6 @@ READING = {
     "a time step": ("dt", "0.002"),
 }
 """What a `read` takes, and what the program gives it."""
-UNKNOWN: dict[str, tuple[str, dict[str, str], dict[str, float]]] = {
-    "a variable": (FILTER, {"self.alpha * measurement": "self.alpha * measurment"}, {RECURSION: 3.0}),
-    "self of an attribute": (FILTER, {"(1 - self.alpha)": "(1 - alpha)"}, {RECURSION: 3.0}),
-    "self of a method": (FILTER, {"def update(self, measurement)": "def update(measurement)"}, {RECURSION: 3.0}),
-    "self of __init__": (FILTER, {"def __init__(self, alpha": "def __init__(alpha"}, {RECURSION: 3.0}),
-    "an attribute": (FILTER, {"self.alpha = alpha": "self.aplha = alpha"}, {RECURSION: 3.0}),
-    "three attributes that are not kept": (
-        NOISY, {f"        self.{name} = {name}\n": f"        {name} = {name}\n" for name in ("model", "data", "accel_id")},
-        {NOISE: 3.0},
-    ),
-    "a function of NumPy": (NOISY, {"np.random.normal(0, self.gyro_noise_std": "np.random.norml(0, self.gyro_noise_std"}, {NOISE: 3.0}),
-    "NumPy before its function": (READER, {"    times = np.zeros(n_steps)": "    times = zeros(n_steps)"}, {RECORD: 3.0}),
-    "where no bias is given alone": (NOISY, {"np.random.normal(0, 0.01, 3)": "np.random.norml(0, 0.01, 3)"}, {NOISE: 3.0}),
-    "what is returned": (NOISY, {"return accel_noisy, gyro_noisy": "return accel_noisy, gyro_noisey"}, {NOISE: 3.0}),
-    "a member of the data": (READER, {"data.sensordata[gyro_adr": "data.sensor_data[gyro_adr"}, {READ: 3.0}),
-    "a function of MuJoCo": (READER, {"mujoco.mj_resetData(": "mujoco.mj_resetdata("}, {RECORD: 3.0}),
-    "a built-in function": (READER, {"for i in range(n_steps)": "for i in rang(n_steps)"}, {RECORD: 3.0}),
-    "a key": (READER, {"imu_data['angular_velocity'][:, 2]": "imu_data['angular_velocty'][:, 2]"}, {PLOT: 2.0}),
-    "a key as an attribute": (READER, {"imu_data['acceleration'][:, 0]": "imu_data.acceleration[:, 0]"}, {PLOT: 2.0}),
-    "a keyword": (READER, {"label='X'": "lable='X'"}, {PLOT: 2.0}),
-    "a function of pyplot of a panel": (READER, {"axes[1].set_xlabel(": "axes[1].xlabel(", "axes[0].set_ylabel(": "axes[0].ylabel("}, {PLOT: 2.0}),
-    "a function of a panel of pyplot": (READER, {"    plt.tight_layout()\n": "    plt.set_xlabel('Time (s)')\n    plt.tight_layout()\n"}, {PLOT: 2.0}),
-    "two in one line": (FILTER, {"self.alpha * measurement + (1 - self.alpha)": "alpha * measurment + (1 - self.alpha)"}, {RECURSION: 3.0}),
-    "beside a wrong weight": (FILTER, {"(1 - self.alpha) * self.value": "(1 + alpha) * self.value"}, {RECURSION: 6.0}),
-}  # fmt: skip
 
 
 def _chained() -> Files:
@@ -406,33 +308,20 @@ def _chained() -> Files:
 
 
 def _slips() -> Iterator[Slip]:
-    for name, (path, changes, lost, named) in (PARAMETERS | EDITED | LEFT_OUT).items():
+    for name, (path, changes, lost, named) in (PARAMETERS | EDITED).items():
         yield Slip(name, changed(verbatim(), path, changes), lost, named)
     for name, (path, line, lost) in FORGOTTEN.items():
-        named = () if "comparison" in str(lost) else FORGOT  # the script stops there: what it would draw is not known
-        yield Slip(f"forgotten: {name}", changed(verbatim(), path, {line: ""}), lost, named)
-    yield Slip(
-        "forgotten: a partner",
-        changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}),
-        {RECURSION: 3.0},
-        FORGOT,
-    )
-    for name, (path, changes, check) in SILENT.items():
-        yield Slip(f"no return: {name}", changed(verbatim(), path, changes), {check: 3.0}, ("return-missing",))
-    for name, (path, changes, check) in OTHER_METHODS.items():
-        files = changed(verbatim(), path, changes)
-        used = {"noisy_imu.read()": changes["noisy_imu.read()"]} if path == NOISY else {}
-        yield Slip(f"another method: {name}", changed(files, FILTER, used), {check: 3.0}, ("name-missing",))
-    for (name, own), check in MISSPELT.items():
-        yield Slip(f"misspelt: {own}", _renamed(verbatim(), name, own), {check: 3.0}, ("name-missing",))
+        yield Slip(f"forgotten: {name}", changed(verbatim(), path, {line: ""}), lost)
+    yield Slip("forgotten: a partner", changed(tidy(), FILTER, {"from noisy_imu import NoisyIMU\n": ""}), {})
+    for name, own in MISSPELLED:
+        yield Slip(f"misspelled: {own}", _renamed(verbatim(), name, own), {})
+    methods = changed(verbatim(), FILTER, {"def update": "def Up_date", ".update(": ".Up_date("})
+    yield Slip("misspelled: Up_date", methods, {})
     for name, (takes, reads) in READING.items():
         own = {"def read(self)": f"def read(self, {takes})", "noisy_imu.read()": f"noisy_imu.read({reads})"}
         files = changed(verbatim(), NOISY, own)
         files = changed(files, FILTER, {"noisy_imu.read()": own["noisy_imu.read()"]})
         yield Slip(f"read() is given {name}", files, {NOISE: 3.0}, OTHER)
-    for name, (path, changes, lost) in UNKNOWN.items():
-        named = ("gain-not-one",) if "weight" in name else ("unknown-name",)
-        yield Slip(f"unknown: {name}", changed(verbatim(), path, changes), lost, named)
     yield Slip(
         "curves of one sensor in no panel",
         changed(tidy(), READER, {'top.plot(t, imu_data["acceleration"][:, k], label=f"$a_{axis}$")': "pass"}),
@@ -503,8 +392,8 @@ BARE = SHEET.replace(IMPORTS[0], "").replace(IMPORTS[1], "")
     [
         ((*IMPORTS, BARE), {}),
         (("%pylab inline", BARE), {}),
-        ((IMPORTS[1], BARE), {RECORD: 3.0}),
-        ((IMPORTS[0], BARE), {PLOT: 2.0}),
+        ((IMPORTS[1], BARE), {}),
+        ((IMPORTS[0], BARE), {}),
     ],
     ids=["imports in cells of their own", "pylab", "no numpy", "no pyplot"],
 )
@@ -523,15 +412,14 @@ def test_another_word_for_a_function_is_not_its_name(player: Marking) -> None:
     assert [part.points for part in result.criteria] == [0.0, 20.0, 20.0, 20.0, 20.0]
 
 
-def test_what_was_left_out_of_a_plot_is_noted(player: Marking) -> None:
-    path, changes, *_ = LEFT_OUT["a legend at no place"]
-    notes = marked(player, changed(verbatim(), path, changes)).notes
-    assert ": axes[1].legend(loc='top') was left out of the plot, so that the rest counts: ValueError" in str(notes)
-
-
-def test_what_was_lent_is_noted(player: Marking) -> None:
+def test_what_was_supplied_is_noted(player: Marking) -> None:
     notes = marked(player, changed(verbatim(), READER, {"import numpy as np\n": ""})).notes
-    assert "imu_reader.py uses np, not there when it is imported: lent to it, so that the rest counts" in notes
+    assert "imu_reader.py uses np without an import; the grader supplied it" in notes
+
+
+def test_a_misspelled_name_is_noted(player: Marking) -> None:
+    notes = marked(player, _renamed(verbatim(), "LowPassFilter", "LowpassFilter")).notes
+    assert "filters.py defines LowpassFilter, which was taken for LowPassFilter" in notes
 
 
 BORROWED_ON_PURPOSE = {
@@ -546,16 +434,6 @@ BORROWED_ON_PURPOSE = {
 def test_a_name_that_comes_by_another_way_is_not_forgotten(line: str, player: Marking) -> None:
     result = marked(player, changed(verbatim(), READER, {"import numpy as np\n": line}))
     assert (result.score, result.notes) == (100.0, ())
-
-
-def test_a_return_that_a_later_cell_has_is_not_missing(player: Marking) -> None:
-    filters = str(verbatim()[FILTER]).partition("# Test filtering")[0].replace("from noisy_imu import *\n", "")
-    silent = filters.replace("        return self.value.copy()\n", "")
-    assert silent != filters
-    cells = [str(verbatim()[name]).replace("from imu_reader import *\n", "") for name in (READER, NOISY)]
-    last = str(verbatim()[FILTER]).replace("from noisy_imu import *\n", "")
-    assert lost_by(marked(player, _notebook(*cells, silent, last))) == {}
-    assert lost_by(marked(player, _notebook(*cells, last, silent))) == {RECURSION: 3.0}
 
 
 LOOP = """for i in range(n_samples):
@@ -602,10 +480,8 @@ def test_what_a_class_has_beside_the_sheets_methods_is_there_in_its_place(
     assert {check.partition(".")[0] for check in lost_by(marked(player, files))} == criteria
 
 
-@pytest.mark.parametrize(("name", "own"), MISSPELT)
-def test_a_misspelt_name_costs_as_much_in_one_file_and_in_a_notebook(name: str, own: str, player: Marking) -> None:
+@pytest.mark.parametrize(("name", "own"), MISSPELLED)
+def test_a_misspelled_name_counts_in_one_file_and_in_a_notebook(name: str, own: str, player: Marking) -> None:
     """What is asked for is at home there, as the files of the sheet were not handed in."""
     code = SHEET.replace(name, own)
-    assert [lost_by(marked(player, files)) for files in ({"lab.py": code}, _notebook(code))] == [
-        {MISSPELT[name, own]: 3.0}
-    ] * 2
+    assert [lost_by(marked(player, files)) for files in ({"lab.py": code}, _notebook(code))] == [{}, {}]

@@ -98,12 +98,6 @@ def _slips() -> Iterator[Slip]:
         )
     files = edit(tidy(), "filters.py", ("alpha=0.1, initial_value", "alpha, initial_value"))
     yield Slip("filter: alpha has no default", files, {"filtering.follows_recursion": 3.0}, ())
-    yield Slip(
-        "read: a signature of its own, and no Python",
-        _own_signature(),
-        {f"sensor_access.{check}": points for check, points in READER.items()},
-        ("does-not-import",),
-    )
 
 
 RECORDING = "{\n        'time': times,\n        'acceleration': accelerations,\n        'angular_velocity': angular_velocities\n    }"
@@ -161,24 +155,6 @@ def _recorded_as(returned: str, time: str, accel: str, gyro: str) -> Files:
     head, plot = text.split("def plot_imu_data", 1)
     read = [line if "plot(" not in line else line.replace("imu_data['time']", time) for line in plot.split("\n")]
     return verbatim() | {"imu_reader.py": head + "def plot_imu_data" + "\n".join(read)}
-
-
-READER = {
-    "returns_two_vectors": 3.0, "matches_truth": 6.0, "follows_address": 6.0, "reading_is_a_copy": 3.0,
-    "leaves_simulation_alone": 2.0,
-}  # fmt: skip
-
-
-def _own_signature() -> Files:
-    """A reader that nothing can run; the rest calls it without the model, and finds one that takes that."""
-    define = "def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):"
-    files = edit(
-        tidy(),
-        "imu_reader.py",
-        (define, "def get_imu_readings(data, accel_sensor_id, gyro_sensor_id) = =:"),
-        ("get_imu_readings(model, data, accel_id, gyro_id)", "get_imu_readings(data, accel_id, gyro_id)"),
-    )
-    return edit(files, "noisy_imu.py", ("get_imu_readings(self.model, self.data", "get_imu_readings(self.data"))
 
 
 @pytest.mark.parametrize("slip", [*_slips()], ids=lambda slip: slip.name)

@@ -10,7 +10,6 @@ import pytest
 
 from grader.engine import withheld
 from grader.engine.findings import Lost, Ours, Size
-from grader.engine.marking import Marker
 from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
@@ -20,7 +19,7 @@ from grader.people.standing import Standing
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
 from tests.boxes import Opened
-from tests.corpus.pieces import edit, verbatim
+from tests.corpus.pieces import verbatim
 from tests.scoreboard import Case, handed_in
 
 PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
@@ -115,63 +114,6 @@ def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Resu
             assert "Error" not in re.sub(r"\b(Value|Type|Key|Index|Name|Attribute)Error\b", "", text)
             plain = re.sub(r'<dd class="mono">[0-9a-f]+</dd>', "", text)  # our own hashes
             assert [digits for digits in re.findall(r"\d{5,}", plain) if set(digits) - {"0", "1"}] == []
-
-
-_DIGITS = "\n".join(f"token{digit} = {digit}" for digit in range(10))
-_WRONG = ", ".join(f"tokem{digit}" for digit in range(10))
-_TELLS = f"""if measurement is None:
-            {_WRONG}
-        digit = int(abs(float(measurement[0])) * 1e6) % 10
-        if "token" not in str(type(self).update.__code__.co_names):
-            raise NameError("it is not there", name=f"tokem{{digit}}")
-        if self.value is None:"""
-SLIPPING = edit(
-    verbatim(),
-    "filters.py",
-    ("class LowPassFilter", f"{_DIGITS}\n\nclass LowPassFilter"),
-    ("if self.value is None:", _TELLS),
-)
-"""A filter that raises for a name by which it tells a digit of what it was shown, and is sound once that was mended."""
-
-
-def test_what_was_taken_for_a_name_is_not_told(cache: Path, opened: Opened, marker: Marker) -> None:
-    submission = handed_in(Case("sound", "slipping", SLIPPING))
-    assert " tokem" in str(_words(marker.mark(submission)))
-    words = []
-    for seed in ("another secret", "a third one"):
-        with opened(bundles.obtain(seed, cache)) as secret:
-            result = secret.mark(submission)
-        assert result.misconceptions == ("unknown-name",)
-        assert {check.where for part in result.parts for check in part.checks} == {None}
-        words.append(_words(result))
-    assert words[0] == words[1]
-    assert "tokem" not in str(words)
-
-
-_CALLS = "\n".join(f"    if digit == {digit}:\n        print(f'{{[{digit}]:.2f}}')" for digit in range(10))
-PRINTING = edit(
-    verbatim(),
-    "imu_reader.py",
-    (
-        "    plt.tight_layout()\n",
-        f"    digit = int(abs(float(imu_data['acceleration'][7, 1])) * 1e6) % 10\n{_CALLS}\n    plt.tight_layout()\n",
-    ),
-)
-"""A plot that stops at a line by which it tells a digit of what it was shown."""
-
-
-def test_what_was_left_out_of_a_plot_is_not_told(cache: Path, opened: Opened, marker: Marker) -> None:
-    submission = handed_in(Case("sound", "printing", PRINTING))
-    assert "left out" in str(_words(marker.mark(submission)))
-    told = []
-    for seed in ("another secret", "a third one"):
-        with opened(bundles.obtain(seed, cache)) as secret:
-            result = secret.mark(submission)
-        assert result.misconceptions == ("raises",)
-        assert {check.where for part in result.parts for check in part.checks} == {None}
-        told.append((_words(result), [note for note in result.notes if "stepped over" not in note]))
-    assert told[0] == told[1]
-    assert "left out" not in str(told)
 
 
 STEP = "Hold it against Step 6."

@@ -13,7 +13,6 @@ import numpy as np
 
 from grader.engine.findings import Missing
 from grader.engine.loaded import Endings, Loaded, overran
-from grader.engine.slips import Slip
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
 from grader.sandbox.box import Box, Worker
@@ -112,7 +111,6 @@ class Asking:
         self.deadly: dict[str, NoAnswer] = {}
         self._suspects: set[str] = set()
         self._endings = Endings()
-        self.slips: dict[Slip, str] = {}
         self._noted: set[str] = set()
         self._strays: dict[str, dict[str, str]] = {}
         self.broken: set[str] = set()
@@ -177,7 +175,6 @@ class Asking:
             "seed": SEED,
             "withheld": sorted(self.deadly),
             "skipped": self._endings.beside(self.broken),
-            "slips": [slip.fields() for slip in self.slips],
             "place": (PLACE_AT, PLACE_BYTES),
             "homes": dict(self._lab.homes),
             "required": list(self._lab.files),

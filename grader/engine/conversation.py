@@ -13,7 +13,6 @@ from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import Fault, Missing, Ours, Where
 from grader.engine.loaded import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
-from grader.engine.slips import Slip
 from grader.ground.errors import NoAnswer, TimedOut
 from grader.ground.text import printable
 from grader.sandbox.wire import Frame
@@ -21,8 +20,7 @@ from grader.sandbox.wire import Frame
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
 _MOST_BREAKPOINTS = 3
-_MOST_SLIPS = 8  # of a submission; each costs a process
-_DID = {"hints": "lost its type hints", "less": "lost what it stops at", "unread": "could not be read"}
+_DID = {"hints": "lost its type hints"}
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
 
 T = TypeVar("T")
@@ -45,35 +43,8 @@ class Conversation(Asking):
         return self.known_as(called, question.key, lambda: question.becomes(self._put(question)))
 
     def _put(self, question: Question[Any]) -> Frame:
-        return self.mending(
-            question.about, lambda place: self.ask(question.op, {**place, **question.fields}, question.arrays)
-        )
-
-    def mending(self, about: str, ask: Callable[[dict[str, str]], Frame]) -> Frame:
-        """Ask; and again where the function raised for a name that only one thing can be meant by, and that is mended now.
-
-        Parameters
-        ----------
-        about : a bonus is judged as it stands: there is no check to charge it
-        ask : is given the place of what it asks about
-        """
-        charged = any(about in part.names for part in self._lab.parts)
-        before, first = dict(self.slips), None
-        while True:
-            frame = ask({"path": self.place_of(about)})
-            slip = Slip.of(frame) if charged else None
-            first = first or frame
-            if slip is None and (frame is first or _errors(frame) < _errors(first)):
-                return frame
-            if slip is None or slip in self.slips or len(self.slips) >= _MOST_SLIPS:  # it does not help
-                self._mend_only(before)
-                return first
-            self._mend_only(self.slips | {slip: about})
-
-    def _mend_only(self, slips: dict[Slip, str]) -> None:
-        if slips != self.slips:
-            self.slips = slips
-            self.end_session()
+        place = {"path": self.place_of(question.about)}
+        return self.ask(question.op, {**place, **question.fields}, question.arrays)
 
     def load(self, path: str) -> Loaded:
         if path in self.deadly:
@@ -89,7 +60,7 @@ class Conversation(Asking):
                 self.deadly[path] = nothing
                 raise
             loaded = loaded_from(frame, path)
-            if loaded.was_mended and session.has_seen_data:
+            if not loaded.is_clean and session.has_seen_data:
                 return self._load_alone(path)  # or it might tell data of an earlier question, which may be hidden
             session.loaded[path] = loaded
             self._answers.setdefault(("load", path), loaded)
@@ -129,31 +100,6 @@ class Conversation(Asking):
                 return path
         raise self._missing(name, home)
 
-    def misspelt(self, name: str) -> tuple[str, str]:
-        """What of a definition, all of it or a method, has another name than it should have, and that name; else empty."""
-        known = (
-            name,
-            f"{name}.__init__",
-            *(method for method in self._furniture.get("methods", ()) if method.partition(".")[0] == name),
-        )
-        return next((each for each in self.load(self.place_of(name)).misspelt if each[0] in known), ("", ""))
-
-    def lent_to(self, name: str) -> tuple[str, ...]:
-        """What the definition of `name` uses and its file does not import."""
-        return tuple(lent for user, lent in self.load(self.place_of(name)).lent if user == name)
-
-    def slips_in(self, name: str) -> tuple[Slip, ...]:
-        """What the definition of `name` could not be run without, of all that it was asked until now."""
-        return tuple(slip for slip, about in self.slips.items() if about == name)
-
-    def completed_in(self, name: str) -> tuple[Fault, ...]:
-        """What Python refuses in the definition of `name`, or beside it, where what it expected was put there."""
-        return tuple(fault for about, fault in self.load(self.place_of(name)).completed if about == name)
-
-    def returns_nothing(self, name: str) -> bool:
-        """Whether the definition of `name` keeps what it computes; it was let return that."""
-        return name in {each.partition(".")[0] for each in self.load(self.place_of(name)).unreturned}
-
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
         """One line a file, which grows by each name that is found there: a notebook holds them all."""
         strays = self._strays.setdefault(path, {})
@@ -169,18 +115,11 @@ class Conversation(Asking):
         if path in self._noted:
             return
         self._noted.add(path)
-        for name, own in loaded.misspelt:
+        for name, own in loaded.misspelled:
             self.note(f"{printable(path, 120)} defines {printable(own, 60)}, which was taken for {name}")
-        if names := ", ".join(dict.fromkeys(name for _, name in loaded.lent)):
-            self.note(
-                f"{printable(path, 120)} uses {names}, not there when it is imported: lent to it, so that the rest counts"
-            )
-        for _, fault in loaded.completed:
-            self.note(f"{fault.where}: {fault.type}, {printable(fault.message, 200)}: mended, so that the rest counts")
-        for name in loaded.unreturned:
-            self.note(
-                f"{printable(path, 120)}: {printable(name, 60)} has no return at its end; what stands last there was taken"
-            )
+        if names := ", ".join(dict.fromkeys(loaded.supplied)):
+            them = "it" if "," not in names else "them"
+            self.note(f"{printable(path, 120)} uses {names} without an import; the grader supplied {them}")
         for first in loaded.stepped_over[:1]:
             did = _DID.get(first.how, "was stepped over")
             more = len(loaded.stepped_over) - 1
@@ -208,18 +147,18 @@ class Conversation(Asking):
 
     def _missing(self, name: str, home: str) -> Missing:
         there = [home] if home in self.paths else []
-        for path in (*there, *self._elsewhere(name, home)):
+        places = (*there, *self._elsewhere(name, home))
+        for path in places:
             for each in self.load(path).stepped_over:
-                if name in each.defines and each.how == "unread":
-                    return _refused(name, each.fault, path)
                 if name in each.defines:
                     more = THERE if each.fault.type == "ModuleNotFoundError" else ""
                     why = f"{each.where} did not define {name}: {each.why}{more}"
                     return Missing(name, mistake_of(each), why, each.at)
+        for path in places:
+            if (fault := self.load(path).unreadable) is not None:
+                return _refused(name, fault, path)
         if not there:
             return Missing(name, "file-missing", f"{home} was not handed in, and no other file defines {name}")
-        if (fault := self.load(home).unreadable) is not None:
-            return _refused(name, fault, home)
         return Missing(name, "name-missing", f"{home} does not define {name}")
 
     def note(self, text: str, hidden: Ours | None = None) -> None:
@@ -250,13 +189,6 @@ def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Conca
         return student.once((find, more, tuple(named.items())), lambda: find(student, truth, *more, **named))
 
     return known
-
-
-def _errors(frame: Frame) -> int:
-    """How often the function raised, in a question of several cases in each; a process may claim anything to be these."""
-    cases = frame.fields.get("cases")
-    asked = [frame.fields, *(cases if isinstance(cases, list) else ())]
-    return sum(isinstance(each, Mapping) and each.get("error") is not None for each in asked)
 
 
 def _refused(name: str, fault: Fault, path: str) -> Missing:

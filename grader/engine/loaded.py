@@ -76,36 +76,30 @@ class Loaded:
     names : the required names that it defines
     unreadable : why it is no Python, if it is not
     stepped_over : its statements that did not end well
-    lent : which of these names uses something that the file does not import, and what
-    misspelt : which of these names another one was taken for, and that name
-    completed : what Python expected and was put there, and of which of these names' definitions it is told
-    unreturned : which of these functions, or methods of these classes, return nothing of what they have computed
+    supplied : names that the file uses and forgot to import, which it was given
+    misspelled : which of these names, or methods of these classes, are spelled differently, and how
     frame : the whole answer, for what else a lab reads in it
     """
 
     names: frozenset[str]
     unreadable: Fault | None
     stepped_over: tuple[SteppedOver, ...]
-    lent: tuple[tuple[str, str], ...]
-    misspelt: tuple[tuple[str, str], ...]
-    unreturned: tuple[str, ...]
-    completed: tuple[tuple[str, Fault], ...]
+    supplied: tuple[str, ...]
+    misspelled: tuple[tuple[str, str], ...]
     frame: Frame
 
     @property
-    def was_mended(self) -> bool:
-        """Whether anything in it had to be stepped over, or mended, before its definitions were there."""
-        mends = (self.stepped_over, self.lent, self.misspelt, self.unreturned, self.completed)
-        return self.unreadable is not None or any(mends)
+    def is_clean(self) -> bool:
+        """Whether it was imported as it is: nothing stepped over, supplied or called by another name."""
+        return self.unreadable is None and not (self.stepped_over or self.supplied or self.misspelled)
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
     """The answer to `load`, of which other files' statements are left out."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
-    lent, misspelt = (tuple((name, other) for name, other in frame.fields[key]) for key in ("lent", "misspelt"))
+    misspelled = tuple((name, other) for name, other in frame.fields["misspelled"])
     names, unreadable = frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"])
-    completed = tuple((name, fault) for name, facts in frame.fields["completed"] if (fault := Fault.of(facts)))
-    return Loaded(names, unreadable, own, lent, misspelt, tuple(frame.fields["unreturned"]), completed, frame)
+    return Loaded(names, unreadable, own, tuple(frame.fields["supplied"]), misspelled, frame)
 
 
 def overran(frame: Frame) -> list[SteppedOver]:

@@ -93,7 +93,6 @@ def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rul
     try:
         if op not in _WITHOUT_FAULT:
             maybe(fault)(frame.fields.get("error"))
-            maybe(_slip)(frame.fields.get("slip"))
         {**_RULES, **rules}[op](answer)
     except Wrong as wrong:
         raise Malformed(f"what came back is no answer to {op!r}: {wrong}") from None
@@ -193,7 +192,6 @@ def every(*kinds: Callable[[Any], None]) -> Kind:
 
 short, long = text(_SHORT), text(_TEXT)
 fault = record(type=short, message=long, file=maybe(short), line=maybe(whole), text=maybe(long), name=maybe(short))
-_slip = record(path=long, function=whole, at=whole, kind=short, own=short, meant=short)
 _stepped_over = record(
     type=short,
     message=long,
@@ -259,19 +257,9 @@ def _outline(answer: Answer) -> None:
 def _load(answer: Answer) -> None:
     answer.part("names", listed(short, _NAMES))
     answer.part("unreadable", maybe(fault))
-    answer.part("lent", listed(listed(short, 2, 2), _NAMES))
-    answer.part("misspelt", listed(listed(short, 2, 2), _NAMES))
-    answer.part("completed", listed(_completed, _NAMES))
-    answer.part("unreturned", listed(short, _NAMES))
+    answer.part("supplied", listed(short, _NAMES))
+    answer.part("misspelled", listed(listed(short, 2, 2), _NAMES))
     _run_script(answer)
-
-
-def _completed(value: Any) -> None:
-    """The name of a definition, and what Python refuses there."""
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise Wrong("no name and what belongs to it")
-    short(value[0])
-    fault(value[1])
 
 
 def _run_script(answer: Answer) -> None:

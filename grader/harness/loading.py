@@ -16,8 +16,8 @@ import types
 from pathlib import Path
 from typing import Any
 
-from . import compiling, desktop, drawing, faults, notebooks, packages, recorder, spelling, standins, stepping, world
-from .lending import Lending
+from . import compiling, desktop, drawing, faults, fuzzy_names, notebooks, packages, recorder, standins, stepping, world
+from .missing_imports import MissingImports
 from .submission import STATE
 
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
@@ -32,7 +32,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     STATE.stepper = stepping.Stepper(skipped, tuple(fields["place"]), list(fields["homes"]))
     STATE.homes = {name: file.removesuffix(".py") for name, file in fields["homes"].items()}
     STATE.required = tuple(file.removesuffix(".py") for file in fields["required"])
-    STATE.furniture, STATE.slips = fields["furniture"], fields["slips"]
+    STATE.furniture = fields["furniture"]
     os.makedirs(_FOLDER, exist_ok=True)
     os.chdir(_FOLDER)
     STATE.folder = os.getcwd()
@@ -60,14 +60,8 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
-    answer["lent"] = STATE.lent.get(path, [])
-    answer["misspelt"] = [
-        *STATE.misspelt.get(path, []),
-        *STATE.other_methods.get(path, {}).items(),
-        *STATE.begun.get(path, []),
-    ]
-    answer["completed"] = [*STATE.completed.get(path, []), *STATE.stepper.lessened(path)]
-    answer["unreturned"] = [name for name, lacked in STATE.unreturned.get(path, {}).items() if lacked]
+    answer["supplied"] = STATE.supplied.get(path, [])
+    answer["misspelled"] = [*STATE.misspelled.get(path, []), *STATE.misspelled_methods.get(path, {}).items()]
     return seen | answer | {"unreadable": _unreadable(path), "stepped_over": STATE.stepper.noted}, arrays
 
 
@@ -215,15 +209,15 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     if units is None:
         return False
     known = len(STATE.stepper.noted)
-    lending = _lending_to(path, units, names)
-    _run_units(units, path, names, lending)
-    lending.at_end(names)
-    STATE.misspelt.setdefault(path, [*standins.put_right(path, units, names)])
+    missing = _missing_imports(path, units, names)
+    _run_units(units, path, names, missing)
+    missing.at_end(names)
+    STATE.misspelled.setdefault(path, [*standins.put_right(path, units, names)])
     return len(STATE.stepper.noted) == known
 
 
-def _lend(name: str) -> Any:
-    """A library of the sheet, or what a partner defines."""
+def _library_or_partner(name: str) -> Any:
+    """Return a library of the sheet, or what a partner file defines; None where there is neither."""
     if name not in STATE.homes:
         return STATE.sheet_names(STATE.furniture).get(name)
     try:
@@ -237,25 +231,27 @@ def _unreadable(path: str) -> dict[str, Any] | None:
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 
-def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], lending: Lending) -> None:
-    meant = dict(spelling.other_methods([unit.node for unit in units], STATE.furniture.get("methods", {})))
+def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], missing: MissingImports) -> None:
+    wanted = STATE.furniture.get("methods", ())
+    meant = dict(fuzzy_names.misspelled_methods([unit.node for unit in units], wanted))
 
     def after(node: ast.stmt) -> None:
         if isinstance(node, ast.ClassDef):
-            known = STATE.other_methods.setdefault(path.partition(":cell ")[0], {})
-            spelling.call_by_right_names(names.get(node.name), node.name, meant, known)
+            known = STATE.misspelled_methods.setdefault(path.partition(":cell ")[0], {})
+            fuzzy_names.call_by_right_names(names.get(node.name), node.name, meant, known)
         bound = [name for name in stepping.bound(node) if name in STATE.standins]
         names.update({name: standins.in_place_of(names.get(name), name) for name in bound})
-        lending.after(node, names)
+        missing.after(node, names)
 
     STATE.stepper.run(units, path, names, after)
 
 
-def _lending_to(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Lending:
-    lending = Lending(units, STATE.furniture.get("libraries", ()), STATE.stepper.wanted, _lend)
-    lending.before(names)
-    STATE.lent.setdefault(path, lending.lent)
-    return lending
+def _missing_imports(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> MissingImports:
+    libraries = STATE.furniture.get("libraries", ())
+    missing = MissingImports(units, libraries, STATE.stepper.wanted, _library_or_partner)
+    missing.before(names)
+    STATE.supplied.setdefault(path, missing.supplied)
+    return missing
 
 
 # --- notebooks -----------------------------------------------------------------------------------------------------------
@@ -278,11 +274,11 @@ def _run_cells(path: str, names: dict[str, Any]) -> None:
         text, name = source.encode("utf-8", "replace"), f"{path}:cell {number}"
         cells[name] = compiling.units_in(text, name, flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT) or []
     every = [unit for units in cells.values() for unit in units]
-    lending = _lending_to(path, every, names)
+    missing = _missing_imports(path, every, names)
     for name, units in cells.items():
-        _run_units(units, name, names, lending)
-    lending.at_end(names)
-    STATE.misspelt.setdefault(path, [*standins.put_right(path, every, names)])
+        _run_units(units, name, names, missing)
+    missing.at_end(names)
+    STATE.misspelled.setdefault(path, [*standins.put_right(path, every, names)])
 
 
 def _run_magic(line: str, names: dict[str, Any]) -> None:

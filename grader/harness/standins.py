@@ -7,7 +7,7 @@ import types
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from . import compiling, spelling, stepping
+from . import compiling, fuzzy_names, stepping
 from .submission import STATE
 
 
@@ -42,16 +42,16 @@ def in_place_of(own: Any, name: str) -> Any:
         return standin
     sheets = {part for kind in standin.__mro__ for part in vars(kind)}
     methods = (types.FunctionType, classmethod, staticmethod)
-    members = [member for kind in reversed(type.mro(own)) for member in spelling.members_of(kind).items()]
+    members = [member for kind in reversed(type.mro(own)) for member in fuzzy_names.members_of(kind).items()]
     beside = {part: value for part, value in members if isinstance(value, methods) and part not in sheets}
-    meant = (each for known in STATE.other_methods.values() for each in known.items())
+    meant = (each for known in STATE.misspelled_methods.values() for each in known.items())
     beside |= {method: getattr(standin, n.partition(".")[2]) for n, method in meant if n.startswith(f"{name}.")}
     return type(name, (standin,), beside)
 
 
 def put_right(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Give a file's definitions that are misspelt their right names; where these have stand-ins, the slips stand for them too."""
-    for name, own in spelling.slips([unit.node for unit in units], STATE.at_home_in(path)):
+    for name, own in fuzzy_names.misspelled([unit.node for unit in units], STATE.at_home_in(path)):
         if name in STATE.standins:
             names[own] = in_place_of(names.get(own), name)
         elif own in names:

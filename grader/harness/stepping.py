@@ -18,13 +18,12 @@ import os
 import signal
 import time
 import types
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from inspect import CO_COROUTINE
 from typing import Any, TypeGuard
 
 from . import faults
-from .lessening import lessened
 
 _REAL_CLOCK, _CPU_CLOCK = time.monotonic, time.process_time  # student code finds others, see `world`
 _TICK_S = 0.25
@@ -53,18 +52,6 @@ class NotThere:
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(name) if name.startswith("__") else self._error()
-
-
-class Gap(ast.Assign):
-    """Stands for lines that are no Python, and for the names that went with them."""
-
-    refused: SyntaxError
-
-    @classmethod
-    def of(cls, lost: Sequence[str], refused: SyntaxError) -> Gap:
-        gap = cls([ast.Name(name, ast.Store()) for name in lost], ast.Constant(None), lineno=refused.lineno or 1)
-        gap.refused = refused
-        return gap
 
 
 @dataclass(frozen=True)
@@ -159,9 +146,7 @@ class Stepper:
         """Run these statements of a file among these names; `after` is called after each that has run."""
         names["__builtins__"] = vars(builtins)  # those that all modules share: the harness's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
-            if isinstance(unit.node, Gap):
-                self._note(path, unit, "unread", unit.node.refused)
-            elif why := self._skipped.get((path, unit.number)):
+            if why := self._skipped.get((path, unit.number)):
                 self._note(path, unit, "ended", why)
             else:
                 self._run_in_place(path, unit, names)
@@ -185,25 +170,26 @@ class Stepper:
             within = _callables_on(interrupted.__traceback__, self.wanted)
             self._note(path, unit, "overran", "it had not ended when its time was up", within)
         except BaseException as raised:  # whatever student code raises, SystemExit included
-            self._mend(path, unit, names, raised)
+            self._step_over(path, unit, names, raised)
 
-    def _mend(self, path: str, unit: Unit, names: dict[str, Any], raised: BaseException) -> None:
-        """Keep of a statement that raised what can be kept: imports beside one that failed, definitions without their hints."""
+    def _step_over(self, path: str, unit: Unit, names: dict[str, Any], raised: BaseException) -> None:
+        """Note a statement that raised, and keep what did not need what is missing: other imports, definitions but for their hints.
+
+        Hints are evaluated when somebody asks for them, as Python does from 3.14 on.
+        """
         if isinstance(unit.node, _IMPORTS) and isinstance(raised, ImportError):
             self._import_the_rest(path, unit, names, raised)
             return
-        how = "raised"
-        if isinstance(unit.node, DEFINITIONS) and isinstance(raised, Exception):
-            how = next((how for how, node in lessened(unit.node, raised) if self._is_made(unit, node, names, how)), how)
-        if how == "raised" and isinstance(raised, ImportError):  # a helper's decorator, say
-            lost = [name for name in bound(unit.node) if name not in self.wanted]
+        is_defined = isinstance(unit.node, DEFINITIONS) and isinstance(raised, Exception)
+        how = "hints" if is_defined and self._is_defined_without_hints(unit, names) else "raised"
+        if how == "raised" and isinstance(raised, ImportError):
+            lost = [name for name in bound(unit.node) if name not in self.wanted]  # a helper's decorator, say
             names.update({name: _not_imported(raised) for name in lost if name not in names})
         self._note(path, unit, how, raised)
 
-    def _is_made(self, unit: Unit, node: ast.stmt, names: dict[str, Any], how: str) -> bool:
-        """Whether a definition is made without a part of it."""
+    def _is_defined_without_hints(self, unit: Unit, names: dict[str, Any]) -> bool:
         try:
-            _evaluate(_compiled(node, unit.code.co_filename, _HINTS_AS_TEXT if how == "hints" else 0), names)
+            _evaluate(_compiled(unit.node, unit.code.co_filename, _HINTS_AS_TEXT), names)
         except Exception:
             return False
         return True
@@ -234,12 +220,6 @@ class Stepper:
     def defined(self, names: dict[str, Any]) -> list[str]:
         """Which of the wanted names are there."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], NotThere)]
-
-    def lessened(self, path: str) -> list[tuple[str, dict[str, Any]]]:
-        """The wanted names whose definitions in a file were made without what they stopped at, and what they stopped at."""
-        own = [each for each in self.noted if each["how"] == "less" and each["path"].partition(":cell ")[0] == path]
-        facts = ("type", "message", "file", "line", "text", "name")
-        return [(name, {key: each[key] for key in facts}) for each in own for name in each["defines"]]
 
     def _write_place(self) -> None:
         """For the case that this process does not come back; it may have closed or filled what it writes to."""
@@ -312,8 +292,7 @@ def units_of(tree: ast.Module, name: str, *, flags: int = 0) -> list[Unit]:
 
 
 def _compiled(node: ast.stmt, name: str, flags: int = 0) -> types.CodeType:
-    body = [] if isinstance(node, Gap) else [node]
-    code: types.CodeType = compile(ast.Module(body, []), name, "exec", flags, dont_inherit=True)
+    code: types.CodeType = compile(ast.Module([node], []), name, "exec", flags, dont_inherit=True)
     return code
 
 

@@ -20,16 +20,10 @@ class _State:
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
         self.furniture: dict[str, Any] = {}
-        # by file: what is asked for, and which method, with the name that it has there; who uses what the file does not import; who
-        # lacks a return; what Python expected there, with whom it belongs to
-        self.misspelt: dict[str, list[tuple[str, str]]] = {}
-        self.begun: dict[str, list[tuple[str, str]]] = {}
-        self.other_methods: dict[str, dict[str, str]] = {}
-        self.lent: dict[str, list[tuple[str, str]]] = {}
-        self.completed: dict[str, list[tuple[str, dict[str, Any]]]] = {}
-        self.unreturned: dict[str, dict[str, bool]] = {}
-        self.slips: list[dict[str, Any]] = []  # that are mended, and the one that was noticed since, see `slips`
-        self.slip: dict[str, Any] | None = None
+        # by file: required names and methods with the names that they have there; names that the file forgot to import
+        self.misspelled: dict[str, list[tuple[str, str]]] = {}
+        self.misspelled_methods: dict[str, dict[str, str]] = {}
+        self.supplied: dict[str, list[str]] = {}
         self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
 
     def at_home_in(self, path: str) -> list[str]:

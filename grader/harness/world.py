@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from . import absent, desktop, earlier
+from . import compat, desktop
 
 _MAX_INPUTS = 100
 
@@ -32,7 +32,6 @@ def import_libraries() -> None:
     import PIL.Image  # noqa: F401
 
     plt.switch_backend("Agg")
-    absent.stand_in()
     _share_wrappers()
 
 
@@ -88,7 +87,7 @@ def furnish(furniture: Mapping[str, Any], *, run_magic: desktop.RunMagic) -> Non
     if "model" in furniture:
         _place_model(pathlib.PurePosixPath(furniture["sheet_model"]), furniture["model_file"], furniture["model"])
     _answer_input()
-    earlier.give_back()
+    compat.give_back()
     desktop.furnish(run_magic)
     _let_time_pass_with_the_work()
     _make_signals_deadly()

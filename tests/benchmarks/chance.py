@@ -107,21 +107,6 @@ class Model:
         accel, gyro = (np.array([getattr(run, name)[0] for run in runs]) for name in ("accel", "gyro"))
         return NoiseRun(accel, gyro, np.zeros((0, 4)), None, None)
 
-    def misspelt(self, _name: str) -> tuple[str, str]:
-        return "", ""
-
-    def lent_to(self, _name: str) -> tuple[str, ...]:
-        return ()
-
-    def slips_in(self, _name: str) -> tuple[str, ...]:
-        return ()
-
-    def completed_in(self, _name: str) -> tuple[str, ...]:
-        return ()
-
-    def returns_nothing(self, _name: str) -> bool:
-        return False
-
     def default_bias(self, *, instances: int, reads: int, **_: Any) -> NoiseRun:
         parts = [
             clean[0] + np.repeat(self._rng.normal(0, size, (instances, 1, 3)), reads, axis=1)

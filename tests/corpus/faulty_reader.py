@@ -193,9 +193,9 @@ READER_FAULTS = [
     fault("cut-to-integers", "precision-lost", tidy_reader((DIM_RETURN, "    return data.sensordata[adr:adr + dim].astype(int)\n"))),
     fault("one-stacked-array", "wrong-return-type", sheet((SHEET_RETURN, "    return np.concatenate([acceleration, angular_velocity])\n")), also=("wrong-length",)),
     fault("a-dictionary", "wrong-return-type", sheet((SHEET_RETURN, "    return {'accel': acceleration, 'gyro': angular_velocity}\n"))),
-    fault("printed-not-returned", "return-missing", sheet((SHEET_RETURN, "    print(acceleration, angular_velocity)\n"))),
+    fault("printed-not-returned", "wrong-return-type", sheet((SHEET_RETURN, "    print(acceleration, angular_velocity)\n"))),
     fault("reader-gives-nan", "not-finite", after("acceleration = acceleration / 0 * 0", "angular_velocity = angular_velocity * np.nan")),
-    fault("misspelt-in-reader", "unknown-name", sheet((SHEET_SLICES[0], "acceleration = data.sensor_data[accel_adr:accel_adr+3].copy()"))),
+    fault("misspelt-in-reader", "raises", sheet((SHEET_SLICES[0], "acceleration = data.sensor_data[accel_adr:accel_adr+3].copy()"))),
     fault("index-beyond-the-end", "raises", read("a, g = model.sensor_adr[accel_sensor_id], model.sensor_adr[gyro_sensor_id]\n"
                                                  "return np.array([data.sensordata[a + k * 40] for k in range(3)]), data.sensordata[g:g + 3].copy()"), also=("index-out-of-bounds",)),
     fault("reader-under-another-name", "name-missing", edit(edit(listy(), "imu_reader.py", ("def get_imu_readings(", "def read_imu("), ("get_imu_readings(model, data, accel_id, gyro_id)", "read_imu(model, data, accel_id, gyro_id)")), "noisy_imu.py", ("from imu_reader import MODEL_PATH, get_imu_readings", "from imu_reader import MODEL_PATH, read_imu"), ("get_imu_readings(self.model", "read_imu(self.model"))),

@@ -281,8 +281,7 @@ def ask_filtering(spaces: list[dict[str, Any]]) -> list[str]:
 # stand-ins for scripts, and looks at the criterion alone.
 STOPS = {
     "raises", "never-returns", "kills-its-process", "wrong-return-type", "wrong-length", "not-finite", "name-missing", "missing-package",
-    "file-missing", "does-not-import", "import-missing", "return-missing", "unknown-name", "other-parameters", "wrong-keys", "arrays-transposed",
-    "array-asked-for-truth",
+    "file-missing", "does-not-import", "unknown-name", "other-parameters", "wrong-keys", "arrays-transposed",
 }  # fmt: skip
 UNREAD = {"legend-order-wrong", "panels-swapped", "one-panel"}  # it reads no words
 

@@ -16,7 +16,7 @@ from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
 from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import Story, Worlds
-from tests.judging.made import Case, Made, finding, is_as_marked, marked, misfits, truth
+from tests.judging.made import Case, Made, finding, is_as_marked, marked, truth
 
 NAMED, COUNT, TIME, TRUTH, RESET, PUSH = (
     checks.check_returns_named_arrays,
@@ -726,7 +726,6 @@ CASES = [
     }.items()
     for name, kind, marked in rows
 ]
-CASES += misfits(NAMED, lambda: Made(simulate_and_collect=_function(SOUND())), "simulate_and_collect", 0.0)
 CASES.append(Case("in another order", NAMED, lambda: Made(simulate_and_collect=_turned), (0.0, ["other-parameters"])))
 
 

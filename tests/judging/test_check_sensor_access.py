@@ -16,7 +16,7 @@ from grader.engine.findings import Fault, Lost, Unusable
 from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks import check_sensor_access as checks
-from tests.judging.made import Case, Made, finding, is_as_marked, misfits, truth
+from tests.judging.made import Case, Made, finding, is_as_marked, truth
 
 Reader = Callable[..., Any]
 RETURNS, MATCHES, FOLLOWS, COPY, ALONE = (
@@ -352,7 +352,6 @@ CASES = [
     }.items()
     for name, reader, marked in rows
 ]
-CASES += misfits(RETURNS, lambda: Made(get_imu_readings=sound), "get_imu_readings", 0.0)
 
 
 @pytest.mark.quick

@@ -17,7 +17,7 @@ from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
-from tests.judging.made import Case, Made, is_as_marked, misfits, truth
+from tests.judging.made import Case, Made, is_as_marked, truth
 
 SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
     checks.check_saves_image,
@@ -728,7 +728,6 @@ CASES += [
     Case("saved before the words were written, a little outside", SAVES, _late(_NO_WORDS, finally_=_cropped), (0.0, [])),
     Case("saved before it was spoilt", PANELS, _late(lambda s: s.says(axes=Sheet().panels), finally_=_exchanged), None),
 ]  # fmt: skip
-CASES += misfits(SAVES, drawn(), "plot_imu_data", 0.0)
 
 
 @pytest.mark.quick

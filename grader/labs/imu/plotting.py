@@ -24,17 +24,9 @@ from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot
 from grader.labs.imu.robot import robot_of
 from grader.sandbox.box import Box
-from grader.sandbox.wire import Frame
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
-_RETURNS = {
-    "get_imu_readings": "pair",
-    "simulate_and_collect": "mapping",
-    "NoisyIMU.read": "pair",
-    "LowPassFilter.update": "value",
-}
-_METHODS = {"NoisyIMU.read": 0, "LowPassFilter.update": 1, "ComplementaryFilter.update": 2}
-"""How many values each is given."""
+_METHODS = ("NoisyIMU.read", "LowPassFilter.update", "ComplementaryFilter.update")
 _DATA_FILE = re.compile(
     rb"\.(?:np[yz]|csv|tsv|txt|dat|json|ya?ml|pkl|pickle|mat|h5|hdf5|parquet|feather|db|sqlite3?)[\"']"
 )
@@ -57,8 +49,7 @@ class Plotting(Conversation):
             "imu": robot.imu,
             "sheet_model": lab.model,
         }
-        furniture |= {"returns": _RETURNS, "methods": _METHODS}
-        furniture["libraries"] = ("mujoco", "np", "numpy", "plt")
+        furniture |= {"methods": _METHODS, "libraries": ("mujoco", "np", "numpy", "plt")}
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures
         super().__init__(box, lab, own, furniture=furniture, **limits)
@@ -81,7 +72,7 @@ class Plotting(Conversation):
 
         If it raises, it is given what the submission's own recorder returns of such a run: an object of the submission's own, or a
         dictionary with labels and settings beside the numbers. If it raises again, it gets the sheet's recording: a key that is
-        misspelled where the data is recorded is no fault of the plot's. If it raises for all of them, it is mended.
+        misspelled where the data is recorded is no fault of the plot's.
 
         Parameters
         ----------
@@ -107,7 +98,7 @@ class Plotting(Conversation):
         if drawing.fault is None:
             return drawing
         as_on_sheet = drawing if data.keys() == sheet.keys() else self._plotted(sheet)
-        return self._plotted(data, mended=True) if as_on_sheet.fault else as_on_sheet
+        return drawing if as_on_sheet.fault else as_on_sheet
 
     def _plotted_as_recorded(
         self, data: Mapping[str, Array], sheet: Mapping[str, Array], ids: tuple[int, int]
@@ -127,18 +118,11 @@ class Plotting(Conversation):
         data: Mapping[str, Array],
         recorder: Mapping[str, Any] | None = None,
         shown: Mapping[str, Array] | None = None,
-        *,
-        mended: bool = False,
     ) -> Drawing:
         keys = {name: f"d{number}" for number, name in enumerate(data)}
         arrays = {keys[name]: value for name, value in data.items()} | dict(shown or {})
-
-        def ask(place: dict[str, str]) -> Frame:
-            return self.ask("plot", place | {"keys": keys, "recorder": recorder}, arrays)
-
-        if mended:
-            return drawing_of(self.mending("plot_imu_data", ask))
-        return drawing_of(ask({"path": self.place_of("plot_imu_data")}))
+        place = {"path": self.place_of("plot_imu_data")}
+        return drawing_of(self.ask("plot", place | {"keys": keys, "recorder": recorder}, arrays))
 
     def scripts(self) -> Iterator[Drawing]:
         """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.

@@ -66,7 +66,7 @@ def _filter_case(
                 value, row = _filtered(update, measurement, case["handling"], answer, packer)
             first = first if rows else value
             rows.append(row)
-            kept.append(_kept_in(instance) if answer["odd"] else [])
+            kept.append(_kept_in(instance) if answer["odd"] and value is not None else [])
             if beside is not None:
                 beside(100.0 - 3.0 * measurement)
         if isinstance(first, np.ndarray) and first.size == rows[0].size:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import faults, recorder, saved, slips, submission, world
+from grader.harness import faults, recorder, saved, submission, world
 from grader.harness.calling import way_of
 from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
@@ -24,14 +24,13 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 
 @contextmanager
-def examined(answer: dict[str, Any], *, drawing: bool = False) -> Iterator[None]:
+def examined(answer: dict[str, Any]) -> Iterator[None]:
     """Catch whatever student code raises and note it in the answer."""
     try:
         with world.at_home(submission.STATE.folder):
             yield
     except BaseException as raised:  # whatever student code raises, SystemExit included
         answer["error"] = faults.describe(raised)
-        slips.notice(raised, drawing=drawing)
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
@@ -279,7 +278,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     given: Any = {
         name: arrays[key].copy() if arrays[key].ndim else float(arrays[key]) for name, key in fields["keys"].items()
     }
-    with examined(answer, drawing=True):
+    with examined(answer):
         way = way_of(function, calls.PLOTTER)
         recorded = _recorded(fields["recorder"], arrays, given) if fields["recorder"] else given
         with own_globals.recorded_as(recorded, function, calls.PLOTTER[:4]) as read_instead:

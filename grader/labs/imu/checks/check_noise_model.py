@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 
 from grader.engine.examination import check
-from grader.engine.findings import Fault, Lost, Ours, Size, Skipped, raised
+from grader.engine.findings import Lost, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
@@ -26,8 +26,6 @@ _THE_SAME = 0.99
 """Of a correlation: what goes into one channel goes into the other, and next to nothing else does."""
 _ALIKE = 0.1
 """Of a spread over the axes: ten times what the noise leaves of it in the mean of all reads."""
-_TRUTH_OF_ARRAY = "truth value of an array"
-"""What NumPy says where a bias is tested with `or`, with `not`, or with `==`."""
 _SIZE_CHECK, _GIVEN_CHECK, _LAW_CHECK = (
     "noise_model.noise_size",
     "noise_model.given_bias",
@@ -117,7 +115,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     """A bias that is given is added to every reading, zero included"""
     sensors, silent = runs.given(student, truth), runs.without_noise(student, truth)
     for key in ("given", "silent"):
-        _is_taken(runs.asked(student, truth, key, given=True).fault)
+        raised(runs.asked(student, truth, key, given=True).fault, "reading the noisy IMU with given biases")
     if runs.returns_exchanged(student, truth):
         raise Lost(
             "accel first and gyro second from read(), each with its own bias",
@@ -179,18 +177,6 @@ def _has_stds_swapped(student: Student, truth: Traces) -> bool:
     """Whether each sensor has the other's standard deviation, which noise_size charges."""
     again, silent = runs.given_again(student, truth), runs.without_noise_or_drift(student, truth)
     return diagnosis.size_mistakes(runs.steady(student, truth), again, silent) == ["stds-swapped"]
-
-
-def _is_taken(fault: Fault | None) -> None:
-    if fault is not None and _TRUTH_OF_ARRAY in fault.message:
-        raise Lost(
-            "a bias given as an array of three that is used as it is",
-            f"an exception{f' at {fault.where}' if fault.where else ''}: the bias, an array, was asked whether it is true or false",
-            off=Size("an exception: the bias, an array, was asked whether it is true or false"),
-            fault=fault,
-            mistakes=["bias-argument-ignored"],
-        )
-    raised(fault, "reading the noisy IMU with given biases")
 
 
 def _bias_is_right(facts: Facts) -> bool:

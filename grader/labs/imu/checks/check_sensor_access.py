@@ -34,7 +34,7 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
         raise Lost(_FORM, got, mistakes=["wrong-return-type"])
     if got:
         raise Lost(_FORM, got, mistakes=[_of_form(readings)], belongs_to=(_VALUES, _PLACE))
-    fits_in(student, "get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
+    fits_in("get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
 
 
 _FORM = "a tuple of two arrays of shape (3,)"

@@ -12,6 +12,7 @@ from grader.engine.examination import check
 from grader.engine.figures import Figure
 from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
+from grader.ground.errors import NoAnswer
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
@@ -27,7 +28,6 @@ from grader.labs.imu.checks.plot_runs import (
     drawn_plot,
     finished,
     has_curves,
-    left_out,
     plot_of,
     recorded_unit,
 )
@@ -38,14 +38,6 @@ from grader.labs.imu.student import Student
 _COMPARISON = "filtered_imu.png"
 _CURVES = "visualization.curves_match_data"
 """This charges what another check sees as well."""
-_OF_A_CALL = (
-    _CURVES,
-    "visualization.two_labelled_panels",
-    "visualization.axis_labels_with_units",
-    "visualization.legend_names_curves",
-    "visualization.titles",
-)
-"""These charge what a call lacks that was left out as it raised."""
 _ALIKE = "a plot with the same series in every curve"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
@@ -116,18 +108,15 @@ def _saved_in_the_end(student: Student, truth: Traces, plot: Plot | None) -> Non
 def check_saves_image(student: Student, truth: Traces) -> None:
     """plot_imu_data saves a readable picture of the plot"""
     drawing = drawing_or_fault(student, truth)
-    _tell_of_left_out(student, truth)
     full = _saved_curves(drawing)
     if not full and drawing.figures:
         looks = {_look(figure) for figure in drawing.figures if has_curves(figure)}
         found = (f for d in student.scripts() for f in _saved_curves(d) if _look(f) in looks)
         full = list(itertools.islice(found, 1))
     if not full:
-        if left_out(student):  # that which saves, mostly
-            fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0)
         lost_pictures.none_saved(student, truth, drawing)
     lost_pictures.some_overwritten(candidates(student, truth, drawing))
-    fits_in(student, "plot_imu_data", drawing.departs, keeps=0.0, left_out=_OF_A_CALL)
+    fits_in("plot_imu_data", drawing.departs, keeps=0.0)
     _saved_in_the_end(student, truth, best_of(candidates(student, truth, drawing)))
     width, height = max((figure.size_px for figure in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
@@ -136,12 +125,6 @@ def check_saves_image(student: Student, truth: Traces) -> None:
     if all(figure.format in _OTHER_FORMS for figure in full):
         hint = Ours("The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4).")
         raise Lost("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
-
-
-def _tell_of_left_out(student: Student, truth: Traces) -> None:
-    """Note each call that was left out, as what it lacks may be charged; which it is may tell of data that are hidden."""
-    for slip in left_out(student) if truth.name == "public" else ():
-        student.note(f"{slip.fault.where}: {slip.own} was left out of the plot, so that the rest counts: {slip.meant}")
 
 
 def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
@@ -313,14 +296,17 @@ _MEND_SCRIPT = Ours(
 @check("visualization.comparison_plot", lab_step=6)
 def check_comparison_plot(student: Student, truth: Traces) -> None:
     """A saved plot shows raw and filtered data together"""
-    drawn = unread = late = False
+    drawn = late = False
     few = 0
     charged = _past_the_plot(student)
+    belongs_to = ""
+    has_plot = _is_defined(student, "plot_imu_data")
     broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
         broken_off = broken_off or (drawing.fault if drawing.fault != charged else None)
-        unread = unread or (drawing.fault is not None and drawing.fault.type in _NO_PYTHON)
+        if drawing.fault is not None and drawing.fault.type in _NO_PYTHON and has_plot:
+            belongs_to = _FILTER  # the code that draws it stands in the file of the filter, which does not parse
         seen = seen or next((_curves_in_words(figure) for figure in drawing.figures if _is_meant(figure)), "")
         pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
@@ -353,7 +339,13 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         if broken_off:
             why = "and code that stops with an exception before it is drawn"
         got = f"{_COMPARISON}, {why}"
-        raise Lost("code that draws raw and filtered data", got, mistakes=["comparison-missing"], keeps=0.5)
+        raise Lost(
+            "code that draws raw and filtered data",
+            got,
+            mistakes=["comparison-missing"],
+            keeps=0.5,
+            belongs_to=belongs_to,
+        )
     got = seen or f"no code that draws it and no readable {_COMPARISON}"
     if broken_off is not None and broken_off.where:
         got += f"; the code stops with {broken_off.type} at {broken_off.where}"
@@ -366,8 +358,16 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         mistakes=mistakes,
         hint=_MEND_SCRIPT if broken_off else _OF_THEIR_OWN if seen == _ALIKE else "",
         fault=broken_off,
-        belongs_to=_FILTER if unread else "",
+        belongs_to=belongs_to,
     )
+
+
+def _is_defined(student: Student, name: str) -> bool:
+    try:
+        student.place_of(name)
+    except (Missing, NoAnswer):
+        return False
+    return True
 
 
 def _tell_of(fault: Fault | None, student: Student) -> None:

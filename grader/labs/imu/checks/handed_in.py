@@ -15,7 +15,6 @@ from grader.labs.imu.checks.plot_runs import (
     candidates,
     drawing_of_data,
     has_curves,
-    left_out,
     sensors_in_words,
     series_of,
 )
@@ -124,8 +123,7 @@ def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
         drawing = drawing_of_data(student, truth)
     except (Missing, NoAnswer, Raised):
         return set()
-    # What was left out here may be drawn where it was written.
-    if left_out(student) or not any(map(has_curves, drawing.figures)):
+    if not any(map(has_curves, drawing.figures)):
         return set()
     drawn = {sensor for plot in candidates(student, truth, drawing) for sensor, _ in plot.drawn}
     return _missing_from(drawing.figures, truth) if drawn != _BOTH and _is_known(drawing) else set()

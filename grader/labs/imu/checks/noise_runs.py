@@ -53,7 +53,7 @@ def in_sound_form(student: Student, truth: Traces) -> None:
         raise Lost(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
     with suppress(Raised, Unusable, NoAnswer):  # default_bias charges that
         default_biases(student, truth)  # what it cannot be run without is found out by then
-    fits_in(student, "NoisyIMU", run.departs)
+    fits_in("NoisyIMU", run.departs)
 
 
 def _is_whole(run: NoiseRun) -> bool:

@@ -9,7 +9,6 @@ import numpy as np
 
 from grader.engine.figures import Curve, Figure, Mask, Sight
 from grader.engine.findings import Missing, Raised, Skipped, raised
-from grader.engine.slips import Slip
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
@@ -212,11 +211,6 @@ def cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, Sight]
     of_lab = max((Plot(f, plots.panels(f, series)) for f in figures), key=_showing, default=Plot(plot.figure, []))
     here = {channel: sight for channel, sight in plot.cut_off().items() if channel not in of_lab.drawn}
     return here | {channel: sight for channel, sight in of_lab.cut_off().items() if channel in plot.drawn}
-
-
-def left_out(student: Student) -> list[Slip]:
-    """The calls without which alone `plot_imu_data` comes to its end."""
-    return [slip for slip in student.slips_in("plot_imu_data") if slip.is_left_out]
 
 
 def has_curves(figure: Figure) -> bool:

@@ -9,10 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.findings import Fault, Lost, Raised, Skipped, Unusable
+from grader.engine.findings import Fault, Raised, Skipped, Unusable
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import FilterRun
-from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.student import FilterCase, Student
 
@@ -185,18 +184,8 @@ def measure(student: Student, truth: Traces) -> Facts:
     cases = asked(truth["filter"])
     runs = student.filter(list(cases.values()), called="filter")
     if runs[0].fault or not runs[1].fault:
-        return _as_mended(student, facts(cases, runs))
+        return facts(cases, runs)
     return facts(cases, [runs[0], *map(student.filter_alone, [*cases.values()][1:])], stumbles=runs[1].fault)
-
-
-def _as_mended(student: Student, found: Facts) -> Facts:
-    """Goes with the mending of student code: what a definition needed in order to be of use is deducted once."""
-    try:
-        fits_in(student, "LowPassFilter", ())
-    except Lost as lost:
-        right = all(run.obeys for run in found.runs) and not found.departs and not found.nothing_at_first
-        return replace(found, stopped={**found.stopped, "follows_recursion": lost}) if right else found
-    return found
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
