@@ -18,7 +18,7 @@ from typing import Annotated
 import typer
 
 from grader import __version__
-from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, repro, review, traces
+from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, repair, repro, review, traces
 from grader.commands.common import say
 from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu.lab import LAB
@@ -41,6 +41,7 @@ for _command in (
     grade.grade,
     review.review,
     adjust.adjust,
+    repair.repair,
     diff.diff,
     export.export,
     ci.ci,

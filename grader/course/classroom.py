@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Protocol
 
 from grader import __version__
-from grader.course import class_settings, cluster
+from grader.course import class_settings, cluster, repairs
 from grader.course.class_settings import Change, ClassSettings
 from grader.course.database import FILE_NAME
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
@@ -282,6 +282,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
             run = _Run(order, store, audience, outcome, publisher)
             try:
                 run.grade(found.entries)
+                run.renew_repairs()
                 _keep_people(store, publisher, found.others)
             finally:
                 standings = publish_class(order.out, store, order.rubric.lab)
@@ -291,6 +292,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
             *found.doubtful,
             *of_policy(standings, order.rubric.late),
             *(() if order.only else gone(standings, {entry.id for entry in found.entries})),
+            *run.lost_repairs,
         )
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
@@ -328,6 +330,21 @@ class _Run:
         self._publisher = publisher
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
+        self.lost_repairs: list[str] = []
+
+    def renew_repairs(self) -> None:
+        """Let repaired copies count again for the submissions whose files are the same as when they were repaired."""
+        order = self._order
+        with ExitStack() as stack:
+            marker = cache(lambda: stack.enter_context(opener(order)()))
+            grading = repairs.Grading(order.rubric, order.traces, lambda submission: marker().mark(submission))
+            for id_, found in repairs.renew(self._store, order.out, list(self._outcome.results), grading):
+                if isinstance(found, str):
+                    self.lost_repairs.append(found)
+                else:
+                    standing = self._store.standings()[id_]
+                    self._count(standing)
+                    self._publisher.put(standing)
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:

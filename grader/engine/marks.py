@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, Unrepaired
 from grader.engine.rubric import CheckWeight, Rubric
 
 
@@ -20,6 +20,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
         One that asks the same (`fits`).
     """
     rows = {check.id: check for part in found.parts for check in part.checks}
+    before = _score_before(found, rubric) if found.repairs else 0.0
     criteria = {criterion.id for criterion in found.criteria}
     attempted = {extension.id: extension.attempted for extension in found.extensions}
 
@@ -39,6 +40,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
         extra_credit_cap=rubric.extra_credit_cap,
         provenance={**found.provenance, "rubric_sha256": rubric.sha256},
         asked_sha256=rubric.asked_sha256,
+        repairs=tuple(replace(repair, score_before=before) for repair in found.repairs),
     )
 
 
@@ -57,7 +59,14 @@ def _row(found: CheckResult, weight: CheckWeight, prices: Mapping[str, float]) -
     return CheckResult(**{**vars(found), **worth})  # half the time of `replace`, which a class of thousands waits for
 
 
-def _points(found: CheckResult, most: float, prices: Mapping[str, float]) -> float | None:
+def _score_before(found: Result, rubric: Rubric) -> float:
+    """Return the score of the submission as it was handed in, before its repairs; checks that were not judged count nothing."""
+    weights = {check.id: check.max_points for criterion in rubric.criteria for check in criterion.checks}
+    known = {id_: each for id_, each in found.unrepaired.items() if id_ in weights}
+    return round(sum(_points(each, weights[id_], rubric.mistakes) or 0.0 for id_, each in known.items()), 2)
+
+
+def _points(found: CheckResult | Unrepaired, most: float, prices: Mapping[str, float]) -> float | None:
     """The share that is kept; where all mistakes that are named have a price, what their prices leave."""
     if found.keeps is None:
         return None

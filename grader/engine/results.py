@@ -102,6 +102,30 @@ class LabName:
 
 
 @dataclass(frozen=True)
+class Repair:
+    """A person's patch on a submitted file: a unified diff, and the points that it costs.
+
+    `score_before` is the score of the submission as it was handed in.
+    """
+
+    file: str
+    diff: str
+    deduction: float
+    author: str
+    at: str
+    comment: str
+    score_before: float
+
+
+@dataclass(frozen=True)
+class Unrepaired:
+    """How a check ended for the submission as it was handed in: what `marks` needs to compute `score_before` again."""
+
+    keeps: float | None
+    misconceptions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Result:
     """Everything that is said of one submission.
 
@@ -109,6 +133,7 @@ class Result:
     score, which stays the sum of the criteria. `lab` is what the lab is called.
     `evidence` is shown beside the result and is no part of its record. `asked_sha256` is what was asked of the submission, where
     the record holds what it takes to mark it anew by another rubric that asks the same.
+    With `repairs` the checks are those of the repaired copy, and `unrepaired` tells how each ended before.
     """
 
     submission: str
@@ -120,6 +145,8 @@ class Result:
     duration_s: float = 0.0
     extra_credit_cap: float | None = None
     lab: LabName = LabName()
+    repairs: tuple[Repair, ...] = ()
+    unrepaired: Mapping[str, Unrepaired] = field(default_factory=dict, compare=False, repr=False)
     evidence: Evidence = field(default=Evidence(), compare=False, repr=False)
     asked_sha256: str = field(default="", compare=False, repr=False)
 
@@ -142,7 +169,17 @@ class Result:
 
     @cached_property
     def score(self) -> float:
-        return _total(tuple(criterion.points for criterion in self.criteria))
+        """Points of the criteria; with repairs less their deductions, and never below the score before."""
+        points = _total(tuple(criterion.points for criterion in self.criteria))
+        if not self.repairs:
+            return points
+        deducted = sum(repair.deduction for repair in self.repairs)
+        return round(max(points - deducted, self.repairs[0].score_before), 2)
+
+    @cached_property
+    def repair_deduction(self) -> float:
+        """What repairs take from the points of the criteria."""
+        return round(_total(tuple(criterion.points for criterion in self.criteria)) - self.score, 2)
 
     @property
     def max_score(self) -> float:
@@ -175,6 +212,7 @@ def to_dict(result: Result) -> dict[str, Any]:
         "criteria": [part(criterion) for criterion in result.criteria],
         "extensions": [part(extension) for extension in result.extensions],
         **_extra_credit(result),
+        **({"repairs": [asdict(repair) for repair in result.repairs]} if result.repairs else {}),
         "misconceptions": list(result.misconceptions),
         "notes": list(result.notes),
         "provenance": dict(result.provenance),
@@ -212,7 +250,11 @@ def _check(row: Mapping[str, Any], keeps: float | None) -> CheckResult:
 def to_record(result: Result) -> dict[str, Any]:
     """What is kept of a result: `result.json`, and what it takes to mark it anew."""
     keeps = {check.id: check.keeps for part in result.parts for check in part.checks}
-    return {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps}
+    record = {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps}
+    if result.repairs:
+        before = {id_: [check.keeps, list(check.misconceptions)] for id_, check in result.unrepaired.items()}
+        record["unrepaired"] = before
+    return record
 
 
 def _extra_credit(result: Result) -> dict[str, Any]:
@@ -283,6 +325,10 @@ def from_dict(record: Mapping[str, Any]) -> Result:
         lab=LabName(**record.get("lab", {})),
         extra_credit_cap=record["extra_credit"]["cap"] if "extra_credit" in record else None,
         asked_sha256=record.get("asked_sha256", ""),
+        repairs=tuple(Repair(**repair) for repair in record.get("repairs", ())),
+        unrepaired={
+            id_: Unrepaired(keeps, tuple(named)) for id_, (keeps, named) in record.get("unrepaired", {}).items()
+        },
     )
     _hold_to_their_kinds(result)
     return result
@@ -298,7 +344,9 @@ def _hold_to_their_kinds(result: Result) -> None:
         each for part in result.parts for each in (part.max_points, *(check.max_points for check in part.checks))
     ]
     points = [each for check in checks for each in (check.points, check.keeps) if each is not None]
+    numbers += [number for repair in result.repairs for number in (repair.deduction, repair.score_before)]
     texts = [result.submission, *result.notes, *(part.id for part in result.parts)]
+    texts += [text for r in result.repairs for text in (r.file, r.diff, r.author, r.at, r.comment)]
     texts += [
         text
         for check in checks

@@ -170,7 +170,7 @@ class Standing:
 
     @cached_property
     def adjusted(self) -> float | None:
-        """Score with the adjustments, and extra credit; None while points are open."""
+        """Score with the adjustments, repairs and extra credit; None while points are open."""
         total, bonus = self.adjustment(TOTAL), self.adjustment(BONUS)
         points = self._summed() if total is None else total.points
         return None if points is None else round(points + (0.0 if bonus is None else bonus.points or 0.0), 2)
@@ -180,7 +180,7 @@ class Standing:
         return (
             None
             if self.unseen or points is None or self._credit_is_open()
-            else round(points + self.result.extra_credit, 2)
+            else round(points - self.result.repair_deduction + self.result.extra_credit, 2)
         )
 
     @property

@@ -20,7 +20,8 @@ def gradebook(standings: Mapping[str, Standing]) -> str:
     """The class as CSV, in the order of `standings`.
 
     What could not be judged is a blank cell, and so is the total above it: a fault of the grader is never a zero. Criteria and
-    total are the automatic marks. Columns for extra credit, sections, adjustments and lateness are there where the class has them.
+    total are the automatic marks, those of the repaired copy where there is one. Columns for extra credit, sections, repairs,
+    adjustments and lateness are there where the class has them.
 
     Parameters
     ----------
@@ -58,6 +59,8 @@ def _columns(standings: list[Standing], sections: bool = False) -> dict[str, Cel
         columns[criterion] = lambda s, id_=criterion: "" if s.unseen else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
     if any(s.result.extra_credit_cap is not None for s in standings):
         columns["extra_credit"] = lambda s: words.number(s.result.extra_credit)
+    if any(s.result.repairs for s in standings):
+        columns["repair_deduction"] = lambda s: words.number(s.result.repair_deduction)
     columns["total"] = lambda s: "" if s.unseen or s.result.status == "incomplete" else words.number(s.result.total)
     return columns | _beside(standings) | {"status": lambda s: s.result.status}
 

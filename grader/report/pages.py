@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from grader.engine.evidence import Chart
 from grader.engine.mistakes import Mistake
-from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
+from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
 from grader.ground.package_data import beside
 from grader.ground.text import printable
 from grader.people.standing import Standing
@@ -104,6 +104,17 @@ class Override:
     author: str
 
 
+@dataclass(frozen=True)
+class RepairedFile:
+    """A person's patch on a submitted file; `lines` are those of its diff, each with its kind: "same", "added" or "removed"."""
+
+    file: str
+    points: str
+    comment: str
+    author: str
+    lines: tuple[tuple[str, str], ...]
+
+
 Drawn = Mapping[str, str]
 """HTML of the charts of each part, by the part's id."""
 _FIGURE, _FIGURE_ENDS, _SECTION = '<figure class="chart">', "</figure>\n", '<section id="'
@@ -161,6 +172,8 @@ def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mi
         automatic=words.total_points(result) if _changed(standing) else "",
         late=_late(standing),
         overrides=_overrides(standing),
+        repairs=[_repair(each) for each in result.repairs],
+        score_before=words.number(result.repairs[0].score_before) if result.repairs else "",
         status=words.STATUS[result.status],
         parts=[_criterion(criterion, standing, figures) for criterion in result.criteria],
         extensions=[_extension(extension, result.lab, figures) for extension in extensions],
@@ -425,6 +438,18 @@ def _overrides(standing: Standing) -> list[Override]:
             )
         )
     return found
+
+
+def _repair(repair: Repair) -> RepairedFile:
+    kinds = {"+": "added", "-": "removed"}
+    shown = [printable(line, words.TEXT_LIMIT) for line in repair.diff.split("\n")[2:]]
+    return RepairedFile(
+        printable(repair.file, 200),
+        words.minus(repair.deduction) if repair.deduction else "0",
+        printable(repair.comment, words.TEXT_LIMIT, newlines=True),
+        printable(repair.author, 80),
+        tuple((kinds.get(line[:1], "same"), line) for line in shown if line),
+    )
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:

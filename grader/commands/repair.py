@@ -1,0 +1,81 @@
+"""`imugrade repair`: patches on submitted files, each with a deduction and a comment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from grader.commands.common import SeedOption, login
+from grader.ground.errors import RequestError
+
+
+def repair(
+    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
+    id_: Annotated[
+        str | None,
+        typer.Argument(metavar="ID", help="Whose file: id, name or e-mail.", show_default=False),
+    ] = None,
+    file: Annotated[
+        str | None, typer.Argument(metavar="FILE", help="Which of the submitted files.", show_default=False)
+    ] = None,
+    *,
+    fixed: Annotated[
+        Path | None, typer.Option("--with", metavar="FIXED", help="The file as it should be, as a whole.")
+    ] = None,
+    patch: Annotated[
+        Path | None, typer.Option("--patch", metavar="DIFF", help="The change as a unified diff of that one file.")
+    ] = None,
+    deduct: Annotated[float, typer.Option("--deduct", metavar="N", help="Points that the repair costs.")] = 0.0,
+    comment: Annotated[str, typer.Option("--comment", metavar="TEXT", help="Why; the student reads it.")] = "",
+    undo: Annotated[bool, typer.Option("--undo", help="Take the last repair of ID, or of FILE, back.")] = False,
+    list_: Annotated[bool, typer.Option("--list", help="Every repair ever made, with its diff.")] = False,
+    seed: SeedOption = None,
+    trust: Annotated[
+        bool, typer.Option("--trust-submissions", help="Grade where nothing isolates students' code.")
+    ] = False,
+    author: Annotated[
+        str | None, typer.Option("--author", metavar="NAME", help="Who repairs; by default who is logged in.")
+    ] = None,
+) -> int:
+    """Repair a submitted file, grade the repaired copy, and deduct points for that.
+
+    The final grade is the repaired grade minus the deduction, and never below the grade of the original. The record keeps the
+    original. The student sees the change and the comment. A regrade keeps the repair while the student's file is the same.
+
+    \b
+    Examples:
+      imugrade repair out alice filters.py --with fixed.py --deduct 5 --comment "a colon was missing in line 12"
+      imugrade repair out alice filters.py --patch fix.diff --deduct 5 --comment "a colon was missing in line 12"
+      imugrade repair out alice --undo
+      imugrade repair out --list
+    """
+    from grader.course import class_grading, repairs  # noqa: PLC0415
+    from grader.labs.imu.lab import LAB  # noqa: PLC0415
+
+    if list_ or id_ is None:
+        for line in repairs.listing(out):
+            print(line)
+        return 0
+    if not undo and file is None:
+        raise RequestError("repair: say which FILE; the report of the submission names it")
+    with class_grading.grading(LAB, out, seed, trusted=trust) as by:
+        if undo:
+            print(repairs.undo(out, id_, file or "", author or login(), by))
+            return 0
+        wish = repairs.Wish(id_, file or "", _read(fixed), _text(patch), deduct, comment)
+        print(repairs.repair(out, wish, author or login(), by))
+    return 0
+
+
+def _read(path: Path | None) -> bytes | None:
+    try:
+        return None if path is None else path.read_bytes()
+    except OSError as problem:
+        raise RequestError(f"{path}: cannot be read ({problem.strerror})") from problem
+
+
+def _text(path: Path | None) -> str | None:
+    content = _read(path)
+    return None if content is None else content.decode("utf-8", "surrogateescape")

@@ -1,0 +1,419 @@
+"""Repairs: patches of persons on submitted files, graded like any hand-in, less a deduction.
+
+The record keeps every repair that was ever made, beside the result of the submission as it was handed in. A submission with repairs
+has the result of its repaired copy as its present one; a regrade makes that anew as long as the student's file is the same.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime, timezone
+from pathlib import Path
+
+from grader import __version__
+from grader.course.database import Database, read
+from grader.course.patches import LARGEST, applied, diff_of
+from grader.course.publishing import publish_all, write_class
+from grader.course.record import Key, Store
+from grader.course.submission_archive import unpack
+from grader.engine.results import Repair, Result, Unrepaired, from_dict
+from grader.engine.rubric import Rubric
+from grader.engine.rubric_nodes import guess_at
+from grader.engine.traces import Traces
+from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.intake import Submission
+from grader.intake.names import is_code
+from grader.people.identity import Meant
+from grader.people.standing import Standing
+from grader.report import words
+
+MAX_COMMENT = 2000
+MOST = 20
+"""Repairs of one submission that may be in force at once; each is a patch that a person wrote."""
+_TABLE = """
+CREATE TABLE IF NOT EXISTS repairs (
+    number INTEGER PRIMARY KEY,
+    id TEXT NOT NULL,
+    file TEXT NOT NULL,
+    file_sha256 TEXT NOT NULL,
+    diff BLOB NOT NULL,
+    deduction REAL NOT NULL,
+    comment TEXT NOT NULL,
+    author TEXT NOT NULL,
+    at TEXT NOT NULL,
+    undone_by TEXT NOT NULL DEFAULT '',
+    undone_at TEXT NOT NULL DEFAULT ''
+)
+"""
+_FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
+
+Mark = Callable[[Submission], Result]
+
+
+@dataclass(frozen=True)
+class LoggedRepair:
+    """A repair as the record keeps it; `file_sha256` is the digest of the file that it was made for, as it was handed in."""
+
+    number: int
+    id: str
+    file: str
+    file_sha256: str
+    diff: str
+    deduction: float
+    comment: str
+    author: str
+    at: str
+    undone_by: str = ""
+    undone_at: str = ""
+
+    @property
+    def is_for(self) -> tuple[str, str]:
+        return self.file, self.file_sha256
+
+
+class RepairLog(Database):
+    """The repairs of a class, in a table of its own beside the results."""
+
+    def _prepare(self) -> None:
+        super()._prepare()
+        found = self._db.execute("SELECT 1 FROM sqlite_master WHERE name = 'repairs'").fetchone()
+        if found is None:
+            self._db.execute(_TABLE if self._writable else _TABLE.replace("CREATE TABLE", "CREATE TEMP TABLE"))
+
+    def all(self) -> list[LoggedRepair]:
+        """Return every repair ever made, oldest first."""
+        with self._told():
+            return [_logged(row) for row in self._db.execute(f"SELECT {_FIELDS} FROM repairs ORDER BY number")]
+
+    def in_force(self, id_: str = "") -> list[LoggedRepair]:
+        """Return the repairs that nobody took back, of one submission or of all."""
+        return [each for each in self.all() if not each.undone_at and id_ in ("", each.id)]
+
+    def add(self, made: LoggedRepair) -> None:
+        """Record a repair; its number is given here."""
+        row = (made.id, made.file, made.file_sha256, made.diff.encode("utf-8", "surrogateescape"), made.deduction)
+        with self._told(), self._transaction():
+            self._db.execute(
+                "INSERT INTO repairs (id, file, file_sha256, diff, deduction, comment, author, at) "
+                "VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+                (*row, made.comment, made.author, made.at),
+            )
+
+    def undo(self, number: int, author: str) -> None:
+        """Record that somebody took a repair back."""
+        with self._told(), self._transaction():
+            query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
+            self._db.execute(query, (author, _now(), number))
+
+    def result(self, key: Key) -> Result | None:
+        """Return the result on record under this key; the present one of the submission stays what it is."""
+        query = (
+            "SELECT record FROM results WHERE id = ? AND submission_sha256 = ? AND rubric_sha256 = ? "
+            "AND traces_sha256 = ? AND grader = ?"
+        )
+        row = (key.id, key.submission_sha256, key.rubric_sha256, key.traces_sha256, key.grader)
+        with self._told():
+            found = self._db.execute(query, row).fetchone()
+            return None if found is None else read(lambda text: from_dict(json.loads(text)), found[0])
+
+
+def _logged(row: Sequence[object]) -> LoggedRepair:
+    fields = list(row)
+    fields[4] = read(lambda blob: blob.decode("utf-8", "surrogateescape"), fields[4])
+    return LoggedRepair(*fields)  # type: ignore[arg-type] # columns of the table
+
+
+def _now() -> str:
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
+
+
+# --- repairing -----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A repair that somebody wants: the whole text of the file as it should be, or a unified diff on it."""
+
+    id: str
+    file: str
+    fixed: bytes | None = None
+    patch: str | None = None
+    deduction: float = 0.0
+    comment: str = ""
+
+
+@dataclass(frozen=True)
+class Grading:
+    """What the class is graded by, and what grades a submission by it in the sandbox."""
+
+    rubric: Rubric
+    traces: Traces
+    mark: Mark
+
+    def key(self, id_: str, submission_sha256: str) -> Key:
+        return Key(id_, submission_sha256, self.rubric.sha256, self.traces.sha256, __version__)
+
+
+def repair(out: Path, wish: Wish, author: str, grading: Grading) -> str:
+    """Record a repair, grade the repaired copy, and write the pages anew; return a line on it.
+
+    Raises
+    ------
+    RequestError
+        If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
+    """
+    with Store.existing(out) as store, RepairLog.existing(out) as log:
+        standing = _standing(store, wish.id)
+        handed_in = _handed_in(store, standing)
+        before = _of_these_files(log.in_force(standing.id), handed_in)
+        made = _made(wish, standing, _patched(handed_in, before), handed_in, author)
+        result = repaired(handed_in, standing, [*before, made], grading, log)
+        log.add(made)
+        store.keep(grading.key(standing.id, repaired_sha256(handed_in, [*before, made])), result)
+        after = _published(out, store, standing.id, grading)
+    was = _final(standing)
+    return f"{printable(standing.id, 80)}: {printable(made.file, 80)} repaired, {was} before, {_final(after)} now"
+
+
+def preview(out: Path, wish: Wish, grading: Grading) -> tuple[Standing, Standing]:
+    """Return where the submission stands now, and where it would stand with a repair; nothing is recorded.
+
+    Raises
+    ------
+    RequestError
+        As `repair` does.
+    """
+    with Store.existing(out) as store, RepairLog.existing(out) as log:
+        standing = _standing(store, wish.id)
+        handed_in = _handed_in(store, standing)
+        before = _of_these_files(log.in_force(standing.id), handed_in)
+        made = _made(
+            replace(wish, comment=wish.comment or "preview"), standing, _patched(handed_in, before), handed_in, ""
+        )
+        return standing, replace(standing, result=repaired(handed_in, standing, [*before, made], grading, log))
+
+
+def _made(wish: Wish, standing: Standing, now: Mapping[str, bytes], handed_in: Submission, author: str) -> LoggedRepair:
+    """The repair that a wish asks for; `now` holds the files with the repairs that are in force already."""
+    most = standing.result.max_score
+    if wish.file not in now:
+        raise RequestError(
+            f"repair: {printable(standing.id, 80)} has no file {printable(wish.file, 120)}{guess_at(wish.file, now)}"
+        )
+    if not 0 <= wish.deduction <= most or round(wish.deduction, 2) != wish.deduction:
+        raise RequestError(f"repair: --deduct takes points from 0 to {words.number(most)}, with two decimals at most")
+    if not wish.comment.strip() or len(wish.comment) > MAX_COMMENT:
+        raise RequestError(f"repair: say why with --comment, in {MAX_COMMENT} characters at most; the student reads it")
+    if (wish.fixed is None) == (wish.patch is None):
+        raise RequestError("repair: give the repaired file with --with, or a unified diff with --patch")
+    content = now[wish.file]
+    fixed = applied(content, wish.patch) if wish.patch is not None else wish.fixed or b""
+    if len(fixed) > LARGEST:
+        raise RequestError(f"repair: the repaired file has more than {LARGEST} bytes")
+    if fixed == content:
+        raise RequestError(f"repair: nothing in {printable(wish.file, 120)} changes")
+    sha256, diff = _sha256(handed_in.files[wish.file]), diff_of(wish.file, content, fixed)
+    comment = wish.comment.strip().encode("utf-8", "replace").decode()
+    return LoggedRepair(0, standing.id, wish.file, sha256, diff, wish.deduction, comment, author, _now())
+
+
+def repaired(
+    handed_in: Submission, standing: Standing, repairs: Sequence[LoggedRepair], grading: Grading, log: RepairLog
+) -> Result:
+    """Return the result of a submission with these repairs.
+
+    Raises
+    ------
+    RequestError
+        If the original was not graded by these settings, or earns more than the repaired copy.
+    """
+    original = log.result(grading.key(standing.id, handed_in.sha256))
+    if original is None:
+        raise RequestError(
+            f"repair: {printable(standing.id, 80)} was graded by other settings or another version; run `imugrade grade` first"
+        )
+    if len(repairs) > MOST:
+        raise RequestError(
+            f"repair: {printable(standing.id, 80)} has {MOST} repairs already; take one back with --undo"
+        )
+    result = grading.mark(replace(handed_in, files=_patched(handed_in, repairs)))
+    made = _with_repairs(result, original, repairs)
+    earned = round(made.score + made.repair_deduction, 2)
+    if made.status != "graded" or earned < original.score:
+        raise RequestError(
+            f"repair: {printable(standing.id, 80)} earns {words.number(earned)} points repaired, and "
+            f"{words.number(original.score)} as it was handed in; nothing was recorded"
+        )
+    return made
+
+
+def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepair]) -> Result:
+    """The result of a repaired copy as the one of the submission: it keeps the name and the digest of what was handed in."""
+    checks = [check for criterion in original.criteria for check in criterion.checks]
+    told = tuple(
+        Repair(each.file, each.diff, each.deduction, each.author, each.at, each.comment, original.score)
+        for each in repairs
+    )
+    return replace(
+        result,
+        submission=original.submission,
+        provenance={**result.provenance, "submission_sha256": original.provenance["submission_sha256"]},
+        repairs=told,
+        unrepaired={check.id: Unrepaired(check.keeps, check.misconceptions) for check in checks},
+    )
+
+
+def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> str:
+    """Return what the record keeps in place of the digest of a submission for its repaired copy.
+
+    It is no digest of files: a student who hands in exactly these files has repaired them without help.
+    """
+    facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
+    return f"repaired-{_sha256(json.dumps(facts).encode())}"
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _patched(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> dict[str, bytes]:
+    files = dict(handed_in.files)
+    for each in repairs:
+        files[each.file] = applied(files[each.file], each.diff, f"repair {each.number}")
+    return files
+
+
+def _standing(store: Store, who: str) -> Standing:
+    standings = store.standings()
+    id_ = Meant({id_: each.hand_in.people for id_, each in standings.items() if each.hand_in.people}).by(who)
+    if id_ not in standings:
+        raise RequestError(f"repair: there is no submission {printable(who)}{guess_at(who, standings)}")
+    return standings[id_]
+
+
+def _handed_in(store: Store, standing: Standing) -> Submission:
+    """What was handed in, as the record keeps it."""
+    sha256 = str(standing.result.provenance.get("submission_sha256", ""))
+    kept = read(unpack, store.files(sha256))
+    if not kept.files or kept.more or any(map(is_code, kept.others)):
+        raise RequestError(
+            f"repair: the record does not hold all files of {printable(standing.id, 80)}; grade the class again"
+        )
+    return Submission(standing.id, standing.result.submission, kept.files, (), "ready", sha256)
+
+
+def _published(out: Path, store: Store, id_: str, grading: Grading) -> Standing:
+    standings = store.standings()
+    write_class(out, standings, store, grading.rubric.lab)
+    publish_all(out, [standings[id_]], store, grading.rubric.lab)
+    return standings[id_]
+
+
+def _final(standing: Standing) -> str:
+    return "open" if standing.final is None else f"{words.number(standing.final)} points"
+
+
+# --- taking back, listing ------------------------------------------------------------------------------------------------
+
+
+def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
+    """Take back the last repair in force of a submission, or of one of its files; return a line on it.
+
+    Raises
+    ------
+    RequestError
+        If there is none.
+    """
+    with Store.existing(out) as store, RepairLog.existing(out) as log:
+        standing = _standing(store, who)
+        handed_in = _handed_in(store, standing)
+        made = _of_these_files(log.in_force(standing.id), handed_in)
+        old = [each for each in log.in_force(standing.id) if each not in made]
+        last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
+        if last is None:
+            where = f" of {printable(file, 120)}" if file else ""
+            raise RequestError(f"repair: {printable(standing.id, 80)} has no repair{where} to take back")
+        rest = [each for each in made if each != last]
+        key = grading.key(standing.id, handed_in.sha256)
+        if rest:
+            result = repaired(handed_in, standing, rest, grading, log)
+            store.keep(grading.key(standing.id, repaired_sha256(handed_in, rest)), result)
+        elif log.result(key) is not None:
+            store.point_at(key)
+        else:
+            raise RequestError(
+                f"repair: {printable(standing.id, 80)} was graded by other settings; run `imugrade grade` first"
+            )
+        log.undo(last.number, author)
+        after = _published(out, store, standing.id, grading)
+    return f"{printable(standing.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
+
+
+def listing(out: Path) -> Iterator[str]:
+    """Yield a line on every repair ever made, oldest first, and its diff below."""
+    with RepairLog.existing(out) as log:
+        for each in log.all():
+            undone = f" (taken back by {printable(each.undone_by, 80)} at {each.undone_at})" if each.undone_at else ""
+            yield (
+                f"{printable(each.id, 80)} {printable(each.file, 80)} -{words.number(each.deduction)}  "
+                f"{each.at} by {printable(each.author, 80)}: {printable(each.comment, MAX_COMMENT)}{undone}"
+            )
+            yield from (f"    {printable(line, 200)}" for line in each.diff.splitlines()[2:])
+
+
+# --- regrades ------------------------------------------------------------------------------------------------------------
+
+
+def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result | str]]:
+    """Make the repaired copies the present results again, after a regrade made the originals that.
+
+    Yields
+    ------
+    Of each of these submissions with repairs in force: the id and the repaired result, or a line on why a repair does not count. A
+    repair counts as long as the student's file is the same.
+    """
+    with RepairLog.existing(out) as log:
+        by_id: dict[str, list[LoggedRepair]] = {}
+        for each in log.in_force():
+            by_id.setdefault(each.id, []).append(each)
+        if not by_id:
+            return
+        standings = store.standings()
+        for id_ in sorted(by_id.keys() & set(ids) & standings.keys()):
+            for found in _renewed(store, log, standings[id_], by_id[id_], grading):
+                yield id_, found
+
+
+def _renewed(
+    store: Store, log: RepairLog, standing: Standing, repairs: Sequence[LoggedRepair], grading: Grading
+) -> Iterator[Result | str]:
+    name = printable(standing.id, 80)
+    try:
+        handed_in = _handed_in(store, standing)
+        current = _of_these_files(repairs, handed_in)
+        for each in [each for each in repairs if each not in current]:
+            yield (
+                f"{name}: the repair of {printable(each.file, 80)} by {printable(each.author, 80)} does not count: the student "
+                f"handed in another version of the file. Repair it again, or run `imugrade repair OUT {name} --undo`"
+            )
+        if not current:
+            return
+        key = grading.key(standing.id, repaired_sha256(handed_in, current))
+        result = store.recall(key) or store.remark(key, grading.rubric)
+        if result is None:
+            result = repaired(handed_in, standing, current, grading, log)
+            store.keep(key, result)
+    except RequestError as problem:
+        yield f"{name}: its repairs do not count: {problem}"
+    else:
+        yield result
+
+
+def _of_these_files(repairs: Iterable[LoggedRepair], handed_in: Submission) -> list[LoggedRepair]:
+    """Return the repairs that were made for the files as they were handed in."""
+    present = {(path, _sha256(content)) for path, content in handed_in.files.items()}
+    return [each for each in repairs if each.is_for in present]

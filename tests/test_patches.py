@@ -1,0 +1,55 @@
+"""Unified diffs of one file: what is made is applied back exactly, and what does not fit exactly is refused."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader.course.patches import LARGEST, applied, diff_of
+from grader.ground.errors import RequestError
+
+pytestmark = pytest.mark.quick
+BEFORE = b"a\nb\nc\nd\ne\nf\ng\nh\ni\nj\nk\nl\n"
+
+
+@given(
+    st.lists(st.sampled_from([b"a", b"b\r", b"", b"\xff", "ä\x0c".encode()]), max_size=12).map(b"\n".join), st.data()
+)
+def test_what_is_made_is_applied_back(before: bytes, data: st.DataObject) -> None:
+    after = data.draw(st.lists(st.sampled_from([b"a", b"b\r", b"x", b"\xfe"]), max_size=12).map(b"\n".join))
+    diff = diff_of("f.py", before, after)
+    assert (applied(before, diff) if diff else before) == after
+
+
+def test_a_diff_reads_as_diff_u_writes_it() -> None:
+    assert diff_of("f.py", b"one\ntwo", b"one\n2\n") == (
+        "--- a/f.py\n+++ b/f.py\n@@ -1,2 +1,2 @@\n one\n-two\n\\ No newline at end of file\n+2\n"
+    )
+
+
+def test_what_git_writes_above_the_diff_is_passed_over() -> None:
+    head = "diff --git a/f.py b/f.py\nindex 1..2 100644\n"
+    assert applied(BEFORE, head + diff_of("f.py", BEFORE, BEFORE.replace(b"c", b"C"))) == BEFORE.replace(b"c", b"C")
+
+
+HEAD = "--- a/f.py\n+++ b/f.py\n"
+REFUSED = {
+    "no diff": ("c -> C", "no unified diff"),
+    "another line there": (f"{HEAD}@@ -3 +3 @@\n-x\n+C\n", "the lines from 3 on are not those"),
+    "a line further down": (f"{HEAD}@@ -4 +4 @@\n-c\n+C\n", "the lines from 4 on are not those"),
+    "beyond the end": (f"{HEAD}@@ -99 +99 @@\n-c\n+C\n", "the lines from 99 on are not those"),
+    "hunks out of order": (f"{HEAD}@@ -4 +4 @@\n-d\n+D\n@@ -3 +3 @@\n-c\n+C\n", "the lines from 3 on are not those"),
+    "a count that is wrong": (f"{HEAD}@@ -3,2 +3 @@\n-c\n+C\n", "line 6: the hunk has other lines"),
+    "a hunk that is cut short": (f"{HEAD}@@ -3 +3 @@\n-c\n", "line 5: the hunk has other lines"),
+    "text between hunks": (f"{HEAD}@@ -3 +3 @@\n-c\n+C\nrm -rf\n", "line 6: no hunk"),
+    "two files": (f"{HEAD}@@ -3 +3 @@\n-c\n+C\n--- a/g.py\n+++ b/g.py\n@@ -1 +1 @@\n-a\n+A\n", "line 6: no hunk"),
+    "too large": (HEAD + "x" * LARGEST, "more than 1000000 bytes"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_does_not_fit_exactly_is_refused(name: str) -> None:
+    diff, said = REFUSED[name]
+    with pytest.raises(RequestError, match=said):
+        applied(BEFORE, diff)

@@ -1,0 +1,218 @@
+"""Repairs: a person's patch, graded by the ordinary path, less a deduction; the record keeps what was handed in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import jsonschema
+import pytest
+
+from grader.course import classroom
+from tests import class_commands
+from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
+
+FIXED, WORSE = "# 1\n", "# 0\n"
+WHY = ("--comment", "a colon was missing", "--author", "Eve")
+
+
+@pytest.fixture
+def ran() -> list[str]:
+    """What was graded: by the class, ids; by a repair, the text of filters.py."""
+    return []
+
+
+@pytest.fixture
+def run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ran: list[str], tmp_path: Path
+) -> Iterator[Run]:
+    @contextmanager
+    def marker(rubric: Any, traces: Any, *_: Any) -> Iterator[Any]:
+        def mark(submission: Any) -> Any:
+            ran.append(submission.files["filters.py"].decode())
+            return class_commands._result(submission, rubric, traces)
+
+        yield SimpleNamespace(mark=mark)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(classroom, "guarded_marker", marker)
+    hand_in(tmp_path / "class", alice=0.5, bob=1)
+    (tmp_path / "fixed.py").write_text(FIXED)
+    with commands(monkeypatch, capsys, ran) as command:
+        assert command("grade", "class", "-o", "out")[0] == 0
+        yield command
+
+
+def result(id_: str = "alice") -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(Path("out", "submissions", id_, "result.json").read_text())
+    return found
+
+
+def total(id_: str = "alice") -> float:
+    return float(column(Path("out/gradebook.csv"), "total")[id_])
+
+
+def repaired(run: Run, *more: object, deduct: float = 1) -> tuple[int, str, str]:
+    return run("repair", "out", "alice", "filters.py", *(more or ("--with", "fixed.py")), "--deduct", deduct, *WHY)
+
+
+def test_the_repaired_copy_counts_less_the_deduction(run: Run) -> None:
+    before = total()
+    code, out, _ = repaired(run)
+    assert (code, out) == (0, f"alice: filters.py repaired, {before:g} points before, 99 points now\n")
+    assert (total(), total("bob")) == (99.0, 100.0)
+    assert column(Path("out/gradebook.csv"), "repair_deduction") == {"alice": "1", "bob": "0"}
+    told = result()
+    (repair,) = told["repairs"]
+    assert repair.pop("at")
+    assert repair == {
+        "file": "filters.py",
+        "diff": "--- a/filters.py\n+++ b/filters.py\n@@ -1 +1 @@\n-# 0.5\n+# 1\n",
+        "deduction": 1.0,
+        "author": "Eve",
+        "comment": "a colon was missing",
+        "score_before": before,
+    }
+    assert told["score"] == 99.0
+    assert "repairs" not in result("bob")
+
+
+def test_a_patch_does_the_same_as_the_whole_file(run: Run) -> None:
+    Path("fix.diff").write_text("--- filters.py\n+++ filters.py\n@@ -1 +1 @@\n-# 0.5\n+# 1\n")
+    assert repaired(run, "--patch", "fix.diff")[0] == 0
+    assert total() == 99.0
+
+
+def test_the_final_grade_is_never_below_the_original(run: Run) -> None:
+    before = total()
+    assert repaired(run, deduct=100)[0] == 0
+    assert (total(), result()["score"]) == (before, before)
+
+
+def test_a_repair_that_earns_less_is_refused(run: Run) -> None:
+    before = total()
+    Path("worse.py").write_text(WORSE)
+    code, _, err = repaired(run, "--with", "worse.py")
+    assert (code, total()) == (2, before)
+    assert "nothing was recorded" in err
+    assert run("repair", "out", "--list")[1] == ""
+
+
+def test_a_repair_is_listed_and_taken_back(run: Run) -> None:
+    before, page = total(), Path("out/submissions/alice/report.html").read_text()
+    repaired(run)
+    out = run("repair", "out", "--list")[1]
+    assert out.startswith("alice filters.py -1  ")
+    assert " by Eve: a colon was missing\n    @@ -1 +1 @@\n    -# 0.5\n    +# 1\n" in out
+    assert run("repair", "out", "alice", "--undo", "--author", "Frank")[1] == (
+        f"alice: repair of filters.py taken back, {before:g} points now\n"
+    )
+    assert (total(), Path("out/submissions/alice/report.html").read_text()) == (before, page)
+    assert "repairs" not in result()
+    assert "(taken back by Frank at " in run("repair", "out", "--list")[1]
+    assert run("repair", "out", "alice", "--undo")[0] == 2
+
+
+def test_a_second_repair_is_made_on_the_first(run: Run, ran: list[str]) -> None:
+    Path("half.py").write_text("# 0.75\n")
+    repaired(run, "--with", "half.py")
+    code, _, _ = repaired(run)
+    assert (code, total(), ran[-2:]) == (0, 98.0, ["# 0.75\n", "# 1\n"])
+    assert [repair["diff"].splitlines()[-2:] for repair in result()["repairs"]] == [
+        ["-# 0.5", "+# 0.75"],
+        ["-# 0.75", "+# 1"],
+    ]
+    run("repair", "out", "alice", "--undo")
+    assert result()["score"] < 98.0
+    assert len(result()["repairs"]) == 1
+
+
+def test_a_regrade_keeps_the_repair(run: Run, ran: list[str]) -> None:
+    repaired(run)
+    ran.clear()
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert (total(), ran) == (99.0, [])
+    assert run("grade", "class", "-o", "out", "--force")[0] == 0
+    assert total() == 99.0
+
+
+def test_a_regrade_by_another_rubric_keeps_the_repair_and_the_floor(run: Run, tmp_path: Path) -> None:
+    repaired(run, deduct=100)
+    rubric_with(tmp_path / "heavier.yaml", ("follows_recursion: 6", "follows_recursion: 9"))
+    assert run("grade", "class", "-o", "out", "--rubric", "heavier.yaml", "--change")[0] == 0
+    assert result()["repairs"][0]["score_before"] == total() < 97.0
+
+
+def test_another_version_of_the_file_ends_the_repair_and_grade_says_so(run: Run) -> None:
+    repaired(run)
+    hand_in(Path("class"), alice=0.25)
+    code, _, err = run("grade", "class", "-o", "out")
+    assert code == 0
+    assert (
+        "alice: the repair of filters.py by Eve does not count: the student handed in another version of the file"
+        in err
+    )
+    assert "repairs" not in result()
+    hand_in(Path("class"), alice=0.5)
+    run("grade", "class", "-o", "out")
+    assert total() == 99.0
+
+
+def test_a_student_who_repairs_the_file_has_no_deduction(run: Run) -> None:
+    repaired(run)
+    hand_in(Path("class"), alice=1)
+    run("grade", "class", "-o", "out")
+    assert total() == 100.0
+    assert "repairs" not in result()
+
+
+def test_points_by_hand_stand_beside_a_repair(run: Run) -> None:
+    repaired(run)
+    run(
+        "adjust", "out", "alice", "--criterion", CHECK.partition(".")[0], "--points", 10, "--comment", "seen in the lab"
+    )
+    assert column(Path("out/gradebook.csv"), "final")["alice"] == "89"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("alice", "fliters.py", "--with", "fixed.py"), "alice has no file fliters.py (did you mean filters.py?)"),
+        (("alice", "../alice/filters.py", "--with", "fixed.py"), "alice has no file ../alice/filters.py"),
+        (("nobody", "filters.py", "--with", "fixed.py"), "there is no submission nobody"),
+        (("alice", "filters.py"), "give the repaired file with --with"),
+        (("alice",), "say which FILE"),
+        (("alice", "filters.py", "--with", "fixed.py", "--deduct", "-1"), "--deduct takes points from 0 to 100"),
+        (("alice", "filters.py", "--with", "fixed.py", "--comment", " "), "say why with --comment"),
+        (("alice", "filters.py", "--with", "nowhere.py"), "nowhere.py: cannot be read"),
+        (("bob", "filters.py", "--with", "fixed.py"), "nothing in filters.py changes"),
+    ],
+)
+def test_a_wrong_request_is_refused_in_one_line(run: Run, arguments: tuple[str, ...], said: str) -> None:
+    why = () if "--comment" in arguments else WHY
+    code, _, err = run("repair", "out", *arguments, *why)
+    assert (code, err.count("\n")) == (2, 1)
+    assert said in err
+
+
+def test_the_report_shows_the_change_the_deduction_and_the_comment(run: Run) -> None:
+    before = total()
+    repaired(run)
+    page = Path("out/submissions/alice/report.html").read_text()
+    section = page.partition('<h2 id="repairs">')[2].partition("</section>")[0]
+    assert '<p class="num">−1</p>' in section
+    assert "Eve: a colon was missing" in section
+    assert f"never below {before:g}, the score of the files that you handed in" in section
+    assert '<span class="removed">-# 0.5\n</span><span class="added">+# 1\n</span>' in section
+    assert '<h2 id="repairs">' not in Path("out/submissions/bob/report.html").read_text()
+
+
+def test_the_result_follows_the_schema(run: Run) -> None:
+    repaired(run)
+    schema = json.loads(files("grader.engine").joinpath("result.schema.json").read_text())
+    jsonschema.validate(result(), schema)
