@@ -20,11 +20,13 @@ from grader.course.database import FILE_NAME
 from grader.course.groups import groups
 from grader.course.record import Store
 from grader.course.submission_archive import LARGEST, pack, unpack
+from grader.desk.regrade_requests import read_in
 from grader.desk.review_queue import items
 from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
+from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person, Standing
 from grader.report.similarity import Pair
@@ -455,6 +457,25 @@ def test_a_table_of_appeals_is_read_whole_or_not_at_all(desk: Desk) -> None:
     assert desk.book.on_thread(desk.book.requests) == []
     desk.post("/regrade-requests", {"text": "name;check;appeal\nBob Bird;;Please look\nada;;\n"})
     assert [(each.id, each.text) for each in desk.book.on_thread(desk.book.requests)] == [("bob", "Please look")]
+
+
+def test_a_folder_of_regrade_requests_is_read_whole_or_not_at_all(desk: Desk, tmp_path: Path) -> None:
+    folder = tmp_path / "requests"
+    folder.mkdir()
+    (folder / "a.json").write_text(json.dumps({"submission": "bob", "check": ADDRESS, "text": "Please look"}))
+    (folder / "b.json").write_text(json.dumps({"submission": "zed", "check": "", "text": "And mine"}))
+    (folder / "notes.docx").write_bytes(b"PK")
+    with pytest.raises(RequestError, match=r"b\.json, request 1: no student zed"):
+        read_in(desk.book, folder)
+    assert desk.book.on_thread(desk.book.requests) == []
+    (folder / "b.json").write_text(json.dumps({"submission": "ada", "check": "", "text": "And mine"}))
+    assert read_in(desk.book, folder) == "2 regrade requests added"
+    assert read_in(desk.book, folder) == "0 regrade requests added, 2 already on record"
+    found = desk.book.on_thread(desk.book.requests)
+    assert [(each.id, each.about, each.text) for each in found] == [
+        ("bob", ADDRESS, "Please look"),
+        ("ada", "", "And mine"),
+    ]
 
 
 def test_plain_words_are_an_appeal_of_whom_the_form_names(desk: Desk) -> None:

@@ -457,6 +457,21 @@ def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() 
     assert "Final:" not in Tags(index({"a": result()})).text
 
 
+def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself() -> None:
+    page = report_page(Standing("a <b>", result(check(), lost())))
+    form = next(attributes for tag, attributes in Tags(page).tags if tag == "form")
+    assert form == {
+        "id": "regrade",
+        "class": "request",
+        "data-submission": "a <b>",
+        "data-lab": "Lab 04-01",
+        "hidden": None,
+    }
+    options = [attributes["value"] for tag, attributes in Tags(page).tags if tag == "option"]
+    assert options == ["", "sensor_access.follows_address", "sensor_access.follows_address"]
+    assert "Request a regrade" not in report_page(Standing("", result()))
+
+
 def test_an_empty_class_has_an_index() -> None:
     assert "0 submissions" in Tags(index({})).text
 

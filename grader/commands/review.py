@@ -21,13 +21,17 @@ def review(
     rubric: RubricOption = None,
     read_in: Annotated[
         list[Path] | None,
-        typer.Option("--appeals", metavar="FILE", help="Appeals to read in: .json, .csv with a column `appeal`, .txt."),
+        typer.Option(
+            "--appeals",
+            metavar="PATH",
+            help="Regrade requests to add: a .json, .csv or .txt file, or a folder of them.",
+        ),
     ] = None,
     author: Annotated[
         str | None, typer.Option("--author", metavar="NAME", help="Who decides; by default who is logged in.")
     ] = None,
 ) -> int:
-    """Look at a graded class in a browser: what needs a look, code beside reports, points by hand, appeals.
+    """Review a graded class in a browser: review queue, code beside reports, overrides, regrade requests.
 
     It runs on this machine alone, until Ctrl-C. Open the address that it prints.
 

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -39,6 +39,7 @@ _WHO = (
     "name",
 )
 _ABOUT = ("check", "criterion", "about")
+_FILES = (".json", ".csv", ".txt")
 _TEXT = ("request", "appeal", "text", "message", "reason", "comment")
 
 
@@ -81,7 +82,19 @@ def added(new: int, read: int) -> str:
 
 
 def read_in(book: Classbook, path: Path) -> str:
-    """Read the requests in a file and return a line that says how many were added."""
+    """Read the requests in a file, or in all files of a folder, and return a line that says how many were added.
+
+    A folder is read completely or not at all.
+    """
+    files = sorted(each for each in path.iterdir() if each.suffix.lower() in _FILES) if path.is_dir() else [path]
+    if not files:
+        raise RequestError(f"--appeals {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
+    dropped = [each for file in files for each in _read_file(file)]
+    new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.standings())))
+    return added(new, len(dropped))
+
+
+def _read_file(path: Path) -> list[Dropped]:
     try:
         with open(path, "rb") as stream:
             data = stream.read(MOST_BYTES + 1)
@@ -92,9 +105,8 @@ def read_in(book: Classbook, path: Path) -> str:
         ) from error
     if len(data) > MOST_BYTES:
         raise RequestError(f"--appeals {printable(str(path), 500)}: is larger than {MOST_BYTES // 1_000_000} MB")
-    dropped = list(read(text, path.stem, ""))
-    new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.standings())))
-    return added(new, len(dropped))
+    name = printable(path.name, 120)
+    return [replace(each, place=f"{name}, {each.place}") for each in read(text, path.stem, "")]
 
 
 def read(text: str, who: str, about: str) -> Iterator[Dropped]:

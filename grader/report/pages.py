@@ -142,7 +142,9 @@ def drawn_in(page: str) -> Drawn:
 
 
 def report_page(
-    standing: Standing, shown: tuple[Chart, ...] = (), catalogue: Mapping[str, Mistake] | None = None
+    standing: Standing,
+    shown: tuple[Chart, ...] = (),
+    catalogue: Mapping[str, Mistake] | None = None,
 ) -> str:
     """Return `report.html`, the report for one student.
 
@@ -180,6 +182,8 @@ def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mi
         deductions=_deductions(result, catalogue or {}),
         marked=result.status not in ("empty", "unreadable"),
         charts=bool(figures),
+        request_id=printable(standing.id, 200),  # a student's own `check` has none, and no form
+        request_checks=[(c.id, printable(c.title, 120)) for part in result.criteria for c in part.checks],
         extra_credit=words.extra_credit(result),
         notes=words.notes(result),
         provenance=_provenance(result),

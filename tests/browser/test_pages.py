@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -269,3 +270,21 @@ def test_the_policy_stops_a_script_that_is_not_ours(watched: Watched) -> None:
     assert page.evaluate("window.ran") is None
     assert len(watched.troubles) == 1
     assert "Content Security Policy" in watched.troubles.pop()
+
+
+def test_a_regrade_request_is_saved_as_a_file_and_prepared_as_an_e_mail(watched: Watched) -> None:
+    page = watched.open("submissions/s09/report.html")
+    form = page.locator("#regrade")
+    form.get_by_label("Check").select_option(label="Reads what is there")
+    form.locator("textarea").fill("The sign is that of the sheet, line 7.")
+    with page.expect_download() as started:
+        form.get_by_role("button", name="Save as a file").click()
+    assert started.value.suggested_filename == "regrade-request-s09.json"
+    assert json.loads(Path(started.value.path()).read_text(encoding="utf-8")) == {
+        "submission": "s09",
+        "check": "sensor_access.matches_truth",
+        "text": "The sign is that of the sheet, line 7.",
+    }
+    mail = form.get_by_role("link", name="Open as an e-mail").get_attribute("href") or ""
+    assert mail.startswith("mailto:?subject=Lab%2004-01%3A%20regrade%20request&body=Submission%3A%20s09")
+    watched.troubles[:] = [each for each in watched.troubles if not each.startswith("blob:")]  # the file itself

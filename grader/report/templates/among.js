@@ -1,4 +1,28 @@
 "use strict";
+
+// The regrade request: a small file, or an e-mail. Nothing leaves the page by itself.
+const regrade = document.getElementById("regrade");
+if (regrade) {
+  const { check, text } = regrade.elements;
+  const { submission, lab } = regrade.dataset;
+  const mail = document.getElementById("regrade-mail");
+  const prepare = () => {
+    const body = [`Submission: ${submission}`, `Check: ${check.value || "whole submission"}`, "", text.value].join("\r\n");
+    mail.href = `mailto:?subject=${encodeURIComponent(`${lab}: regrade request`)}&body=${encodeURIComponent(body)}`;
+  };
+  regrade.addEventListener("input", prepare);
+  regrade.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const record = JSON.stringify({ submission, check: check.value, text: text.value }, null, 2);
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([`${record}\n`], { type: "application/json" }));
+    link.download = `regrade-request-${submission}.json`;
+    link.click();
+  });
+  prepare();
+  regrade.hidden = false;
+}
+
 // Previous, next and class for whoever came from the class page: it leaves the reports here, in the order in which it shows them.
 
 function left() {
