@@ -20,7 +20,6 @@ GENERATED: dict[Path, Callable[[], str]] = {
     session.RECORD: session.replayed,
     examples.TABLE: examples.table,
 }
-"""In this order: what a later one is made from comes first."""
 
 
 def main() -> int:
@@ -36,7 +35,6 @@ def regenerated() -> Iterator[Path]:
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
             yield path
-        losses.pinned.cache_clear()
 
 
 if __name__ == "__main__":
