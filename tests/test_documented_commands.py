@@ -70,7 +70,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
             here.delenv(name, raising=False)
         here.chdir(place)
         truth.save(bundles.obtain("...", None), place)
-        assert run(["grade", "submissions", "canvas.zip", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
+        assert run(["grade", "submissions", "-o", "out-monday", "--roster", "roster.csv"])[0] == 0
         shutil.copytree("out-monday", "out-tuesday")
         adjustment = ["--criterion", "filtering", "--points", "3", "--comment", "as told"]
         assert run(["adjust", "out-tuesday", "alice", *adjustment])[0] == 0
@@ -81,14 +81,12 @@ def _hand_in(place: Path) -> None:
     for name, student in STUDENTS.items():
         write(student.files, place / "submissions" / name)
     shutil.copytree(place / "submissions", place / "submissions_example")
-    others = [Student(2, "Carl", "Clark", filters_alone(1.0)), Student(3, "Dora", "Davis", filters_alone(0.5))]
-    everyone = [*STUDENTS.values(), *others]
-    canvas(others, place).rename(place / "canvas.zip")
+    everyone = list(STUDENTS.values())
+    canvas(everyone, place).rename(place / "canvas.zip")
     moodle(everyone, place).rename(place / "moodle.zip")
     (place / "gradebook.csv").write_bytes(canvas_gradebook(everyone))
     (place / "worksheet.csv").write_bytes(moodle_worksheet(everyone))
-    ids = [*STUDENTS, *(each.canvas for each in others)]
-    rows = "".join(f"{id_},{each.name},{each.email},B\n" for id_, each in zip(ids, everyone, strict=True))
+    rows = "".join(f"{id_},{each.name},{each.email},B\n" for id_, each in STUDENTS.items())
     (place / "roster.csv").write_text(f"id,name,email,section\n{rows}", encoding="utf-8")
     table = "id,criterion,points,comment\nalice,filtering,17,in a table\n"
     (place / "adjustments.csv").write_text(table, encoding="utf-8")
