@@ -129,7 +129,7 @@ def test_the_terminal_tells_a_lost_check_with_the_labels_in_their_order() -> Non
         "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i\n"
         "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address\n"
         "\n"
-        "Again  imugrade check --only sensor_access\n"
+        "Rerun  imugrade check --only sensor_access\n"
     )
 
 
@@ -152,7 +152,7 @@ def test_in_a_pipe_nothing_is_padded_or_broken() -> None:
         "\n"
         "Note  A note.\n"
         "\n"
-        "Again  imugrade check --only sensor_access\n"
+        "Rerun  imugrade check --only sensor_access\n"
     )
 
 
@@ -193,7 +193,7 @@ def test_one_cause_is_one_block_in_the_order_of_the_sheets_steps() -> None:
         "\n"
         " – skipped  3 checks, 18 points: they need what was lost above\n"
         "\n"
-        "Again  imugrade check --only sensor_access\n"
+        "Rerun  imugrade check --only sensor_access\n"
     )
 
 
@@ -344,7 +344,7 @@ def test_what_to_read_and_to_run_stands_where_points_were_lost_and_nowhere_else(
     shown = terminal(result(check(outcome, None if outcome == "not_judged" else 0.0, lab_step=2)))
     assert (
         ("Next" in shown)
-        == ("Again" in shown)
+        == ("Rerun" in shown)
         == ("Lab 04-01, Step 2" in shown)
         == (word not in ("passed", "skipped", "not judged"))
     )

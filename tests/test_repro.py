@@ -140,7 +140,7 @@ def lines_of(*checks: CheckResult, repeat: str = "imugrade repro {} my_lab") -> 
 
 def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> None:
     lines = lines_of(lost())
-    assert "Repeat    imugrade repro sensor_access.follows_address my_lab" in lines
+    assert "Reproduce imugrade repro sensor_access.follows_address my_lab" in lines
     assert "accel, gyro = get_imu_readings(model, data, accel_id, gyro_id), on the same input" in lines
 
 
@@ -155,4 +155,4 @@ def test_a_lost_check_ends_with_the_call_and_how_to_get_it_as_a_program() -> Non
     ],
 )
 def test_what_was_earned_never_called_or_is_in_an_archive_leads_nowhere(checks: list[CheckResult], repeat: str) -> None:
-    assert not any(line.startswith("Repeat") for line in lines_of(*checks, repeat=repeat))
+    assert not any(line.startswith("Reproduce") for line in lines_of(*checks, repeat=repeat))

@@ -12,45 +12,46 @@ from grader.ground.errors import RequestError
 
 
 def adjust(
-    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
+    ],
     id_: Annotated[
         str | None,
-        typer.Argument(metavar="ID", help="Whose marks: id, name or e-mail.", show_default=False),
+        typer.Argument(metavar="ID", help="The student: id, name or e-mail.", show_default=False),
     ] = None,
     *,
     criterion: Annotated[
-        str, typer.Option("--criterion", metavar="C", help="Which criterion, check (filtering.titles), total or bonus.")
+        str, typer.Option("--criterion", metavar="C", help="A criterion, a check (filtering.titles), total or bonus.")
     ] = "",
     points: Annotated[
-        float | None, typer.Option("--points", metavar="P", help="What it gets in place of the automatic points.")
+        float | None, typer.Option("--points", metavar="P", help="Points that replace the automatic points.")
     ] = None,
-    comment: Annotated[str, typer.Option("--comment", metavar="TEXT", help="Why; the student may read it.")] = "",
-    withdraw: Annotated[
-        bool, typer.Option("--withdraw", help="Give the criterion its automatic points again.")
-    ] = False,
-    undo: Annotated[
-        bool, typer.Option("--undo", help="Take the last adjustment back: the one before it counts again.")
-    ] = False,
+    comment: Annotated[
+        str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")
+    ] = "",
+    withdraw: Annotated[bool, typer.Option("--withdraw", help="Remove the override.")] = False,
+    undo: Annotated[bool, typer.Option("--undo", help="Undo the last change of this criterion.")] = False,
     having: Annotated[
         str | None,
-        typer.Option("--having", metavar="NAME", help="In place of ID: all who made this mistake, or lost this check."),
+        typer.Option("--having", metavar="NAME", help="Instead of ID: all students with this fault or failed check."),
     ] = None,
     take_back: Annotated[
         int | None,
         typer.Option(
             "--take-back",
             metavar="N",
-            help="Take back decision N, which was on several people; the list has the numbers.",
+            help="Undo decision N for several students; the list has the numbers.",
         ),
     ] = None,
     table: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE", help="Many: columns id, criterion, points, comment.")
+        Path | None,
+        typer.Option("--csv", metavar="FILE", help="Read many from a table: id, criterion, points, comment."),
     ] = None,
     author: Annotated[
-        str | None, typer.Option("--author", metavar="NAME", help="Who says so; by default who is logged in.")
+        str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
     ] = None,
 ) -> int:
-    """Give a criterion, a check or the total other points by hand, add a bonus or a comment, or list all that was ever said.
+    """Override points, add a bonus or a comment, or list all of them.
 
     The automatic marks stay as they are. An adjustment survives regrades; `grade` tells when the marks beneath it have changed.
     Without points it is a comment alone.

@@ -27,14 +27,18 @@ if TYPE_CHECKING:
 def check(
     path: Annotated[
         Path,
-        typer.Argument(metavar="PATH", help="A folder or archive; the working folder by default.", show_default=False),
+        typer.Argument(metavar="PATH", help="A folder or archive. Default: the working folder.", show_default=False),
     ] = Path(),
     *,
-    html: Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write the report as a page.")] = None,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Write the report as an HTML page.")
+    ] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON.")] = None,
     only: Annotated[
         str | None,
-        typer.Option("--only", metavar="CRITERION", help="Check one criterion.", autocompletion=completion.criteria),
+        typer.Option(
+            "--only", metavar="CRITERION", help="Check only this criterion.", autocompletion=completion.criteria
+        ),
     ] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
     prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,

@@ -15,7 +15,7 @@ def ci(
     path: Annotated[
         Path | None,
         typer.Argument(
-            metavar="PATH", help="A folder or archive; by default where the platform puts it.", show_default=False
+            metavar="PATH", help="A folder or archive. Default: where the platform puts it.", show_default=False
         ),
     ] = None,
     *,
@@ -25,30 +25,30 @@ def ci(
     ] = registry.AUTO,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="Where the answer goes; - is standard output."),
+        typer.Option("--out", "-o", metavar="FILE", help="The output file; - is standard output."),
     ] = None,
     min_score: Annotated[
-        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if there are fewer points.")
+        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if the score is below N.")
     ] = None,
     rubric: RubricOption = None,
     traces_: Annotated[
         Path | None,
-        typer.Option("--traces", metavar="FILE", help="A recorded bundle (.npz), where students cannot read it."),
+        typer.Option("--traces", metavar="FILE", help="A trace bundle (.npz) that students cannot read."),
     ] = None,
     visibility: Annotated[
         str,
         typer.Option(metavar="WHEN", help="Gradescope: visible, after_due_date, after_published or hidden."),
     ] = "visible",
     trust: Annotated[
-        bool, typer.Option("--trust-submissions", help="Hidden scenarios where nothing isolates students' code.")
+        bool, typer.Option("--trust-submissions", help="Allow hidden scenarios without isolation.")
     ] = False,
     private: Annotated[
         bool,
-        typer.Option("--private", help="Hidden scenarios in a job whose files and log students cannot read."),
+        typer.Option("--private", help="Allow hidden scenarios: students cannot read this job."),
     ] = False,
     rung: RungOption = None,
 ) -> int:
-    """Grade one submission in a CI job, in the words of its platform.
+    """Grade one submission in a CI job and write its platform's output.
 
     \b
     Examples:

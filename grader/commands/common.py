@@ -18,7 +18,7 @@ Word = TypeVar("Word", bound=str | None)
 
 SECRET_VARIABLE = "IMUGRADE_SEED"
 RubricOption = Annotated[
-    Path | None, typer.Option("--rubric", metavar="FILE", help="Mark by this rubric.yaml in place of the shipped one.")
+    Path | None, typer.Option("--rubric", metavar="FILE", help="Use this rubric.yaml instead of the shipped one.")
 ]
 SeedOption = Annotated[
     str | None,
@@ -27,7 +27,7 @@ SeedOption = Annotated[
         envvar=SECRET_VARIABLE,
         show_envvar=False,
         metavar="TEXT",
-        help="Hidden scenarios from this secret. Better set IMUGRADE_SEED: a command line is visible to other users.",
+        help="Secret for hidden scenarios. Prefer IMUGRADE_SEED: other users can see a command line.",
     ),
 ]
 RungOption = Annotated[str | None, typer.Option("--rung", hidden=True)]

@@ -15,10 +15,10 @@ def diff(
     first: Annotated[Path, typer.Argument(metavar="OUT1", help="A graded class.")],
     second: Annotated[
         Path | None,
-        typer.Argument(metavar="OUT2", help="The same class, graded another time.", show_default=False),
+        typer.Argument(metavar="OUT2", help="The same class, graded again.", show_default=False),
     ] = None,
 ) -> int:
-    """Tell whose scores changed from one grading to another, by which checks, and what had changed.
+    """Compare two gradings: whose scores changed, by which checks, and why.
 
     Of one class alone: from the version before the last change of its settings to now.
 

@@ -6,7 +6,7 @@ from grader.commands.common import console
 
 
 def doctor() -> int:
-    """Tell what this machine can isolate, and which versions are in use."""
+    """Show the isolation levels and versions of this machine."""
     from grader.commands import machine as doctors  # noqa: PLC0415
     from grader.report import terminal  # noqa: PLC0415
 

@@ -13,41 +13,41 @@ from grader.platforms import registry
 
 
 def export(
-    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
+    ],
     *,
     format_: Annotated[
         str, typer.Option("--format", "-f", metavar="F", help=f"{either(registry.names('fill', 'write'))}.")
     ],
     target: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Where to; by default in OUT.")
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="The output file. Default: in OUT.")
     ] = None,
     template: Annotated[
         Path | None,
         typer.Option(
             "--template",
             metavar="FILE",
-            help=f"The file that the platform exported, to be filled in: {either(registry.names('fill'))}.",
+            help=f"The file exported by the platform, to fill in: {either(registry.names('fill'))}.",
         ),
     ] = None,
     column: Annotated[
-        str | None, typer.Option("--column", metavar="TITLE", help="The column of the grades, where it is not plain.")
+        str | None, typer.Option("--column", metavar="TITLE", help="The column of the grades, if it is ambiguous.")
     ] = None,
     feedback: Annotated[
         Path | None,
-        typer.Option("--feedback", metavar="ZIP", help="Each student's report, for the platform to place."),
+        typer.Option("--feedback", metavar="ZIP", help="Write an archive of all reports for the platform."),
     ] = None,
-    scale: Annotated[
-        bool, typer.Option("--scale", help="Scale the points to what the platform's assignment is out of.")
-    ] = False,
+    scale: Annotated[bool, typer.Option("--scale", help="Scale the points to the maximum on the platform.")] = False,
     unreadable: Annotated[
         str,
-        typer.Option("--unreadable", metavar="HOW", help="What an empty or unreadable submission gets: blank or 0."),
+        typer.Option("--unreadable", metavar="HOW", help="Grade of an empty or unreadable submission: blank or 0."),
     ] = "blank",
     allow_blank: Annotated[
         bool, typer.Option("--allow-blank", help="Write the file although somebody of the class has no grade in it.")
     ] = False,
 ) -> int:
-    """Write the final points of a graded class as a platform's upload.
+    """Write the final grades of a class in the format of a platform.
 
     A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Rows of people
     who are not in the class stay as they were. What is graded, left blank, replaced and unmatched is told first; where somebody of

@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
 def grade(
     paths: Annotated[
-        list[Path], typer.Argument(metavar="PATH", help="A folder of submissions, submissions, or an LMS download.")
+        list[Path], typer.Argument(metavar="PATH", help="Folders of submissions, submissions, or LMS downloads.")
     ],
     *,
     out: Annotated[
         Path,
         typer.Option(
-            "--out", "-o", metavar="OUT", resolve_path=True, help="Where results go; an earlier run is resumed."
+            "--out", "-o", metavar="OUT", resolve_path=True, help="The output folder. An earlier run is resumed."
         ),
     ],
     jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="Markers at work; one a core by default.")
+        int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="Parallel workers. Default: one per core.")
     ] = None,
     cluster: Annotated[
         str | None, typer.Option("--cluster", metavar="ADDRESS", help="Grade on this Dask cluster: tcp://HOST:PORT.")
@@ -39,14 +39,12 @@ def grade(
         typer.Option(
             "--from",
             metavar="NAME",
-            help=f"{either((registry.FOLDERS, *registry.names('read')))}; recognised without.",
+            help=f"{either((registry.FOLDERS, *registry.names('read')))}; default: recognize it.",
         ),
     ] = None,
     roster: Annotated[
         Path | None,
-        typer.Option(
-            "--roster", metavar="FILE", help="A CSV with names, sections, due dates; a platform's export will do."
-        ),
+        typer.Option("--roster", metavar="FILE", help="A CSV file with names, sections and due dates."),
     ] = None,
     attempts: Annotated[
         str | None,
@@ -56,25 +54,23 @@ def grade(
     seed: SeedOption = None,
     only: Annotated[
         list[str] | None,
-        typer.Option("--only", metavar="ID", help="Grade this one alone: id, name or e-mail; repeatable."),
+        typer.Option("--only", metavar="ID", help="Grade only this student: id, name or e-mail; repeatable."),
     ] = None,
-    list_: Annotated[bool, typer.Option("--list", help="Tell who handed in, and grade nothing.")] = False,
+    list_: Annotated[bool, typer.Option("--list", help="List the submissions, and grade nothing.")] = False,
     min_score: Annotated[
-        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if a submission has fewer points.")
+        float | None, typer.Option("--min-score", metavar="N", help="Exit with 1 if a score is below N.")
     ] = None,
     change: Annotated[
-        bool, typer.Option("--change", help="Consent to a change of scores on record, by another rubric for example.")
+        bool, typer.Option("--change", help="Allow changes of recorded scores, for example by a new rubric.")
     ] = False,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Tell what would be graded and which scores would change, and stop.")
+        bool, typer.Option("--dry-run", help="Show what would be graded and which scores would change.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Grade again what is on record.")] = False,
-    trust: Annotated[
-        bool, typer.Option("--trust-submissions", help="Grade where nothing isolates students' code.")
-    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
+    trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
     rung: RungOption = None,
 ) -> int:
-    """Grade a class. Killed or stopped, the same command goes on where it ended.
+    """Grade a class. After an interruption, the same command continues.
 
     OUT remembers the rubric, the roster, the attempt rule and the scenarios: they need not be given again. What is given again and
     would change scores on record is told first, and done with --change or a yes on a terminal. `imugrade diff` compares then.

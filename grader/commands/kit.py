@@ -31,7 +31,7 @@ def kit(
     rubric: RubricOption = None,
     seed: SeedOption = None,
 ) -> int:
-    """Write what students and platforms get: no reference solution, no seed.
+    """Write the files for students or a platform, without the solution.
 
     Hidden scenarios go to Gradescope alone, and only with a seed: everywhere else students could read them.
 

@@ -14,20 +14,21 @@ from grader.commands.common import RubricOption, RungOption
 
 def repro(
     check: Annotated[
-        str, typer.Argument(metavar="CHECK", help="Its id, as a report names it.", autocompletion=completion.checks)
+        str,
+        typer.Argument(metavar="CHECK", help="The id of a check, as in the report.", autocompletion=completion.checks),
     ],
     path: Annotated[
-        Path, typer.Argument(metavar="PATH", help="A folder; the working folder by default.", show_default=False)
+        Path, typer.Argument(metavar="PATH", help="A folder. Default: the working folder.", show_default=False)
     ] = Path(),
     *,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="Where it goes; PATH/.imugrade, which is not handed in."),
+        typer.Option("--out", "-o", metavar="DIR", help="The output folder. Default: PATH/.imugrade."),
     ] = None,
     rubric: RubricOption = None,
     rung: RungOption = None,
 ) -> int:
-    """Write a program that calls your own code on the same public input as a check did.
+    """Write a program that calls your code with the public input of a check.
 
     It is repro.py, with the input in repro.npz beside it, and needs NumPy, MuJoCo and your files: run it, change it, put a
     break point in it.

@@ -13,10 +13,12 @@ from grader.ground.errors import RequestError
 
 
 def review(
-    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
+    ],
     *,
     port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, metavar="N", help="On which port; by default one that is free.")
+        int, typer.Option("--port", min=0, max=65535, metavar="N", help="The port. Default: a free one.")
     ] = 0,
     rubric: RubricOption = None,
     read_in: Annotated[
@@ -28,7 +30,7 @@ def review(
         ),
     ] = None,
     author: Annotated[
-        str | None, typer.Option("--author", metavar="NAME", help="Who decides; by default who is logged in.")
+        str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
     ] = None,
 ) -> int:
     """Review a graded class in a browser: review queue, code beside reports, overrides, regrade requests.

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from grader.labs.imu.answers import Collection
 
 app = typer.Typer(
-    help="Ground-truth traces: what submissions are compared with.\n\n"
+    help="Record, list and plot the ground-truth traces.\n\n"
     "\b\nExamples:\n  imugrade traces list\n  imugrade traces plot -o plots\n"
     "  IMUGRADE_SEED=... imugrade traces record -o traces",
     no_args_is_help=True,
@@ -27,7 +27,7 @@ app = typer.Typer(
 
 @app.command("list")
 def list_(seed: SeedOption = None, rubric: RubricOption = None) -> int:
-    """What the bundle in use holds."""
+    """List the scenarios of the trace bundle."""
     from grader.report import truth  # noqa: PLC0415
 
     print(truth.listing(_obtained(seed, rubric)))
@@ -36,16 +36,16 @@ def list_(seed: SeedOption = None, rubric: RubricOption = None) -> int:
 
 @app.command()
 def plot(
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Where the pictures go.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="The output folder.")],
     mine: Annotated[
         Path | None,
-        typer.Option("--mine", metavar="PATH", help="A submission: what its code records is drawn over the truth."),
+        typer.Option("--mine", metavar="PATH", help="A submission, whose recording is drawn over the truth."),
     ] = None,
     seed: SeedOption = None,
     rubric: RubricOption = None,
     rung: RungOption = None,
 ) -> int:
-    """Draw every scenario that is a motion over time, one PNG each.
+    """Plot each motion as a PNG file.
 
     \b
     Example:
@@ -87,11 +87,11 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, rung: str | None)
 
 @app.command()
 def record(
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Where the bundle goes.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="The output folder.")],
     seed: SeedOption = None,
     rubric: RubricOption = None,
 ) -> int:
-    """Write a bundle for this machine's MuJoCo: the public one, or the hidden one of a seed.
+    """Record a trace bundle: the public one, or the hidden one of a secret.
 
     \b
     Example:

@@ -48,7 +48,7 @@ class Finding:
             "; "
         )
         self._lines += _labelled(words.Line("Read", read)) if read else []
-        self._lines += _labelled(words.Line("Repeat", f"imugrade repro {check.id}")) if lab.call_of(check.id) else []
+        self._lines += _labelled(words.Line("Reproduce", f"imugrade repro {check.id}")) if lab.call_of(check.id) else []
         self._end = f"{path}:{line}: {row.outcome.word}"
 
     def toterminal(self, tw: Writer) -> None:

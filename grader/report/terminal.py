@@ -224,7 +224,7 @@ def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]
     call = lab.call_of(first.id)
     if not repeat or not call or not _NEVER_CALLED.isdisjoint(first.misconceptions):
         return []
-    return setting.labelled("Repeat", f"{repeat.format(first.id)}\n{call}, on the same input")
+    return setting.labelled("Reproduce", f"{repeat.format(first.id)}\n{call}, on the same input")
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
@@ -262,7 +262,7 @@ def _hand_in(result: Result, lab: Lab, setting: Setting) -> list[Text]:
 
 def _again(found: Sequence[Cause], command: str, setting: Setting) -> list[Text]:
     part = causes.next_part(found)
-    return setting.hang(Text("Again  ", LABEL), Text(f"{command} --only {part}")) if part else []
+    return setting.hang(Text("Rerun  ", LABEL), Text(f"{command} --only {part}")) if part else []
 
 
 def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
