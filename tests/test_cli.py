@@ -198,7 +198,7 @@ def test_check_prints_the_table_and_writes_what_was_asked_for(
     checked(monkeypatch, made)
     code, out, err = run("check", tmp_path, "--html", tmp_path / "r.html", "--json", tmp_path / "r.json")
     assert (code, err) == (0, "")
-    assert " ✗ lost  Reads the right sensor  0 / 6\n" in out
+    assert " ✗ failed  Reads the right sensor  0 / 6\n" in out
     assert "<h1>alice</h1>" in (tmp_path / "r.html").read_text(encoding="utf-8")
     assert json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["score"] == 0.0
 
