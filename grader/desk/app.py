@@ -23,6 +23,7 @@ Handler = Callable[[Classbook, Ask], Response]
 PAGES: dict[str, Handler] = {
     "/": overviews.review_queue,
     "/class": overviews.class_page,
+    "/find": overviews.find,
     "/groups": grouping.show_all,
     "/groups/{kind}/{key}": grouping.show,
     "/similar": comparing.show_all,

@@ -13,6 +13,8 @@ from grader.desk.classbook import Classbook
 from grader.desk.rendering import page
 from grader.desk.review_queue import KINDS, Item
 from grader.ground.errors import RequestError
+from grader.ground.text import printable
+from grader.report import overview
 
 
 def queue(book: Classbook) -> list[Item]:
@@ -41,7 +43,30 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
 
 def class_page(book: Classbook, ask: Ask) -> Response:
     waiting = Counter(id_ for each in queue(book) if each.tick is None for id_ in each.ids)
-    return framed(book, ask, "class.html.j2", waiting=waiting)
+    everybody = sorted(book.standings().values(), key=lambda each: (overview.by_name(each.name), each.id))
+    results = [each.result for each in everybody]
+    top = max((result.max_score for result in results), default=100.0)
+    rows = [(each, overview.entry(each, (), top)) for each in everybody]
+    entries = [entry for _, entry in rows]
+    checks = overview.checks(results, overview.columns(results))
+    return framed(
+        book,
+        ask,
+        "class.html.j2",
+        rows=rows,
+        waiting=waiting,
+        find=printable(ask.text("find"), 200),
+        filters=overview.filters(entries, overview.mistakes(everybody), checks),
+        numbers=overview.numbers(entries),
+    )
+
+
+def find(book: Classbook, ask: Ask) -> Response:
+    """Open the submission with this id, or the class page with the rows that match."""
+    who = ask.text("who")
+    if who in book.standings():
+        return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
+    return RedirectResponse(f"/class?find={quote(who, safe='')}", 303)
 
 
 def mark_reviewed(book: Classbook, ask: Ask) -> Response:

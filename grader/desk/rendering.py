@@ -16,6 +16,7 @@ from grader.report import words
 STATIC = {
     "report.css": (beside("grader.report", "templates/style.css"), "text/css"),
     "desk.css": (beside(__package__, "static/desk.css"), "text/css"),
+    "table.js": (beside("grader.report", "templates/table.js"), "text/javascript"),
     "desk.js": (beside(__package__, "static/desk.js"), "text/javascript"),
 }
 

@@ -220,3 +220,23 @@ def test_who_decides_can_say_another_name(visit: Visit, desk: Desk) -> None:
     page.goto(f"{desk.origin}/submission/open")
     expect(page.get_by_label("Grading as")).to_have_value("Ann <b>")
     assert page.evaluate("document.cookie") == ""
+
+
+def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_every_page(visit: Visit) -> None:
+    page = visit.open("/class")
+    names = page.locator("#submissions tbody tr:visible th a")
+    expect(names).to_have_count(6)
+    page.locator("#find").fill("bird")
+    expect(names).to_have_text(["Bob Bird"])
+    page.locator("#find").fill("")
+    page.locator("select#status").select_option(label="empty (1)")
+    expect(names).to_have_text(["void"])
+    page.get_by_role("button", name="Show everyone").click()
+    page.locator("#submissions").get_by_role("button", name="Name").click()
+    assert names.all_inner_texts()[1:3] == ["ada", "Bob Bird"]
+    page.locator("header input[name=who]").fill("bob")
+    page.get_by_role("button", name="Open").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
+    page.locator("header input[name=who]").fill("bird")
+    page.get_by_role("button", name="Open").click()
+    expect(names).to_have_text(["Bob Bird"])
