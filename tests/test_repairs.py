@@ -216,3 +216,8 @@ def test_the_result_follows_the_schema(run: Run) -> None:
     repaired(run)
     schema = json.loads(files("grader.engine").joinpath("result.schema.json").read_text())
     jsonschema.validate(result(), schema)
+
+
+def test_code_that_runs_has_no_repair_to_suggest(run: Run) -> None:
+    code, out, _ = run("repair", "out", "alice", "--suggest")
+    assert (code, out) == (0, "alice: no repair to suggest\n")

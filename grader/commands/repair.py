@@ -30,6 +30,9 @@ def repair(
     deduct: Annotated[float, typer.Option("--deduct", metavar="N", help="Points that the repair costs.")] = 0.0,
     comment: Annotated[str, typer.Option("--comment", metavar="TEXT", help="Why; the student reads it.")] = "",
     undo: Annotated[bool, typer.Option("--undo", help="Take the last repair of ID, or of FILE, back.")] = False,
+    suggest: Annotated[
+        bool, typer.Option("--suggest", help="Show an edit of one place that makes ID's code run; nothing is recorded.")
+    ] = False,
     list_: Annotated[bool, typer.Option("--list", help="Every repair ever made, with its diff.")] = False,
     seed: SeedOption = None,
     trust: Annotated[
@@ -48,6 +51,7 @@ def repair(
     Examples:
       imugrade repair out alice filters.py --with fixed.py --deduct 5 --comment "a colon was missing in line 12"
       imugrade repair out alice filters.py --patch fix.diff --deduct 5 --comment "a colon was missing in line 12"
+      imugrade repair out alice --suggest
       imugrade repair out alice --undo
       imugrade repair out --list
     """
@@ -58,11 +62,15 @@ def repair(
         for line in repairs.listing(out):
             print(line)
         return 0
-    if not undo and file is None:
+    if not (undo or suggest) and file is None:
         raise RequestError("repair: say which FILE; the report of the submission names it")
     with class_grading.grading(LAB, out, seed, trusted=trust) as by:
         if undo:
             print(repairs.undo(out, id_, file or "", author or login(), by))
+            return 0
+        if suggest:
+            for line in repairs.suggested(out, id_, by):
+                print(line)
             return 0
         wish = repairs.Wish(id_, file or "", _read(fixed), _text(patch), deduct, comment)
         print(repairs.repair(out, wish, author or login(), by))

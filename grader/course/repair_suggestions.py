@@ -11,15 +11,15 @@ import ast
 import difflib
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from grader.course.repairs import Mark
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
 
+Mark = Callable[[Submission], Result]
 MOST = 30
 """Candidates of a submission that are graded; the sheet's code takes a third of a second."""
 SECONDS = 20.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
@@ -18,6 +18,7 @@ from grader.course.database import Database, read
 from grader.course.patches import LARGEST, applied, diff_of
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Key, Store
+from grader.course.repair_suggestions import Mark, suggest
 from grader.course.submission_archive import unpack
 from grader.engine.results import Repair, Result, Unrepaired, from_dict
 from grader.engine.rubric import Rubric
@@ -50,8 +51,6 @@ CREATE TABLE IF NOT EXISTS repairs (
 )
 """
 _FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
-
-Mark = Callable[[Submission], Result]
 
 
 @dataclass(frozen=True)
@@ -195,6 +194,24 @@ def preview(out: Path, wish: Wish, grading: Grading) -> tuple[Standing, Standing
             replace(wish, comment=wish.comment or "preview"), standing, _patched(handed_in, before), handed_in, ""
         )
         return standing, replace(standing, result=repaired(handed_in, standing, [*before, made], grading, log))
+
+
+def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
+    """Yield the diff of a suggested repair with a line on what it earns; one line where there is none. Nothing is recorded."""
+    with Store.existing(out) as store, RepairLog.existing(out) as log:
+        standing = _standing(store, who)
+        handed_in = _handed_in(store, standing)
+        original = log.result(grading.key(standing.id, handed_in.sha256)) or standing.result
+    found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
+    if found is None:
+        yield f"{printable(standing.id, 80)}: no repair to suggest"
+        return
+    yield (
+        f"{printable(standing.id, 80)}: {printable(found.file, 80)} as below earns {words.number(found.result.score)} points, "
+        f"{words.number(original.score)} as it was handed in"
+    )
+    diff = diff_of(found.file, handed_in.files[found.file], found.content)
+    yield from (printable(line, 200) for line in diff.splitlines())
 
 
 def _made(wish: Wish, standing: Standing, now: Mapping[str, bytes], handed_in: Submission, author: str) -> LoggedRepair:
