@@ -265,12 +265,6 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
     if "--watch" in words:
         watch(words, folder)
         return
-    if (
-        words[0] == "grade" and "IMUGRADE_SEED" in os.environ
-    ):  # `out` is graded on public scenarios, and a class has one kind
-        words[words.index("-o") + 1] = "out-hidden"
-    if words[0] == "export":  # everybody is in this class twice, from `submissions` and from Canvas, and has one row
-        words.append("--allow-blank")
     if words[0] == "review":
         review(words, folder)
         return
