@@ -490,7 +490,7 @@ def test_plain_words_are_an_appeal_of_whom_the_form_names(desk: Desk) -> None:
 
 def test_the_class_moves_before_anything_is_saved_and_the_saved_rubric_says_the_same(desk: Desk, out: Path) -> None:
     page = words(desk.get(f"/what-if?weight:{ADDRESS}=14").text)
-    assert "2 of 3 scores change; mean 96.7 → 94.7" in page
+    assert "2 of 3 final grades change; mean final grade 96.7 → 94.7" in page
     assert row(out, "bob")["total"] == "94"
     assert desk.post("/what-if", {f"weight:{ADDRESS}": "14", "do": "save"}).status == 303
     (file,) = out.glob("rubric-*.yaml")
@@ -499,7 +499,7 @@ def test_the_class_moves_before_anything_is_saved_and_the_saved_rubric_says_the_
 
 
 def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, out: Path) -> None:
-    assert "2 of 3 scores change" in words(desk.get("/what-if?price:sensor-id-as-address=1").text)
+    assert "2 of 3 final grades change" in words(desk.get("/what-if?price:sensor-id-as-address=1").text)
     desk.post("/what-if", {"price:sensor-id-as-address": "1", "do": "mark"})
     assert [row(out, id_)["total"] for id_ in ("bob", "cyd")] == ["99", "98"]
     assert "99 / 100" in words(desk.get("/submission/bob").text)

@@ -85,6 +85,8 @@ def _page(book: Classbook, ask: Ask, told: str) -> Response:
         ask,
         "what_if.html.j2",
         rubric=base,
+        shown={part.id: part for part in changed.criteria},
+        titles={c.id: c.title for s in standings.values() for part in s.result.criteria for c in part.checks},
         given=lambda name, value: ask.text(name) or value,
         mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
         prices=base.mistakes,
