@@ -13,6 +13,7 @@ import tarfile
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -549,7 +550,7 @@ def test_a_file_over_the_limit_is_left_out(tmp_path: Path) -> None:
 @EVERY_WAY
 def test_data_never_crowds_out_code(tmp_path: Path, pack: Pack, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pile, "MAX_FILES", 5)
-    monkeypatch.setattr(pile.Room, "__init__", lambda room: room.__dict__.update(files=5, bytes=1000))
+    monkeypatch.setattr(pile, "Room", lambda files=5, bytes=1000: SimpleNamespace(files=files, bytes=bytes))
     data = {f"data/{n:02}.csv": b"x" for n in range(20)}
     submission = read_submission(pack(tmp_path, {**data, **HANDED_IN}), LAB.files)
     assert len(submission.files) == 5 + 3
@@ -558,6 +559,16 @@ def test_data_never_crowds_out_code(tmp_path: Path, pack: Pack, monkeypatch: pyt
         "Not read, because the submission holds more than 2,000 files or 64 MB:"
         " data/05.csv, data/06.csv, data/07.csv and 12 more.",
     )
+
+
+@EVERY_WAY
+@pytest.mark.parametrize("folder", ["", "lab/"])
+def test_other_code_never_crowds_out_the_required_files(tmp_path: Path, pack: Pack, folder: str) -> None:
+    other = {f"{folder}m{n:04}.py": b"x = 1\n" for n in range(3_000)}
+    required = {f"{folder}{name}": content for name, content in HANDED_IN.items()}
+    submission = read_submission(pack(tmp_path, {**other, **required}), LAB.files)
+    assert submission.files.items() >= HANDED_IN.items()
+    assert len(submission.files) == len(HANDED_IN) + 1_000
 
 
 def test_the_limits_are_the_promised_ones() -> None:

@@ -187,7 +187,7 @@ class Asking:
         arrays: dict[str, np.ndarray] = {}
         total = 0
         wanted = [p for p in self.files if PurePosixPath(p).suffix.lower() in _SENT and p not in self.deadly]
-        for path in sorted(wanted, key=lambda p: (not p.endswith((".py", ".ipynb")), p)):
+        for path in sorted(wanted, key=self._turn_of):
             content = self.files[path]
             total += len(content)
             if total > _SENT_BYTES:
@@ -196,6 +196,10 @@ class Asking:
             rows.append((path, key, self._above.get(path, 0)))
             arrays[key] = np.frombuffer(content, dtype=np.uint8)
         return rows, arrays
+
+    def _turn_of(self, path: str) -> tuple[bool, bool, str]:
+        """Sort key of a file to send: those that the lab asks for, then other code, then data."""
+        return (path not in self._lab.homes.values(), not path.endswith((".py", ".ipynb")), path)
 
     def turn_to(self, part: str) -> None:
         """What is asked from now on is on the account of this part: no endless loop takes another part's time."""

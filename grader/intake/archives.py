@@ -10,7 +10,7 @@ import io
 import stat
 import tarfile
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from typing import BinaryIO, Protocol
 
@@ -46,7 +46,7 @@ class _Exhausted(Exception):  # noqa: N818 - an end of reading, not an error of 
     """A bound of this module was reached; what was read before it counts."""
 
 
-def gather_archive(stream: BinaryIO, name: str) -> Pile:
+def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) -> Pile:
     """Read the files of an archive; its first bytes tell its kind, as its name may be wrong.
 
     Parameters
@@ -55,6 +55,8 @@ def gather_archive(stream: BinaryIO, name: str) -> Pile:
         The archive, seekable.
     name
         How notes call it, printable.
+    required
+        Names that the lab asks for.
 
     Raises
     ------
@@ -68,7 +70,7 @@ def gather_archive(stream: BinaryIO, name: str) -> Pile:
     stream.seek(0)
     if magic in _FOREIGN:
         raise Unreadable(foreign(name))
-    pile = Pile()
+    pile = Pile(required=required)
     read = _read_zip if magic[:2] == b"PK" else _read_gzip if magic[:2] == b"\x1f\x8b" else _read_tar
     try:
         read(stream, pile)
@@ -134,9 +136,11 @@ class _Narrow(io.RawIOBase):
         return True
 
 
-def gather_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str) -> Pile:
+def gather_members(
+    archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
+) -> Pile:
     """Read some files of a zip, each under the path that it has in the submission; `name` is how notes call the zip."""
-    pile = Pile()
+    pile = Pile(required=required)
     try:
         _take_members(archive, members, pile)
     except _Exhausted as end:

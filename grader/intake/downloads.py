@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -71,17 +71,17 @@ def open_download(path: Path) -> list[Download]:
     return [download, *(look(path, name) for name in lone)]
 
 
-def gather_sources(path: Path, sources: Sources) -> Pile:
+def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> Pile:
     """The files of one submission out of a download."""
     if os.path.isdir(path):
-        return gather_places(path, sources)
+        return gather_places(path, sources, required)
     contents = _contents(path)
     members = [
         ("/".join(filter(None, (inside, name[len(place) :].strip("/")))), entry)
         for place, inside in sources
         for name, entry in contents.below[place]
     ]
-    return gather_members(contents.archive, members, printable(path.name))
+    return gather_members(contents.archive, members, printable(path.name), required)
 
 
 def _folder(path: Path, root: str) -> Download:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
@@ -16,17 +16,17 @@ MAX_ENTRIES = 50_000
 _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
-def gather_folder(root: Path) -> Pile:
+def gather_folder(root: Path, required: Collection[str] = ()) -> Pile:
     """Read the files of a folder in the order of their names."""
-    pile = Pile()
+    pile = Pile(required=required)
     for parts, path, size in sorted(_listed(root, pile)):
         _take(pile, parts, path, size)
     return pile
 
 
-def gather_places(root: Path, places: Iterable[tuple[str, str]]) -> Pile:
+def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> Pile:
     """Read some files and folders of a folder, each under the path that it has in the submission."""
-    pile = Pile()
+    pile = Pile(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:
         above = tuple(filter(None, name.split("/")))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 
 from grader.ground.text import printable
@@ -11,8 +11,10 @@ from grader.intake.placeholders import placeholder
 
 MB = 1_000_000
 MAX_FILE = 16 * MB
-# 2,000 files and 64 MB, half of each for code: a data set never crowds out the programs that come after it.
+# 2,000 files and 64 MB, half of each for code: a data set never crowds out the programs that come after it. Files with a name that
+# the lab asks for have room of their own beside it.
 MAX_FILES = 1_000
+MAX_REQUIRED = 64  # copies of the required files, in folders of their own
 MAX_BYTES = 32 * MB
 MAX_NAMED = 3  # names in one note
 MAX_OPENINGS = 2
@@ -46,13 +48,18 @@ class Room:
 
 @dataclass
 class Pile:
-    """What has been read (`files`), what has not (`left`: reason to names), and whether reading broke off somewhere."""
+    """What has been read (`files`), what has not (`left`: reason to names), and whether reading broke off somewhere.
+
+    `required` are the names that the lab asks for: any number of other files leaves room for these.
+    """
 
     files: dict[str, bytes] = field(default_factory=dict)
     left: dict[str, list[str]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     broken: bool = False
+    required: Collection[str] = ()
     _room: dict[bool, Room] = field(default_factory=lambda: {True: Room(), False: Room()})
+    _reserved: Room = field(default_factory=lambda: Room(MAX_REQUIRED, MAX_FILE))
 
     def leave(self, name: str, why: str) -> None:
         self.left.setdefault(why, []).append(name)
@@ -87,16 +94,23 @@ class Pile:
             return
         if path in self.files:
             self.leave(path, TWICE)
-        self._room[is_code(path)].files -= 1
-        self._room[is_code(path)].bytes -= len(data)
+        room = self._room_for(path, len(data))
+        room.files -= 1
+        room.bytes -= len(data)
         self.files[path] = data
 
     def _no_room(self, path: str, size: int) -> str:
         """Why a file of this size cannot be taken, or ""."""
         if size > MAX_FILE:
             return TOO_LARGE
-        room = self._room[is_code(path)]
+        room = self._room_for(path, size)
         return "" if room.files > 0 and size <= room.bytes else TOO_MUCH
+
+    def _room_for(self, path: str, size: int) -> Room:
+        reserved = self._reserved
+        named = path.rpartition("/")[2].casefold() in self.required
+        asked_for = named and reserved.files > 0 and size <= reserved.bytes
+        return reserved if asked_for else self._room[is_code(path)]
 
     def lone_archive(self) -> str | None:
         """The only archive, if there is no code beside it; pictures and notes beside it are no reason to leave it shut."""

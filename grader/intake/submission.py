@@ -100,7 +100,7 @@ def read_submission(
     name = original_name(path) if name is None else name
     id = safe_id(name) if id is None else id
     try:
-        pile = _gather(path, sources)
+        pile = _gather(path, sources, required)
     except Unreadable as reason:
         return _nothing_to_mark(id, name, "unreadable", (str(reason),), {})
     in_lower_case(pile, required)
@@ -124,11 +124,11 @@ def unread(id: str, name: str, why: str) -> Submission:
     return _nothing_to_mark(id, name, "unreadable", (why,), {})
 
 
-def _gather(path: Path, sources: Sources) -> Pile:
+def _gather(path: Path, sources: Sources, required: Collection[str]) -> Pile:
     """All files, through the archives that are alone in their folder."""
     if not os.path.exists(path):  # Path.exists raises where a folder above may not be entered
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
-    pile = gather_sources(path, sources) if sources else _gather_outermost(path)
+    pile = gather_sources(path, sources, required) if sources else _gather_outermost(path, required)
     notes: list[str] = []
     openings = 0
     while (inner := pile.lone_archive()) is not None:
@@ -136,14 +136,14 @@ def _gather(path: Path, sources: Sources) -> Pile:
             raise Unreadable(f"{printable(inner)} is an archive in an archive in an archive; hand in the files.")
         openings += 1
         notes += [*pile.notes(), f"The submission is in {printable(inner)}, which was opened."]
-        pile = gather_archive(io.BytesIO(pile.files[inner]), printable(inner))
+        pile = gather_archive(io.BytesIO(pile.files[inner]), printable(inner), required)
     pile.remarks[:0] = notes
     return pile
 
 
-def _gather_outermost(path: Path) -> Pile:
+def _gather_outermost(path: Path, required: Collection[str]) -> Pile:
     if os.path.isdir(path):
-        return gather_folder(path)
+        return gather_folder(path, required)
     name = printable(path.name)
     if not os.path.isfile(path):
         raise Unreadable(f"{name} is neither a file nor a folder; hand in a folder or a .zip of it.")
@@ -154,7 +154,7 @@ def _gather_outermost(path: Path) -> Pile:
     if has_suffix(path.name, ARCHIVES):
         try:
             with open(path, "rb") as stream:
-                return gather_archive(stream, name)
+                return gather_archive(stream, name, required)
         except OSError as error:
             raise Unreadable(f"{name} cannot be read ({error.strerror}).") from error
     raise Unreadable(f"{name} is not a folder, a .zip or a .tar.gz; hand in one of these.")
