@@ -34,7 +34,7 @@ class Slow:
 
     def ask(self, op: str, fields: Any = None, arrays: Any = None, **limits: float) -> Frame:
         if op == "submit":
-            return Frame({"paths": []}, {})
+            return Frame({"written": []}, {})
         self.offered.append(limits["most_s"])
         cpu_s, wall_s = self._takes
         self.cpu_s += cpu_s

@@ -180,7 +180,8 @@ class Asking:
             "required": list(self._lab.files),
             "standins": {name: self._lab.standin(name, self._furniture) for name in sorted(self.broken)},
         }
-        self.paths = frozenset(worker.ask("submit", fields, arrays, cpu_s=self._call_cpu_s).fields["paths"])
+        written = worker.ask("submit", fields, arrays, cpu_s=self._call_cpu_s).fields["written"]
+        self.paths = frozenset([path for path, _, _ in files] + written)
 
     def _files_to_send(self) -> tuple[list[tuple[str, str, int]], dict[str, np.ndarray]]:
         rows: list[tuple[str, str, int]] = []

@@ -244,7 +244,7 @@ def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
 
 
 def _submit(answer: Answer) -> None:
-    answer.part("paths", listed(long, 5000))
+    answer.part("written", listed(long, 5000))
 
 
 def _outline(answer: Answer) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import importlib.machinery
 import importlib.util
+import itertools
 import os
 import shlex
 import sys
@@ -20,13 +21,15 @@ from . import compiling, desktop, drawing, faults, fuzzy_names, notebooks, packa
 from .missing_imports import MissingImports
 from .submission import STATE
 
+_MAX_PATHS = 4000  # files of a submission and those that its notebooks write: the list of them fits into an answer
+_MAX_OUTLINED = 100  # files that define one of the names that are asked for
 _FOLDER = "course/labs/lab-04-01"  # programs look for what they need some folders above their own
 
 
 def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Take the submission's files, the robot and the stand-ins; nothing of the student's runs yet.
 
-    Answers with the paths of all files, those among them that a notebook writes with ``%%writefile``.
+    Answers with the paths of the files that a notebook writes with ``%%writefile``.
     """
     skipped = {(path, number): why for path, number, why in fields["skipped"]}
     STATE.stepper = stepping.Stepper(skipped, tuple(fields["place"]), list(fields["homes"]))
@@ -42,6 +45,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
         if 0 < levels_above <= _FOLDER.count("/"):
             _write("../" * levels_above + path, arrays[key].tobytes())  # for who opens it by way of its own folder
         STATE.paths.append(path)
+    sent = len(STATE.paths)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
     world.furnish(STATE.furniture, run_magic=_run_magic)
@@ -49,7 +53,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
     standins.define(fields["standins"])
-    return {"paths": STATE.paths}, {}
+    return {"written": STATE.paths[sent:]}, {}
 
 
 def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -87,8 +91,9 @@ def _main_module(path: str) -> types.ModuleType:
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Which of the wanted names each file or notebook defines at its top level, read from its text; nothing of it runs."""
     del fields, arrays
-    code = [path for path in STATE.paths if path.endswith((".py", ".ipynb"))]
-    return {"names": {path: sorted(compiling.defined(path).intersection(STATE.stepper.wanted)) for path in code}}, {}
+    code = sorted((p for p in STATE.paths if p.endswith((".py", ".ipynb"))), key=lambda p: (p.count("/"), p))
+    found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in code)
+    return {"names": dict(itertools.islice(((path, names) for path, names in found if names), _MAX_OUTLINED))}, {}
 
 
 def _write(path: str, content: bytes) -> None:
@@ -299,7 +304,8 @@ def _write_cells_to_files(path: str, withheld: list[str]) -> None:
     except (ValueError, RecursionError):
         return
     for name, text in files.items():
-        if name not in withheld and not Path(STATE.folder, name).exists():
+        room = len(STATE.paths) < _MAX_PATHS
+        if room and name not in withheld and not Path(STATE.folder, name).exists():
             _write(name, text.encode("utf-8", "replace"))
             STATE.paths.append(name)
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-MAX_ARRAYS = 1024
 MAX_DIMENSIONS = 8
 MAX_LENGTH = 1 << 31
 ALIGNMENT = 16  # every array starts at a multiple, so that what frombuffer makes of it is aligned
@@ -50,10 +49,10 @@ def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], 
     return layout, chunks
 
 
-def unpack(layout: Any, body: memoryview) -> dict[str, np.ndarray]:
-    """The arrays that a description makes of the bytes; ValueError where it is not exactly what `pack` could have written."""
-    if not isinstance(layout, list) or len(layout) > MAX_ARRAYS:
-        raise ValueError(f"the arrays are not a list of at most {MAX_ARRAYS}")
+def unpack(layout: Any, body: memoryview, most: int) -> dict[str, np.ndarray]:
+    """Rebuild at most `most` arrays from the bytes; ValueError where the description is not exactly what `pack` could have written."""
+    if not isinstance(layout, list) or len(layout) > most:
+        raise ValueError(f"the arrays are not a list of at most {most}")
     arrays: dict[str, np.ndarray] = {}
     offset = 0
     for entry in layout:

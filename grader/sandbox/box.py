@@ -267,7 +267,7 @@ def _asked_for(name: str) -> Rung:
 
 def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
     try:
-        return wire.pack(nonce, {"op": op, "fields": dict(fields)}, arrays)
+        return wire.pack(nonce, {"op": op, "fields": dict(fields)}, arrays, wire.QUESTION)
     except wire.WireError as error:
         raise GraderError(f"the question {op!r} cannot be sent: {error}") from None
 

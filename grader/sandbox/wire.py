@@ -21,10 +21,23 @@ if TYPE_CHECKING:
 
 HEADER = struct.Struct("<II16s")
 NONCE_BYTES = 16
-MAX_TEXT_BYTES = 1 << 20
-MAX_BODY_BYTES = 32 << 20
 MAX_DEPTH = 32
 MAX_INTEGER_DIGITS = 40
+
+
+@dataclass(frozen=True)
+class Caps:
+    """How much a frame may hold: bytes of JSON, bytes of arrays, and number of arrays."""
+
+    text: int
+    body: int
+    arrays: int
+
+
+ANSWER = Caps(1 << 20, 32 << 20, 1024)
+QUESTION = Caps(16 << 20, 64 << 20, 4096)
+"""A question may hold a whole answer again (a recording, to be plotted) and what the grader adds; or 2,064 files of a submission,
+each under a path of 1,000 characters, with 24 MB in all."""
 
 
 class WireError(ValueError):
@@ -55,8 +68,14 @@ def _arrays() -> ModuleType:
     return arrays
 
 
-def pack(nonce: bytes, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
-    """Write a frame.
+def pack(
+    nonce: bytes,
+    fields: Mapping[str, Any],
+    arrays: Mapping[str, np.ndarray],
+    caps: Caps = ANSWER,
+    errors: str = "strict",
+) -> bytes:
+    """Write a frame; `errors` says what becomes of lone surrogates, as for `str.encode`.
 
     Raises
     ------
@@ -64,20 +83,20 @@ def pack(nonce: bytes, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarra
         If a value is no JSON, an array's dtype is not in `arrays.DTYPES`, or a cap is passed.
     """
     try:
-        layout, chunks = _arrays().pack(arrays, MAX_BODY_BYTES)
+        layout, chunks = _arrays().pack(arrays, caps.body)
     except ValueError as error:
         raise WireError(str(error)) from None
     try:
         text = json.dumps({"fields": dict(fields), "arrays": layout}, allow_nan=False, ensure_ascii=False)
-        payload = text.encode("utf-8")
+        payload = text.encode("utf-8", errors)
     except (TypeError, ValueError, RecursionError) as error:
         raise WireError(f"the fields are no strict JSON: {error}") from None
     body = b"".join(chunks)
-    _check_sizes(len(payload), len(body))
+    _check_sizes(len(payload), len(body), caps)
     return HEADER.pack(len(payload), len(body), nonce) + payload + body
 
 
-def unpack(text: bytes | bytearray, body: bytes | bytearray) -> Frame:
+def unpack(text: bytes | bytearray, body: bytes | bytearray, caps: Caps = ANSWER) -> Frame:
     """Read a frame's two parts.
 
     Raises
@@ -92,7 +111,7 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray) -> Frame:
     if not isinstance(fields, dict):
         raise WireError("the fields are not an object")
     try:
-        return Frame(fields, _arrays().unpack(layout, memoryview(body).toreadonly()))
+        return Frame(fields, _arrays().unpack(layout, memoryview(body).toreadonly(), caps.arrays))
     except ValueError as error:
         raise WireError(str(error)) from None
 
@@ -100,7 +119,8 @@ def unpack(text: bytes | bytearray, body: bytes | bytearray) -> Frame:
 class Incoming:
     """One frame as its bytes arrive, from whatever source and in whatever pieces."""
 
-    def __init__(self) -> None:
+    def __init__(self, caps: Caps = ANSWER) -> None:
+        self._caps = caps
         self._data = bytearray()
         self._sizes: tuple[int, int] | None = None
         self._total = HEADER.size
@@ -117,7 +137,7 @@ class Incoming:
         self._data += chunk
         if self._sizes is None and not self.wanted:
             text_bytes, body_bytes, _ = HEADER.unpack(self._data)
-            _check_sizes(text_bytes, body_bytes)
+            _check_sizes(text_bytes, body_bytes, self._caps)
             self._sizes = text_bytes, body_bytes
             self._total += text_bytes + body_bytes
 
@@ -127,14 +147,14 @@ class Incoming:
             raise WireError("the frame is incomplete")
         start, stop = HEADER.size, HEADER.size + self._sizes[0]
         nonce = bytes(self._data[start - NONCE_BYTES : start])
-        return nonce, unpack(self._data[start:stop], self._data[stop:])
+        return nonce, unpack(self._data[start:stop], self._data[stop:], self._caps)
 
 
-def _check_sizes(text_bytes: int, body_bytes: int) -> None:
-    if text_bytes > MAX_TEXT_BYTES:
-        raise WireError(f"{text_bytes} bytes of JSON, at most {MAX_TEXT_BYTES} are allowed")
-    if body_bytes > MAX_BODY_BYTES:
-        raise WireError(f"{body_bytes} bytes of arrays, at most {MAX_BODY_BYTES} are allowed")
+def _check_sizes(text_bytes: int, body_bytes: int, caps: Caps) -> None:
+    if text_bytes > caps.text:
+        raise WireError(f"{text_bytes} bytes of JSON, at most {caps.text} are allowed")
+    if body_bytes > caps.body:
+        raise WireError(f"{body_bytes} bytes of arrays, at most {caps.body} are allowed")
 
 
 # JSON -----------------------------------------------------------------------------------------------------------------

@@ -1,0 +1,62 @@
+"""Caps that fit each other: whatever is accepted from a submission can be sent to a worker, and every answer sent back in a question."""
+
+from __future__ import annotations
+
+import pytest
+
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.intake import Submission
+from grader.intake.pile import MAX_FILES, MAX_REQUIRED
+from grader.sandbox import wire
+from tests.corpus.pieces import edit, verbatim
+
+LARGE = edit(
+    verbatim(),
+    "imu_reader.py",
+    ("    return {\n", "    more = {f'more{n}': np.zeros(585_000) for n in range(7)}\n    return {**more,\n"),
+)
+"""A recording just below the cap of an answer, 32 MiB: 4,095,000 numbers beside its three series."""
+
+
+def mark(marker: Marker, files: dict[str, str], only: str | None = None) -> Result:
+    content = {name: text.encode() for name, text in files.items()}
+    return marker.mark(Submission("s", "s", content, (), "ready", ""), only=only)
+
+
+def test_a_question_holds_an_answer_and_what_is_added_to_it() -> None:
+    """Added are the sheet's three series and a model; or all the files of a submission, at most 24 MB of them."""
+    assert wire.QUESTION.body >= wire.ANSWER.body + 24_000_000
+    assert wire.QUESTION.text >= wire.ANSWER.text + (2 * MAX_FILES + MAX_REQUIRED) * 5_000
+    assert wire.QUESTION.arrays >= max(wire.ANSWER.arrays, 2 * MAX_FILES + MAX_REQUIRED) + 100
+
+
+@pytest.mark.parametrize("part", ["data_collection", "visualization"])
+def test_a_recording_just_below_the_cap_is_judged_in_every_question(marker: Marker, part: str) -> None:
+    result = mark(marker, LARGE, part)
+    assert result.status == "graded"
+    assert {check.outcome for check in result.criteria[0].checks} == {"passed"}
+
+
+def test_a_recording_above_the_cap_costs_its_own_checks(marker: Marker) -> None:
+    larger = {**LARGE, "imu_reader.py": LARGE["imu_reader.py"].replace("range(7)", "range(8)")}
+    result = mark(marker, larger)
+    points = {criterion.id: criterion.points for criterion in result.criteria}
+    assert result.status == "graded"
+    assert points == {
+        "sensor_access": 20,
+        "data_collection": 0,
+        "visualization": 20,
+        "noise_model": 20,
+        "filtering": 20,
+    }
+
+
+@pytest.mark.parametrize("letter", ["m", "é", "語"])
+def test_a_thousand_programs_and_a_thousand_tables_with_the_longest_names_are_sent(marker: Marker, letter: str) -> None:
+    wide = max(1, 240 // len(letter.encode()))
+    folder = "/".join([letter * wide] * 3)
+    more = {f"{folder}/{n:04}.py": "x = 1\n" for n in range(MAX_FILES)}
+    more |= {f"{folder}/{n:04}.csv": "1,2\n" for n in range(MAX_FILES)}
+    result = mark(marker, {**verbatim(), **more}, "filtering")
+    assert (result.status, result.criteria[0].points) == ("graded", 20)
