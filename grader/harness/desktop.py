@@ -60,7 +60,7 @@ def _at_exit(function: Callable[..., Any], *args: Any, **kwargs: Any) -> Callabl
 def end_program() -> None:
     """Do what a program has left to be done, the last first; what raises there is told by nobody, as at the end of a process."""
     while _AT_EXIT:
-        with contextlib.suppress(Exception):
+        with contextlib.suppress(BaseException):
             _AT_EXIT.pop()()
 
 

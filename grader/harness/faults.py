@@ -5,9 +5,14 @@ from __future__ import annotations
 import linecache
 import re
 import traceback
-from typing import Any
+from typing import Any, TypeVar
+
+T = TypeVar("T")
 
 _ADDRESS = re.compile(r"0x[0-9a-fA-F]{6,}")
+_LONG_INTEGER = re.compile(r"(?<![\d.])\d{10,}(?![\d.])")
+_LAST_LINE = 1_000_000_000
+_NAME_OF_TYPE = vars(type)["__name__"].__get__
 _LONGEST_POINTED_AT = 90  # columns; of a longer line the caret would stand below something else
 _OWN_PREFIX = "<submission>/"  # the file name that compiled student code carries
 
@@ -41,46 +46,69 @@ def describe(error: BaseException) -> dict[str, Any]:
         ``line``, ``text`` (None where no student frame is on the stack), ``name`` (of a missing module or name).
     """
     found: dict[str, Any] = {
-        "type": type(error).__name__[:100],
-        "message": _message(error),
+        "type": type_name(error),
+        "message": message_of(error),
         "file": None,
         "line": None,
         "text": None,
     }
-    if isinstance(error, SyntaxError) and (error.filename or "").startswith(_OWN_PREFIX):
+    if is_a(error, SyntaxError) and (held(error, "filename", str) or "").startswith(_OWN_PREFIX):
         found |= {
-            "file": error.filename,
-            "line": error.lineno,
+            "file": held(error, "filename", str),
+            "line": held(error, "lineno", int),
             "text": _pointed_at(error),
-            "message": str(error.msg)[:400],
+            "message": (held(error, "msg", str) or "")[:400],
         }
     else:
         try:
             frames = traceback.extract_tb(error.__traceback__)
-        except Exception:  # a hostile exception may lie about its traceback
+        except BaseException:  # a hostile exception may lie about its traceback
             frames = traceback.StackSummary()
         own = [frame for frame in frames if frame.filename.startswith(_OWN_PREFIX)]
         if own:
             found |= {"file": own[-1].filename, "line": own[-1].lineno, "text": own[-1].line}
     if found["file"]:
         found["file"] = str(found["file"])[len(_OWN_PREFIX) :][:200]
-    for key in ("text", "line"):
-        found[key] = str(found[key])[:200] if key == "text" and found[key] else found[key]
-    found["name"] = str(error.name)[:100] if isinstance(error, ImportError | NameError) and error.name else None
+    found["text"] = str(found["text"])[:200] if found["text"] else None
+    if not isinstance(found["line"], int) or abs(found["line"]) > _LAST_LINE:
+        found["line"] = None
+    named = is_a(error, ImportError) or is_a(error, NameError)
+    found["name"] = (held(error, "name", str) or "")[:100] or None if named else None
     return found
 
 
-def _pointed_at(error: SyntaxError) -> str:
+def type_name(error: BaseException) -> str:
+    """The name of an exception's type, whatever a metaclass of the student's says it is."""
+    return str(_NAME_OF_TYPE(type(error)))[:100]
+
+
+def is_a(error: BaseException, kind: type[BaseException]) -> bool:
+    """Whether an exception is of a kind; `isinstance` would ask its `__class__`, which is the student's code."""
+    return issubclass(type(error), kind)
+
+
+def held(error: BaseException, name: str, kind: type[T]) -> T | None:
+    """An attribute of an exception; None where it is of another kind, or where the student's code computes it and raises."""
+    try:
+        value = getattr(error, name, None)
+    except BaseException:
+        return None
+    return value if type(value) is kind else None
+
+
+def _pointed_at(error: BaseException) -> str:
     """The line that is no Python, and a caret below the place where Python gave up, if it says so."""
-    whole = (error.text or linecache.getline(error.filename or "", error.lineno or 0)).rstrip()
+    filename, lineno = held(error, "filename", str) or "", held(error, "lineno", int) or 0
+    whole = (held(error, "text", str) or linecache.getline(filename, lineno)).rstrip()
     line = whole.lstrip()
-    column = (error.offset or 0) - 1 - (len(whole) - len(line))
+    column = (held(error, "offset", int) or 0) - 1 - (len(whole) - len(line))
     return f"{line}\n{' ' * column}^" if 0 <= column <= len(line) <= _LONGEST_POINTED_AT else line
 
 
-def _message(error: BaseException) -> str:
+def message_of(error: BaseException) -> str:
+    """What an exception says, without addresses and other long integers, which differ from run to run."""
     try:
         text = str(error)
     except BaseException:  # __str__ is the student's code
         text = ""
-    return _ADDRESS.sub("0x…", text)[:400]
+    return _LONG_INTEGER.sub("…", _ADDRESS.sub("0x…", text))[:400]

@@ -17,7 +17,20 @@ import types
 from pathlib import Path
 from typing import Any
 
-from . import compiling, desktop, drawing, faults, fuzzy_names, notebooks, packages, recorder, standins, stepping, world
+from . import (
+    compiling,
+    desktop,
+    drawing,
+    faults,
+    fuzzy_names,
+    notebooks,
+    packages,
+    recorder,
+    sources,
+    standins,
+    stepping,
+    world,
+)
 from .missing_imports import MissingImports
 from .submission import STATE
 
@@ -49,7 +62,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
     world.furnish(STATE.furniture, run_magic=_run_magic)
-    world.seed(fields["seed"])
+    sources.seed(fields["seed"])
     recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
     standins.define(fields["standins"])

@@ -177,12 +177,12 @@ class Stepper:
 
         Hints are evaluated when somebody asks for them, as Python does from 3.14 on.
         """
-        if isinstance(unit.node, _IMPORTS) and isinstance(raised, ImportError):
+        if isinstance(unit.node, _IMPORTS) and faults.is_a(raised, ImportError):
             self._import_the_rest(path, unit, names, raised)
             return
-        is_defined = isinstance(unit.node, DEFINITIONS) and isinstance(raised, Exception)
+        is_defined = isinstance(unit.node, DEFINITIONS) and faults.is_a(raised, Exception)
         how = "hints" if is_defined and self._is_defined_without_hints(unit, names) else "raised"
-        if how == "raised" and isinstance(raised, ImportError):
+        if how == "raised" and faults.is_a(raised, ImportError):
             lost = [name for name in bound(unit.node) if name not in self.wanted]  # a helper's decorator, say
             names.update({name: _not_imported(raised) for name in lost if name not in names})
         self._note(path, unit, how, raised)
@@ -194,7 +194,7 @@ class Stepper:
             return False
         return True
 
-    def _import_the_rest(self, path: str, unit: Unit, names: dict[str, Any], raised: ImportError) -> None:
+    def _import_the_rest(self, path: str, unit: Unit, names: dict[str, Any], raised: BaseException) -> None:
         assert isinstance(unit.node, _IMPORTS)
         if len(unit.node.names) == 1:
             (alias,) = unit.node.names
@@ -264,9 +264,9 @@ def _codes_of(value: Any) -> list[types.CodeType]:
     return [each.__code__ for each in functions if isinstance(each, types.FunctionType)]
 
 
-def _not_imported(raised: ImportError) -> NotThere:
-    kind = ModuleNotFoundError if isinstance(raised, ModuleNotFoundError) else ImportError
-    message, name = str(raised), raised.name
+def _not_imported(raised: BaseException) -> NotThere:
+    kind = ModuleNotFoundError if faults.is_a(raised, ModuleNotFoundError) else ImportError
+    message, name = faults.message_of(raised), faults.held(raised, "name", str)
     return NotThere(lambda: kind(message, name=name))
 
 

@@ -7,16 +7,14 @@ import contextlib
 import io
 import os
 import pathlib
-import random
 import signal
 import sys
-import time
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from . import compat, desktop
+from . import compat, desktop, sources
 
 _MAX_INPUTS = 100
 
@@ -89,7 +87,8 @@ def furnish(furniture: Mapping[str, Any], *, run_magic: desktop.RunMagic) -> Non
     _answer_input()
     compat.give_back()
     desktop.furnish(run_magic)
-    _let_time_pass_with_the_work()
+    sources.furnish(_HOME)
+    _keep_hooks_away()
     _make_signals_deadly()
     _watch_steps()
 
@@ -185,46 +184,19 @@ def _answer_input() -> None:
     builtins.input = answer
 
 
-class _Clock:
-    """Time as student code finds it: it moves with pauses, with simulated steps and a little with each look at it.
-
-    So a loop that goes by the clock makes as many rounds in every run, whatever else the machine does.
-    """
-
-    def __init__(self) -> None:
-        self.passed_s = 0.0
-
-    def look(self) -> float:
-        self.passed_s += _LOOK_S
-        return self.passed_s
-
-
-_LOOK_S = 1e-6
 _STEP_S = 2e-4  # about what a step and the reading of two sensors take
-_NEW_YEAR_S = 1_767_225_600.0  # 2026
-_CLOCKS = {"time": _NEW_YEAR_S, "perf_counter": 100.0, "process_time": 1.0, "thread_time": 1.0}
-_CLOCK = _Clock()
 
 
-def _let_time_pass_with_the_work() -> None:
-    """Nobody watches: a pause moves the clocks on instead of waiting. What waits by itself goes by `monotonic`, which runs."""
+def _keep_hooks_away() -> None:
+    """Leave trace, profile and audit hooks of student code out: what raises in one would end a statement of ours."""
+    vars(sys).update(settrace=_no_hook, setprofile=_no_hook, addaudithook=_no_hook)
+    monitoring = getattr(sys, "monitoring", None)  # since Python 3.12
+    if monitoring is not None:
+        vars(monitoring)["register_callback"] = _no_hook
 
-    def sleep(seconds: float) -> None:
-        if seconds < 0:
-            raise ValueError("sleep length must be non-negative")
-        _CLOCK.passed_s += float(seconds)
 
-    def reading(start_s: float) -> Callable[[], float]:
-        return lambda: start_s + _CLOCK.look()
-
-    def reading_ns(start_s: float) -> Callable[[], int]:
-        return lambda: round((start_s + _CLOCK.look()) * 1e9)
-
-    really = time.monotonic
-    vars(time)["sleep"] = sleep
-    vars(time)["monotonic"] = lambda: really() + _CLOCK.passed_s
-    for name, start_s in _CLOCKS.items():
-        vars(time).update({name: reading(start_s), f"{name}_ns": reading_ns(start_s)})
+def _no_hook(*args: Any) -> None:
+    """Stand in for a function that registers a hook."""
 
 
 def _make_signals_deadly() -> None:
@@ -232,7 +204,7 @@ def _make_signals_deadly() -> None:
 
     def kill(pid: int, number: int) -> None:
         default = number != 0 and signal.getsignal(number) in (signal.SIG_DFL, None)
-        if pid == os.getpid() and default and number not in harmless:
+        if pid in (os.getpid(), sources.PID) and default and number not in harmless:
             os._exit(128 + number)
         really_kill(pid, number)
 
@@ -334,7 +306,7 @@ def _watch_steps() -> None:
                 _COURSE.before_step(model, data)
             made = step(model, data, *args, **kwargs)
             count = (args[0] if args else kwargs.get("nstep", 1)) if ends else 0
-            _CLOCK.passed_s += _STEP_S * count
+            sources.CLOCK.passed_s += _STEP_S * count
             if _COURSE and ends:
                 _COURSE.after_step(model, data, count)
             return made
@@ -343,16 +315,6 @@ def _watch_steps() -> None:
 
     for name, begins, ends in (("mj_step", True, True), ("mj_step1", True, False), ("mj_step2", False, True)):
         setattr(mujoco, name, watched(getattr(mujoco, name), begins=begins, ends=ends))
-
-
-def seed(number: int) -> None:
-    """Seed every generator that can be seeded, so that a regrade draws the same numbers. No verdict rests on it."""
-    random.seed(number)
-    np.random.seed(number)
-    stream = random.Random(number + 1)
-    bit_generator: Any = sys.modules.get("numpy.random.bit_generator")
-    if bit_generator is not None and hasattr(bit_generator, "randbits"):
-        bit_generator.randbits = stream.getrandbits  # default_rng() without a seed takes its entropy from here
 
 
 @contextlib.contextmanager

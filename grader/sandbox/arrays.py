@@ -50,7 +50,7 @@ def pack(arrays: Mapping[str, np.ndarray], most: int) -> tuple[list[list[Any]], 
 
 
 def unpack(layout: Any, body: memoryview, most: int) -> dict[str, np.ndarray]:
-    """Rebuild at most `most` arrays from the bytes; ValueError where the description is not exactly what `pack` could have written."""
+    """Rebuild at most `most` arrays from the bytes; ValueError where the description is not what `pack` could have written."""
     if not isinstance(layout, list) or len(layout) > most:
         raise ValueError(f"the arrays are not a list of at most {most}")
     arrays: dict[str, np.ndarray] = {}

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import submission, world
+from grader.harness import sources, submission
 from grader.harness.calling import way_of
 from grader.harness.values import Packer, numbers
 
@@ -87,7 +87,7 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
         build = _building(fields, model, data, answer)
         generators = [(generator, _state(generator)) for generator in _generators()]
         for rows, stds, (accel, gyro) in zip(readings, fields["twins"], arrays["biases"], strict=True):
-            world.seed(_SEED)
+            sources.seed(_SEED)
             for generator, state in generators:
                 _rewind(generator, state)
             read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)

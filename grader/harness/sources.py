@@ -1,0 +1,205 @@
+"""Repeatable sources of randomness, time and identity for student code: the same bytes get the same grade on a busy machine, too.
+
+Libraries keep the real clocks and identifiers where a wait or a lock depends on them, so these sources ask who calls.
+"""
+
+from __future__ import annotations
+
+import builtins
+import datetime
+import hashlib
+import operator
+import os
+import random
+import sys
+import threading
+import time
+import uuid
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+PID = 1
+"""Process id that student code sees: the one that its process has in a namespace of its own."""
+_NODE = 0x0242AC110002  # network address in the UUIDs of kind 1
+
+
+class _Clock:
+    """Time as student code finds it: it moves with pauses, with simulated steps and a little with each look at it.
+
+    So a loop that goes by the clock makes as many rounds in every run, whatever else the machine does.
+    """
+
+    def __init__(self) -> None:
+        self.passed_s = 0.0
+
+    def look(self) -> float:
+        self.passed_s += _LOOK_S
+        return self.passed_s
+
+
+_LOOK_S = 1e-6
+_NEW_YEAR_S = 1_767_225_600.0  # 2026
+_CLOCKS = {"time": _NEW_YEAR_S, "perf_counter": 100.0, "process_time": 1.0, "thread_time": 1.0}
+CLOCK = _Clock()
+
+
+class _Bytes:
+    """Random bytes from SHAKE-128 over a counter: no statistic tells them from the kernel's, and they are the same in each run."""
+
+    def __init__(self) -> None:
+        self.restart(0)
+
+    def restart(self, number: int) -> None:
+        self._number, self._count = number, 0
+
+    def __call__(self, size: int, flags: int = 0) -> bytes:
+        self._count += 1
+        return _SHAKE(f"{self._number}/{self._count}".encode()).digest(operator.index(size))
+
+
+_SHAKE = hashlib.shake_128
+_BYTES = _Bytes()
+
+
+def furnish(folder: str) -> None:
+    """Put the repeatable sources in the place of the real ones; programs in `folder` are the student's."""
+    _LIBRARY.own_folder = folder
+    _let_time_pass_with_the_work()
+    _give_repeatable_dates()
+    _give_repeatable_identity()
+    _draw_from_the_stream()
+
+
+def seed(number: int) -> None:
+    """Seed every generator, so that a regrade draws the same numbers. No verdict rests on it."""
+    _BYTES.restart(number)
+    random.seed(number)
+    np.random.seed(number)
+    stream = random.Random(number + 1)
+    bit_generator: Any = sys.modules.get("numpy.random.bit_generator")
+    if bit_generator is not None and hasattr(bit_generator, "randbits"):
+        bit_generator.randbits = stream.getrandbits  # default_rng() without a seed takes its entropy from here
+
+
+class _Library:
+    """Tells whether a library calls: its code has the absolute path of its file, a student's file and what it executes has none."""
+
+    own_folder = "/"
+
+    def calls(self) -> bool:
+        name = sys._getframe(2).f_code.co_filename
+        return name.startswith("<frozen") or (os.path.isabs(name) and not name.startswith(self.own_folder))
+
+
+_LIBRARY = _Library()
+
+
+def _let_time_pass_with_the_work() -> None:
+    """Let a pause move the clocks on instead of waiting. What waits by itself goes by `monotonic`, which runs for libraries."""
+
+    def sleep(seconds: float) -> None:
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
+        CLOCK.passed_s += float(seconds)
+
+    def reading(start_s: float) -> Callable[[], float]:
+        return lambda: start_s + CLOCK.look()
+
+    def reading_ns(start_s: float) -> Callable[[], int]:
+        return lambda: round((start_s + CLOCK.look()) * 1e9)
+
+    def monotonic() -> float:
+        return really() + CLOCK.passed_s if _LIBRARY.calls() else _CLOCKS["perf_counter"] + CLOCK.look()
+
+    def monotonic_ns() -> int:
+        seconds = really() + CLOCK.passed_s if _LIBRARY.calls() else _CLOCKS["perf_counter"] + CLOCK.look()
+        return round(seconds * 1e9)
+
+    really = time.monotonic
+    vars(time).update(sleep=sleep, monotonic=monotonic, monotonic_ns=monotonic_ns)
+    for name, start_s in _CLOCKS.items():
+        vars(time).update({name: reading(start_s), f"{name}_ns": reading_ns(start_s)})
+    if "timeit" in sys.modules:
+        vars(sys.modules["timeit"])["default_timer"] = time.perf_counter
+    vars(os)["times"] = lambda: os.times_result((time.process_time(), 0.0, 0.0, 0.0, time.perf_counter()))
+    vars(os)["getloadavg"] = lambda: (0.0, 0.0, 0.0)
+
+
+def _give_repeatable_dates() -> None:
+    """Let dates and broken-down times go by the clock that student code sees."""
+
+    def at(convert: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda seconds=None: convert(time.time() if seconds is None else seconds)
+
+    def formatted(convert: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *args: convert(*args, *(() if args and not isinstance(args[-1], str) else (time.localtime(),)))
+
+    for name in ("localtime", "gmtime", "ctime"):
+        vars(time)[name] = at(getattr(time, name))
+    for name in ("strftime", "asctime"):
+        vars(time)[name] = formatted(getattr(time, name))
+    real, real_date = datetime.datetime, datetime.date
+
+    class _Real(type):
+        """Instances of the replaced classes are those of the real ones."""
+
+        def __instancecheck__(cls, value: object) -> bool:
+            return isinstance(value, cls.__base__ or object)
+
+        def __subclasscheck__(cls, other: type) -> bool:
+            return issubclass(other, cls.__base__ or object)
+
+    def now(cls: type, tz: Any = None) -> Any:
+        return real.fromtimestamp(time.time(), tz)
+
+    def utcnow(cls: type) -> Any:
+        return real.fromtimestamp(time.time(), datetime.timezone.utc).replace(tzinfo=None)
+
+    def new(cls: type, *args: Any, **kwargs: Any) -> Any:
+        base: Any = cls.__base__ if type(cls) is _Real else cls
+        return base.__new__(base, *args, **kwargs)
+
+    methods = {"now": classmethod(now), "today": classmethod(now), "utcnow": classmethod(utcnow), "__new__": new}
+    today = {"today": classmethod(lambda cls: real.fromtimestamp(time.time()).date()), "__new__": new}
+    vars(datetime).update(datetime=_Real("datetime", (real,), methods), date=_Real("date", (real_date,), today))
+
+
+def _give_repeatable_identity() -> None:
+    """Number objects, threads and the process in the order in which student code asks for them."""
+
+    def numbered(really: Callable[..., int], start: int, step: int) -> Callable[..., int]:
+        known: dict[int, int] = {}
+
+        def ask(*args: Any) -> int:
+            number = really(*args)
+            return number if _LIBRARY.calls() else known.setdefault(number, start + step * len(known))
+
+        return ask
+
+    def own(really: Callable[[], int], number: int) -> Callable[[], int]:
+        return lambda: really() if _LIBRARY.calls() else number
+
+    vars(builtins)["id"] = numbered(id, 4096, 16)
+    vars(threading)["get_ident"] = numbered(threading.get_ident, 1, 1)
+    vars(threading)["get_native_id"] = numbered(threading.get_native_id, PID, 1)
+    vars(os).update(getpid=own(os.getpid, PID), getppid=own(os.getppid, 0))
+    resource: Any = sys.modules.get("resource")
+    if resource is not None:
+        used = lambda who: resource.struct_rusage((time.process_time(), 0.0, 100_000, *[0] * 13))  # noqa: E731
+        vars(resource)["getrusage"] = used
+
+
+def _draw_from_the_stream() -> None:
+    """Let what asks the system for random bytes draw them from our stream: `os.urandom`, `secrets`, `uuid`, unseeded generators."""
+    seed_by = random.Random.seed
+
+    def seeded(self: random.Random, a: Any = None, version: int = 2) -> None:
+        seed_by(self, int.from_bytes(_BYTES(32), "little") if a is None else a, version)
+
+    vars(os).update(urandom=_BYTES, getrandom=_BYTES)
+    vars(random)["_urandom"] = _BYTES
+    setattr(random.Random, "seed", seeded)  # noqa: B010
+    vars(random)["seed"] = vars(random)["_inst"].seed
+    vars(uuid).update(getnode=lambda: _NODE, _generate_time_safe=None, _UuidCreate=None)

@@ -1,0 +1,88 @@
+"""The same bytes get the same grade and the same words, whatever code asks the system for and whatever else the machine does."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import pytest
+
+from grader.engine.marking import Marker
+from grader.engine.results import Result
+from grader.intake import Submission
+from tests.corpus.pieces import verbatim
+
+NOISY = """
+import os, random, secrets, threading, time, uuid, datetime
+import numpy as np
+from imu_reader import get_imu_readings
+
+class NoisyIMU:
+    def __init__(self, model, data, accel_id, gyro_id, accel_noise_std=0.05, gyro_noise_std=0.005, accel_bias=None, gyro_bias=None):
+        self.args = model, data, accel_id, gyro_id
+        self.stds = accel_noise_std, gyro_noise_std
+        self.biases = [draw() * s if b is None else b for b, s in ((accel_bias, 0.1), (gyro_bias, 0.01))]
+
+    def read(self):
+        clean = get_imu_readings(*self.args)
+        return tuple(c + draw() * s + b for c, s, b in zip(clean, self.stds, self.biases))
+"""
+NORMAL = "def draw():\n    u = [(int.from_bytes(bytes_of(7), 'big') + 0.5) / 2**56 for _ in range(6)]\n    return np.sqrt(-2 * np.log(u[:3])) * np.cos(2 * np.pi * np.array(u[3:]))\n"
+SOUND = {
+    "os.urandom": f"bytes_of = os.urandom\n{NORMAL}",
+    "secrets": f"bytes_of = secrets.token_bytes\n{NORMAL}",
+    "SystemRandom": "rng = random.SystemRandom()\ndef draw():\n    return np.array([rng.gauss(0, 1) for _ in range(3)])\n",
+    "uuid4": "def draw():\n    return np.random.default_rng(uuid.uuid4().int).normal(0, 1, 3)\n",
+    "uuid1": "def draw():\n    return np.random.default_rng(uuid.uuid1().int).normal(0, 1, 3)\n",
+    "a Random of its own": "def draw():\n    rng = random.Random()\n    return np.array([rng.gauss(0, 1) for _ in range(3)])\n",
+    "default_rng": "def draw():\n    return np.random.default_rng().normal(0, 1, 3)\n",
+    "monotonic_ns": "def draw():\n    return np.random.default_rng(time.monotonic_ns()).normal(0, 1, 3)\n",
+    "monotonic": "def draw():\n    return np.random.default_rng(int(time.monotonic() * 1e9)).normal(0, 1, 3)\n",
+    "datetime": "def draw():\n    return np.random.default_rng(int(datetime.datetime.now().timestamp() * 1e6)).normal(0, 1, 3)\n",
+}
+"""Sources that a sound noise model may draw from: 100 points, and the same result in every run."""
+ODD = {
+    "times": "def draw():\n    return np.array([sum(os.times()) * 1e6 % 1, time.perf_counter_ns() % 97 / 97, time.time() * 1e6 % 1])\n",
+    "load": "def draw():\n    return np.array([*os.getloadavg()])\n",
+    "threads": "def draw():\n    return np.array([threading.get_ident() % 1009, threading.get_native_id() % 1009, os.getpid()]) / 1009\n",
+    "addresses": "def draw():\n    return np.array([id(object()) % 1009, id([]) % 1009, id(draw) % 1009]) / 1009\n",
+    "an address in words": "def draw():\n    raise ValueError(f'{id(draw)} {draw!r} {uuid.uuid4()}')\n",
+    "a date in words": "def draw():\n    raise ValueError(f'{datetime.datetime.now()} {datetime.date.today()} {time.strftime(\"%X\")} {time.ctime()}')\n",
+}
+"""Sources of nothing that a noise model needs: whatever the grade is, it is the same in every run."""
+
+
+def noisy(draw: str) -> Submission:
+    files = {**verbatim(), "noisy_imu.py": NOISY + draw}
+    return Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", "")
+
+
+def settled(result: Result) -> Result:
+    """The result without durations."""
+    parts = (replace(part, checks=tuple(replace(c, duration_s=0.0) for c in part.checks)) for part in result.criteria)
+    return replace(result, criteria=tuple(parts), duration_s=0.0)
+
+
+@contextmanager
+def busy_machine() -> Iterator[None]:
+    others = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2)]
+    try:
+        yield
+    finally:
+        for other in others:
+            other.kill()
+            other.wait()
+
+
+@pytest.mark.parametrize("name", [*SOUND, *ODD])
+def test_a_submission_gets_the_same_result_twice_once_under_load(name: str, marker: Marker) -> None:
+    submission = noisy({**SOUND, **ODD}[name])
+    first = settled(marker.mark(submission, only="noise_model"))
+    with busy_machine():
+        second = settled(marker.mark(submission, only="noise_model"))
+    assert first == second
+    if name in SOUND:
+        assert first.score == 20, [(c.id, c.message) for c in first.criteria[0].checks if c.outcome != "passed"]
