@@ -169,7 +169,7 @@ def test_a_name_that_only_the_hidden_robot_lacks_is_told_in_our_words(
     check = next(check for check in result.criteria[4].checks if check.outcome == "failed")
     assert check.message == (
         "Expected  LowPassFilter\n"
-        "Got       no definition of LowPassFilter on the hidden robot; `imugrade check` loads the file with the public robot "
+        "Got       no definition of LowPassFilter beside hidden data; `imugrade check` loads the file with public data "
         "and tells more."
     )
     assert result.notes == ()

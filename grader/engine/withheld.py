@@ -25,7 +25,7 @@ _TOLD_TYPES = (
     "NameError",
     "ModuleNotFoundError",
 )
-_PUBLIC_LOAD = "`imugrade check` loads the file with the public robot and tells more."
+_PUBLIC_LOAD = "`imugrade check` loads the file with public data and tells more."
 _HOLDS, _DOES_NOT = "this to hold in the hidden scenarios, too", "it does not"
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
@@ -62,7 +62,7 @@ def missing(finding: Missing, public: Missing | None) -> Missing:
     if public is not None:
         return public
     return Missing(
-        finding.name, finding.mistake, f"no definition of {finding.name} on the hidden robot; {_PUBLIC_LOAD}"
+        finding.name, finding.mistake, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}"
     )
 
 
