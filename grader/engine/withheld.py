@@ -61,9 +61,7 @@ def missing(finding: Missing, public: Missing | None) -> Missing:
     """Return the finding to tell in place of one from a process with hidden data: the same one from public data, or our words."""
     if public is not None:
         return public
-    return Missing(
-        finding.name, finding.mistake, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}"
-    )
+    return Missing(finding.name, finding.mistake, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")
 
 
 def _kind(finding: Raised) -> str:
