@@ -64,7 +64,7 @@ def save(book: Classbook, ask: Ask) -> Response:
     told = f"Saved as {target}"
     if ask.text("do") == "mark":
         book.mark_by(replace(changed, source=str(target)))
-        told += ", and the class is marked by it"
+        told += ", and the class is regraded by it"
     return RedirectResponse(f"/what-if?told={quote(told)}", 303)
 
 

@@ -240,3 +240,15 @@ def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_e
     page.locator("header input[name=who]").fill("bird")
     page.get_by_role("button", name="Open").click()
     expect(names).to_have_text(["Bob Bird"])
+
+
+def test_points_beyond_the_maximum_are_refused_at_the_field_and_what_was_typed_stays(visit: Visit, desk: Desk) -> None:
+    page = visit.open("/submission/cyd")
+    form = page.locator("#override-filtering")
+    form.locator("summary").click()
+    form.locator("input[name=points]").fill("21")
+    form.locator("textarea").fill("a long reason")
+    form.get_by_role("button", name="Save").click()
+    assert form.locator("input[name=points]").evaluate("each => each.validity.rangeOverflow")
+    expect(form.locator("textarea")).to_have_value("a long reason")
+    assert [each for each in desk.book.on_thread(lambda: desk.book.history("cyd")) if each.points == 21.0] == []
