@@ -340,6 +340,9 @@ def checked(done: Done) -> None:
 
 
 def graded(done: Done) -> None:
+    if "--list" in done.words:
+        assert "alice" in done.out
+        return
     out = done.file("-o")
     assert out is not None
     with open(out / "gradebook.csv", encoding="utf-8", newline="") as stream:
