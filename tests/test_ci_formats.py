@@ -98,8 +98,15 @@ def decoded(text: str) -> str:
 def test_github_gets_one_annotation_for_each_cause_and_the_score() -> None:
     commands = as_the_runner_reads(github.commands(mixed(), Places(LAB)))
     assert [kind for kind, _, _ in commands] == ["error", "error", "warning", "notice"]
-    assert commands[0][1] == {"title": "Reads the right sensor (0 / 6)"}
-    assert commands[0][2].splitlines() == [
+    crashed, lost_, *_ = commands
+    assert crashed[2].splitlines() == [
+        "Expected  an answer",
+        "Got       none: killed",
+        "Costs     12 points now, because 1 more check could not run. Everything else was graded without it.",
+        "Rerun     imugrade check --only sensor_access",
+    ]
+    assert lost_[1] == {"title": "Reads the right sensor (0 / 6)"}
+    assert lost_[2].splitlines() == [
         "Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²",
         "Got       accel = [ 1.000  0.412 -0.031]",
         "Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i], not at i",

@@ -211,8 +211,44 @@ def test_a_file_that_is_no_python_is_told_once_with_the_line_and_a_caret() -> No
         "                  ^\n"
         " ✗ failed   two                                                            0 / 6\n"
         " ✗ failed   three                                                          0 / 6\n"
+        "   Costs     18 points now. Everything else was graded without it.\n"
         "   Try       Mend it.\n"
     ) in terminal(result(*rows), width=80)
+
+
+def test_code_that_does_not_run_comes_first_with_what_it_costs() -> None:
+    rows = (
+        lost(title="A wrong value", lab_step=2),
+        check("error", 0.0, title="Code that raises", lab_step=3, message="Expected  a series\nGot       NameError"),
+        check("skipped", 0.0, message="Not reached"),
+        check("skipped", 0.0, message="Not reached"),
+    )
+    assert terminal(replace(result(*rows), extensions=()), width=80) == (
+        "Does not run\n"
+        "\n"
+        " ✗ raised   Code that raises                                               0 / 6\n"
+        "   Expected  a series\n"
+        "   Got       NameError\n"
+        "   Costs     18 points now, because 2 more checks could not run. Everything else\n"
+        "             was graded without it.\n"
+        "   Read      Lab 04-01, Step 3\n"
+        "\n"
+        " ✗ Sensor access  ░░░░░░░░░░░░░░░░░░░░  0 / 24\n"
+        "   Score                                0 / 24\n"
+        "\n"
+        "Next  Step 3, get_imu_readings\n"
+        "\n"
+        " ✗ failed   A wrong value                                                  0 / 6\n"
+        "   Expected  accel ≈ [ 0.412 -0.031 -9.702] m/s²\n"
+        "   Got       accel = [ 1.000  0.412 -0.031]\n"
+        "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i],\n"
+        "             not at i\n"
+        "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address\n"
+        "\n"
+        " – skipped  2 checks, 12 points: they need what was lost above\n"
+        "\n"
+        "Rerun  imugrade check --only sensor_access\n"
+    )
 
 
 def test_checks_that_were_told_the_same_are_one_block_and_others_are_not() -> None:

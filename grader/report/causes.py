@@ -16,9 +16,23 @@ _LAST = 99
 
 @dataclass(frozen=True)
 class Cause:
-    """Checks that failed for one reason: they name the same faults, or have the same message."""
+    """Checks that failed for one reason: they name the same faults, or have the same message.
+
+    `waiting` are skipped checks: those of a criterion wait for the first cause in it.
+    """
 
     checks: tuple[CheckResult, ...]
+    waiting: tuple[CheckResult, ...] = ()
+
+    @property
+    def lost(self) -> float:
+        """Points of the checks that failed and of those that wait for them."""
+        return words.points_lost((*self.checks, *self.waiting))
+
+    @property
+    def does_not_run(self) -> bool:
+        """Whether a file cannot be imported, or a required function raises, hangs or ends its process."""
+        return any(map(_does_not_run, self.checks))
 
     @property
     def mistakes(self) -> tuple[str, ...]:
@@ -51,12 +65,38 @@ def parts_of(result: Result, only: str | None) -> list[CriterionResult | Extensi
 
 
 def causes_of(checks: Iterable[CheckResult]) -> list[Cause]:
-    """Return the causes in the order of the lab steps. Checks that were skipped or not judged have no cause."""
+    """Return the causes: first the code that does not run, then the rest, both in the order of the lab steps.
+
+    Checks that were not judged have no cause.
+    """
     found: dict[tuple[str, ...], list[CheckResult]] = {}
-    for check in sorted(checks, key=_step):
+    skipped: dict[str, list[CheckResult]] = {}
+    for check in sorted(checks, key=lambda check: (not _does_not_run(check), _step(check))):
         if words.tells(check):
             found.setdefault(told_mistakes(check) or (check.outcome, check.message), []).append(check)
-    return [Cause(tuple(together)) for together in found.values()]
+        elif check.outcome == "skipped":
+            skipped.setdefault(part_of(check), []).append(check)
+    causes = []
+    for together in found.values():
+        parts = dict.fromkeys(map(part_of, together))
+        causes.append(Cause(tuple(together), tuple(check for part in parts for check in skipped.pop(part, ()))))
+    return causes
+
+
+def _does_not_run(check: CheckResult) -> bool:
+    if "not-written" in check.misconceptions:  # a step of the starter files that is still to be done
+        return False
+    return check.outcome in ("error", "timeout", "crashed") or "does-not-import" in check.misconceptions
+
+
+def cost_now(cause: Cause) -> list[words.Line]:
+    """Return what code that does not run costs, with the checks that could not run for it."""
+    if not cause.does_not_run or not cause.lost:
+        return []
+    points = f"{words.number(round(cause.lost, 2))} point{'s' * (cause.lost != 1)} now"
+    many = len(cause.waiting)
+    waiting = f", because {many} more check{'s' * (many > 1)} could not run" if many else ""
+    return [words.Line("Costs", f"{points}{waiting}. Everything else was graded without it.")]
 
 
 def told(cause: Cause) -> list[tuple[CheckResult, list[words.Line]]]:
@@ -82,14 +122,15 @@ def _where(said: Iterable[words.Line]) -> list[words.Line]:
 
 
 def going_on(cause: Cause, lab: LabName) -> list[words.Line]:
-    """Return the hints and the reading of all checks of a cause."""
+    """Return the cost of code that does not run, then the hints and the reading of all checks of a cause."""
     hints = dict.fromkeys(
         line.text for check in cause.checks for line in words.row(check, "", lab).lines if line.label == "Try"
     )
     read = "; ".join(
         filter(None, [_sheet(cause, lab), *(f"imugrade explain {printable(each, 80)}" for each in cause.mistakes)])
     )
-    return [*(words.Line("Try", hint) for hint in hints), *([words.Line("Read", read)] if read else [])]
+    lines = [*(words.Line("Try", hint) for hint in hints), *([words.Line("Read", read)] if read else [])]
+    return [*cost_now(cause), *lines]
 
 
 def again(cause: Cause) -> words.Line:

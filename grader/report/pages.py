@@ -322,30 +322,19 @@ def _anchor(check: CheckResult) -> str:
 
 
 def _deductions(result: Result, catalogue: Mapping[str, Mistake]) -> list[Deduction]:
-    """Return the deductions, largest first, each with the checks that could not be graded because of it."""
+    """Return the deductions: first the code that does not run, then the largest first.
+
+    Checks that were skipped without a failed check in their criterion come last.
+    """
     checks = [check for criterion in result.criteria for check in criterion.checks]
-    found = causes_of(checks)
-    waiting = _waiting(checks, found)
-    largest = sorted(found, key=lambda each: -words.points_lost((*each.checks, *waiting.get(each, ()))))
-    known = [_deduction(cause, waiting.get(cause, []), result.lab, catalogue) for cause in largest]
-    alone = waiting.get(None, [])
+    found = sorted(causes_of(checks), key=lambda cause: (not cause.does_not_run, -cause.lost))
+    waiting = {check for cause in found for check in cause.waiting}
+    alone = [check for check in checks if check.outcome == "skipped" and check not in waiting]
+    known = [_deduction(cause, result.lab, catalogue) for cause in found]
     return [*known, *([_unreached(alone)] if alone else [])]
 
 
-def _waiting(checks: Iterable[CheckResult], found: Iterable[Cause]) -> dict[Cause | None, list[CheckResult]]:
-    """Return the skipped checks by the first cause in their criterion; by None where their criterion has no cause."""
-    first: dict[str, Cause] = {}
-    for cause in found:
-        for check in cause.checks:
-            first.setdefault(part_of(check), cause)
-    waiting: dict[Cause | None, list[CheckResult]] = {}
-    for check in checks:
-        if check.outcome == "skipped":
-            waiting.setdefault(first.get(part_of(check)), []).append(check)
-    return waiting
-
-
-def _deduction(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
+def _deduction(cause: Cause, lab: LabName, catalogue: Mapping[str, Mistake]) -> Deduction:
     named = [catalogue[each] for each in cause.mistakes if each in catalogue]
     title = _title(cause, named)
     told = tuple(
@@ -355,11 +344,11 @@ def _deduction(cause: Cause, waiting: list[CheckResult], lab: LabName, catalogue
         for check, lines in causes.told(cause)
     )
     return Deduction(
-        words.minus(words.points_lost((*cause.checks, *waiting))),
+        words.minus(cause.lost),
         title,
         tuple(mistake.explanation.strip() for mistake in named),
         told,
-        _count(waiting),
+        _count(cause.waiting),
         (*causes.going_on(cause, lab), causes.again(cause)),
     )
 

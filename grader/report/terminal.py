@@ -79,7 +79,7 @@ def screen(
     command: str = "imugrade check",
     repeat: str = "",
 ) -> list[Text]:
-    """The lines of a result: totals, what to do next, what was lost by its cause, what to run again.
+    """Return the lines of a result: code that does not run, totals, what to do next, deductions by cause, what to run again.
 
     Parameters
     ----------
@@ -103,11 +103,18 @@ def screen(
     checks = [check for part in parts for check in part.checks]
     found = causes.causes_of(checks)
     change = Change(before or {})
+    broken = [cause for cause in found if cause.does_not_run]
     blocks = [
+        [Text("Does not run", "bold")] if broken else [],
+        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in broken),
         _totals(result, parts, setting, change, only),
         _next(found, lab, setting),
         *([_earned(checks, setting)] if only is not None else [_mended(parts, setting, change)]),
-        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in found),
+        *(
+            [*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)]
+            for cause in found
+            if not cause.does_not_run
+        ),
         _without_verdict(checks, setting),
         _closing(result, setting),
         _hand_in(result, lab, setting) if only is None else [],
