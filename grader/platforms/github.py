@@ -27,17 +27,20 @@ _PLAIN = frozenset(" ,;?%—…·✓✗◐–")
 
 
 def commands(result: Result, places: Places) -> str:
-    """Workflow commands, one a line: one for each cause and place, the dearest first: GitHub shows ten of a kind for a step."""
-    told = sorted(_annotations(result, places), key=lambda each: -words.points_lost(each.checks))
+    """Return workflow commands, one a line: one for each cause and place, the largest deduction first.
+
+    GitHub shows ten of a kind for a step.
+    """
+    told = sorted(_annotations(result, places), key=lambda each: -each.cause.lost)
     return "".join(f"{command}\n" for command in [*(_command(each, result) for each in told), _closing(result)])
 
 
 @dataclass(frozen=True)
 class _Annotation:
-    """Checks that were lost for one reason at one place."""
+    """The checks of one cause at one place; the checks that wait for the cause are told at its first place."""
 
     place: Place | None
-    checks: tuple[CheckResult, ...]
+    cause: Cause
 
 
 def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
@@ -45,7 +48,11 @@ def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
         there: dict[Place | None, list[CheckResult]] = {}
         for check in cause.checks:
             there.setdefault(places.of(check), []).append(check)
-        yield from (_Annotation(place, tuple(checks)) for place, checks in there.items())
+        waiting = (cause.waiting, *[()] * len(there))
+        yield from (
+            _Annotation(place, Cause(tuple(checks), after))
+            for (place, checks), after in zip(there.items(), waiting, strict=False)
+        )
 
 
 def _causes(result: Result) -> list[Cause]:
@@ -56,13 +63,13 @@ def _causes(result: Result) -> list[Cause]:
 
 
 def _command(told: _Annotation, result: Result) -> str:
-    kind = {"partial": "warning", "not_judged": "notice"}.get(told.checks[0].outcome, "error")
-    place = told.place
+    checks, place = told.cause.checks, told.place
+    kind = {"partial": "warning", "not_judged": "notice"}.get(checks[0].outcome, "error")
     where = [f"file={_property(place.file)}"] if place else []
     where += [f"line={place.line}"] if place and place.line else []
-    where.append(f"title={_property(printable(_headline(told.checks), 250))}")
-    also = "".join(f"\nAlso      {printable(check.title, 300)} ({_points(check)})" for check in told.checks[1:])
-    message = rows.together(Cause(told.checks), result.lab)
+    where.append(f"title={_property(printable(_headline(checks), 250))}")
+    also = "".join(f"\nAlso      {printable(check.title, 300)} ({_points(check)})" for check in checks[1:])
+    message = rows.together(told.cause, result.lab)
     return f"::{kind} {','.join(where)}::{_data(f'{message}{also}'[:MESSAGE_LIMIT])}"
 
 
