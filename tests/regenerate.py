@@ -5,6 +5,7 @@ Read the difference before you commit it: these files pin marks and messages. A 
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -23,6 +24,7 @@ GENERATED: dict[Path, Callable[[], str]] = {
 
 
 def main() -> int:
+    argparse.ArgumentParser(prog="python -m tests.regenerate", description=__doc__).parse_args()
     for path in regenerated():
         print(path.relative_to(ROOT))
     return 0

@@ -250,7 +250,7 @@ def imugrade(command: Command, folder: Path, scene: Scene) -> None:
     """As it stands; with --help where it is a heading, or a name in the middle of words."""
     names = subcommands(command.words[1:])
     bare = command.place == "prose" and len(names) == len(command.words) - 1
-    if bare or command.place == "heading" or command.words[1:] == ("--help",):
+    if bare or command.place == "heading" or command.words[-1] == "--help":
         code, out, _ = run([*names, "--help"])
         usage = " ".join(out.split())
         assert code == 0
