@@ -193,7 +193,7 @@ def test_without_its_secret_a_class_is_not_graded(
     monkeypatch.setenv("IMUGRADE_SEED", "a secret of thas class")
     code, _, err = run("grade", "class", "-o", "out")
     assert code == 2
-    assert "other scenarios (another secret, robot model or version of MuJoCo): 3 on record are graded again" in err
+    assert "other scenarios (another secret, model or version of MuJoCo): 3 on record are graded again" in err
     assert (totals(), ran) == (scores, so_far)
     monkeypatch.setenv("IMUGRADE_SEED", "a secret of this class")
     assert run("grade", "class", "-o", "out")[0] == 0

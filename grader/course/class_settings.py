@@ -23,7 +23,7 @@ from grader.people import late_policy, roster
 from grader.people.roster import NO_ROSTER, Roster
 from grader.people.standing import HandIn, Standing
 
-_SCENARIOS = "other scenarios (another secret, robot model or version of MuJoCo)"
+_SCENARIOS = "other scenarios (another secret, model or version of MuJoCo)"
 
 
 @dataclass(frozen=True)

@@ -235,10 +235,10 @@ def test_the_class_page_searches_filters_and_sorts_and_a_student_is_found_from_e
     page.locator("#submissions").get_by_role("button", name="Name").click()
     assert names.all_inner_texts()[1:3] == ["ada", "Bob Bird"]
     page.locator("header input[name=who]").fill("bob")
-    page.get_by_role("button", name="Open").click()
+    page.get_by_role("button", name="Open", exact=True).click()
     expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
     page.locator("header input[name=who]").fill("bird")
-    page.get_by_role("button", name="Open").click()
+    page.get_by_role("button", name="Open", exact=True).click()
     expect(names).to_have_text(["Bob Bird"])
 
 

@@ -23,7 +23,7 @@ def test_the_wheel_has_each_thing_once_and_nothing_else(delivered: Delivered) ->
         "result.schema.json",
         "public.npz",
         "report.html.j2",
-        "mistakes.md",
+        "faults.yaml",
     ):
         assert len([name for name in names if name.endswith(f"/{wanted}")]) == 1, wanted
     assert {"grader/py.typed", "reference/py.typed", "reference/models/humanoid-sensors.xml"} <= set(names)
@@ -38,7 +38,7 @@ def test_the_sdist_has_the_sources_and_what_the_readme_needs_and_no_junk(deliver
     with tarfile.open(delivered.sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
     assert {name.partition("/")[0] for name in inside} == {
-        ".ci", ".gitignore", "CHANGELOG.md", "LICENSE", "PKG-INFO", "README.md", "SECURITY.md", "grader", "pyproject.toml", "reference",
+        ".ci", ".gitignore", "CHANGELOG.md", "LICENSE", "PKG-INFO", "README.md", "SECURITY.md", "docs", "grader", "pyproject.toml", "reference",
         "rubric.yaml", "submissions_example", "tests",
     }  # fmt: skip
     assert not [name for name in inside if "__pycache__" in name or name.startswith(".venv")]
