@@ -40,7 +40,6 @@ FILTERED = {
 }
 KEEPING: dict[str, tuple[str, str]] = {
     "beside the measurement": ("self.last, self.count = measurement, 1", "self.count"),
-    "beside what never changes": ("self.zero = np.zeros(3)", "self.alpha"),
 }
 """What a filter keeps beside its state, and what it returns."""
 BOTH = "        'acceleration': accelerations,\n        'angular_velocity': angular_velocities\n"
