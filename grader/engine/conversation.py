@@ -101,10 +101,11 @@ class Conversation(Asking):
         raise self._missing(name, home)
 
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
-        """One line a file, which grows by each name that is found there: a notebook holds them all."""
-        strays = self._strays.setdefault(path, {})
-        before = _found_in(path, strays)
-        strays[name] = home
+        """Keep one note a file, which grows by each name that is found there, in the lab's order: a notebook holds them all."""
+        known = self._strays.get(path, {})
+        strays = {each: its for each, its in self._lab.homes.items() if each in known or each == name}
+        self._strays[path] = strays
+        before = _found_in(path, known)
         if before in self.notes:
             self.notes[self.notes.index(before)] = _found_in(path, strays)
         else:
