@@ -225,3 +225,24 @@ def test_a_check_keeps_its_points_only_where_the_one_that_it_belongs_to_is_lost(
     assert _settled(("b", 0.5, "never-asked")) == {"b": 0.5}
     assert _settled(("a", 1.0, ""), ("c", 0.0, ""), ("b", 0.5, "a c")) == {"a": 1.0, "c": 0.0, "b": 1.0}
     assert _settled(("a", 0.0, "b"), ("b", 0.5, "")) == {"a": 1.0, "b": 0.5}
+
+
+ADDS_ITS_STATE = """\
+class LowPassFilter:
+    def __init__(self, alpha=0.1, initial_value=None):
+        self.alpha, self.value = alpha, initial_value
+
+    def update(self, measurement):
+        x = np.array(measurement, float)
+        self.value = x if self.value is None else self.value + self.alpha * (x + self.value)
+        return self.value.copy()
+"""
+
+
+def test_a_broken_filter_that_is_given_lists_costs_its_own_criterion_alone(player: Marking) -> None:
+    """The stand-in filter takes a list, as the program's own filter does, so that the comparison plot can be drawn with it."""
+    compare = COMPARE.replace("low_pass.update(accel)", "low_pass.update(list(accel))")
+    assert compare != COMPARE
+    files = lab(low_pass=ADDS_ITS_STATE, compare=compare)
+    result = player.mark(Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", ""))
+    assert {part.id: part.points for part in result.criteria if part.points < 20.0} == {"filtering": 14.0}
