@@ -28,7 +28,7 @@ _SCENARIOS = "other scenarios (another secret, model or version of MuJoCo)"
 
 @dataclass(frozen=True)
 class ClassSettings:
-    """What a class is graded by.
+    """Settings that a class is graded by.
 
     Attributes
     ----------

@@ -81,7 +81,7 @@ class Order:
 
 @dataclass(frozen=True)
 class Class:
-    """Who is in the class: submissions with what is known of each beside its files, and what there is to tell of that.
+    """Members of the class: their submissions, what is known of each beside its files, and the warnings about that.
 
     `others` are hand-ins on record that are not in the download, with the people that the roster has for them.
     """

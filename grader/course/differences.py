@@ -63,7 +63,7 @@ def _changed(old: Standing, new: Standing) -> list[str]:
 
 
 def _block(old: Standing, new: Standing, changed: list[str]) -> list[str]:
-    """What differs, and what had changed for this submission alone; nothing where neither checks nor what stands beside them do."""
+    """Return the lines on what changed for this submission alone; none if neither its checks nor its other facts differ."""
     lines = [*_checks(old.result, new.result), *_beside(old, new)]
     return [*lines, f"changed: {', '.join(changed)}"] if lines and changed else lines
 

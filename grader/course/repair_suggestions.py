@@ -316,7 +316,7 @@ def _with_return(lines: _Lines, name: str) -> Iterator[list[str]]:
 
 
 def _values(body: Sequence[ast.stmt]) -> Iterator[str]:
-    """What a function may return at its end: what it prints or names there, or has set last."""
+    """Return candidates for a missing `return`: what the function prints or names at its end, or assigned last."""
     last = body[-1]
     if isinstance(last, ast.Expr):
         call = last.value

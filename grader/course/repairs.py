@@ -147,7 +147,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Grading:
-    """What the class is graded by, and what grades a submission by it in the sandbox."""
+    """Settings of the class, and the marker that grades a submission by them in the sandbox."""
 
     rubric: Rubric
     traces: Traces
