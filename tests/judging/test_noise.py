@@ -307,8 +307,10 @@ def _moved(facts: Facts, by: float) -> Facts:
         (_sized(3, 3), None, [_noiseless(ACCEL), _unasked(0.15, 0.015)[1]], ["std-ignored"]),
         (_sized(3, 3), None, _unasked(0.1, 0.01), []),
         (_sized(0.1, 10), None, _OBEYING, ["stds-swapped"]),
-        (_sized(0.1, 3), None, _OBEYING, ["stds-swapped"]),
-        (_sized(3, 10.6), None, _OBEYING, ["stds-swapped"]),
+        (_sized(0.1, 1), None, _OBEYING, ["stds-swapped"]),
+        (_sized(1, 10.6), None, _OBEYING, ["stds-swapped"]),
+        (_sized(0.1, 3), None, _OBEYING, []),  # the other sensor's noise has another cause
+        (_sized(3, 10.6), None, _OBEYING, []),
         (_sized(3, 10.8), None, _OBEYING, []),
         (_sized(3, 9.2), None, _OBEYING, []),
         (_sized(0.1, 10), None, _unasked(0.005, 0.05), ["std-ignored"]),
@@ -317,6 +319,9 @@ def _moved(facts: Facts, by: float) -> Facts:
         (_sized(0.05, 1), None, _OBEYING, ["variance-as-std"]),
         (_sized(0.05, 1.5), None, _OBEYING, []),
         (_sized(0.05, 0.005), None, _unasked(0.0025, 0.000025), ["std-ignored"]),
+        # The root of the gyroscope's standard deviation, 0.0025, is the accelerometer's.
+        ([_of(0.05**-0.5 * _WHITE), _of(20 * _OTHER, replace(GYRO, std=0.0025))], None, _OBEYING, ["variance-as-std"]),
+        ([_of(_WHITE), _of(20 * _OTHER, replace(GYRO, std=0.0025))], None, _OBEYING, []),  # either may be meant
         (_sized(1, 1), None, _OBEYING, []),
         (_sized(1.5, 1.5), None, _OBEYING, []),
     ],

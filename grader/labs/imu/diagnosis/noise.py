@@ -224,8 +224,10 @@ def _of_other_power(seen: _Sizes) -> bool:
 
 
 def _stds_swapped(seen: _Sizes) -> bool:
+    """Return whether the noise of each sensor whose size is wrong has the standard deviation of the other one."""
     accel, gyro = seen.sensors
-    return _near(accel.pooled_spread, gyro.std) or _near(gyro.pooled_spread, accel.std)
+    wrong = [(f, other) for f, other in ((accel, gyro), (gyro, accel)) if not size_is_right(f)]
+    return bool(wrong) and all(_near(f.pooled_spread, other.std) for f, other in wrong)
 
 
 def _near(value: float, target: float) -> bool:
@@ -246,7 +248,7 @@ _SIZES: list[Named[_Sizes]] = [
         ),
     ),
     Named(4, "stds-swapped", lambda seen: seen.obeyed and _stds_swapped(seen)),
-    Named(5, "variance-as-std", lambda seen: seen.obeyed and _of_other_power(seen)),
+    Named(4, "variance-as-std", lambda seen: seen.obeyed and _of_other_power(seen)),
 ]
 
 
