@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 
-from grader.engine.asking import Listener
 from grader.engine.lab_box import open_box_for
 from grader.engine.marking import Marker
 from grader.engine.reading import Alone, Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
+from grader.engine.session import Listener
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.intake.names import is_litter
