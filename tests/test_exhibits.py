@@ -14,11 +14,11 @@ from PIL import Image
 
 from grader.course.record import Key, Store
 from grader.engine import traces
-from grader.engine.conversation import Conversation
 from grader.engine.evidence import Chart, Evidence, Panel, Role, packed, unpacked
 from grader.engine.figures import Sight
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
+from grader.engine.submission_session import Conversation
 from grader.intake import read_submission
 from grader.labs.imu import bundles, exhibits
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun

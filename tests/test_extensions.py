@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 import reference
 from grader.engine import rubric, traces
-from grader.engine.conversation import Conversation
 from grader.engine.marking import Marker
 from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
+from grader.engine.submission_session import Conversation
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis import allan as allan_diagnosis

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.conversation import found_once
 from grader.engine.question import Question, key_of
+from grader.engine.submission_session import found_once
 from grader.labs.imu import student_bonuses as bonuses
 from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.replies import RULES

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from grader.engine.conversation import Conversation
+from grader.engine.submission_session import Conversation
 from grader.ground.errors import TimedOut
 from grader.labs.imu.lab import LAB
 from grader.sandbox.exchange import Deadline, DeadlineError

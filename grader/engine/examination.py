@@ -25,13 +25,13 @@ import numpy as np
 import pytest
 
 from grader.engine import withheld
-from grader.engine.conversation import Conversation
 from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Charged, Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.mistakes import rows
 from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
+from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
 from grader.engine.written import Check, check_files, title_of
 from grader.ground.errors import GraderError, NoAnswer, RequestError

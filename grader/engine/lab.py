@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from yaml import Node
 
-    from grader.engine.conversation import Conversation
     from grader.engine.evidence import Chart
     from grader.engine.rubric_nodes import Reader
+    from grader.engine.submission_session import Conversation
     from grader.engine.traces import Traces
     from grader.sandbox.wire import Frame
 

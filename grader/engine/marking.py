@@ -12,7 +12,6 @@ from types import TracebackType
 from typing import Any
 
 from grader import __version__
-from grader.engine.conversation import Conversation
 from grader.engine.evidence import Evidence, packed
 from grader.engine.examination import Examination, Judgement, known_checks, session
 from grader.engine.feedback import NOT_UNDERSTOOD
@@ -24,6 +23,7 @@ from grader.engine.public_look import PublicLook
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, match_checks
 from grader.engine.session import SEED, Listener
+from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
 from grader.engine.written import Check
 from grader.ground.text import printable

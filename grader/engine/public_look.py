@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from grader.engine.conversation import Conversation
 from grader.engine.findings import Missing
+from grader.engine.submission_session import Conversation
 from grader.ground.errors import GraderError, NoAnswer, RequestError
 
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.conversation import Conversation, is_run
 from grader.engine.figures import Picture, picture_of
 from grader.engine.findings import Missing
 from grader.engine.lab import Lab
 from grader.engine.loaded import Loaded
 from grader.engine.question import key_of
+from grader.engine.submission_session import Conversation, is_run
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Array, Drawing, drawing_of

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.conversation import Conversation
 from grader.engine.evidence import Chart
 from grader.engine.findings import Fault, raised
 from grader.engine.lab import Lab, Part
 from grader.engine.question import Question
 from grader.engine.replies import Answer, checked, maybe, node
+from grader.engine.submission_session import Conversation
 from grader.engine.traces import Scenario, Traces
 from grader.sandbox.wire import Frame
 

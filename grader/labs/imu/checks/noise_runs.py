@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from grader.engine.conversation import found_once
 from grader.engine.findings import Lost, Raised, Unusable, raised
+from grader.engine.submission_session import found_once
 from grader.engine.traces import Traces
 from grader.ground.errors import NoAnswer
 from grader.labs.imu import statistics as st
