@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from grader import cli
-from grader.engine.examination import known_checks
+from grader.engine.check_runner import known_checks
 from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
 from grader.engine.written import checks_of

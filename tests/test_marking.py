@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine import examination, rubric
+from grader.engine import check_runner, rubric
 from grader.engine.marking import Marker
 from grader.engine.results import Result
 from grader.engine.traces import Traces
@@ -98,7 +98,7 @@ def test_a_fault_of_the_grader_is_not_judged_and_never_a_zero(
 
 
 def test_checks_and_rubric_hold_the_same_ids() -> None:
-    known = examination.known_checks(LAB)
+    known = check_runner.known_checks(LAB)
     listed = [
         weight.id for part in (*rubric.load(LAB).criteria, *rubric.load(LAB).extensions) for weight in part.checks
     ]
@@ -139,4 +139,4 @@ def test_no_plugin_of_the_machine_takes_part_in_the_marking(request: pytest.Fixt
     """hypothesis brings one, which these tests themselves run with."""
     name = "hypothesispytest"
     assert request.config.pluginmanager.has_plugin(name)
-    assert not any(item.config.pluginmanager.has_plugin(name) for item in examination.session(LAB)._items)
+    assert not any(item.config.pluginmanager.has_plugin(name) for item in check_runner.session(LAB)._items)

@@ -6,7 +6,7 @@ from importlib import resources
 
 import pytest
 
-from grader.engine.examination import Check, Examination, Judgement
+from grader.engine.check_runner import Check, Examination, Judgement
 from grader.engine.feedback import Told
 from grader.engine.results import CriterionResult
 from grader.intake import Submission

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from grader.engine import rubric
-from grader.engine.examination import known_checks
+from grader.engine.check_runner import known_checks
 from grader.engine.results import CheckResult
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError

@@ -14,7 +14,7 @@ import pytest
 from matplotlib import artist
 from matplotlib.lines import Line2D
 
-from grader.engine import examination, lab_box, marking, rubric
+from grader.engine import check_runner, lab_box, marking, rubric
 from grader.engine.lab_box import HARNESS
 from grader.engine.marking import Marker
 from grader.engine.results import to_json
@@ -61,7 +61,7 @@ def test_no_saving_changes_a_mark(marker: Marker, tmp_path: Path) -> None:
     cheap = {folder.name: marks(marker, folder) for folder in chosen}
     with without_savings(tmp_path) as slow:
         for folder in chosen:
-            examination.session.cache_clear()  # the checks are collected anew for each submission
+            check_runner.session.cache_clear()  # the checks are collected anew for each submission
             assert marks(slow, folder) == cheap[folder.name], folder.name
 
 

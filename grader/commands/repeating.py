@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from grader.engine.examination import Judgement, session
+from grader.engine.check_runner import Judgement, session
 from grader.engine.lab_box import open_box_for
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError

@@ -36,11 +36,11 @@ def stamped(file: Path, sample: str) -> None:
         if event != "import":
             return
         if arguments[0] == "grader.report.terminal" and "grader.engine.marking" in sys.modules:
-            from grader.engine import examination, marking
+            from grader.engine import check_runner, marking
             from grader.sandbox import launch
 
             after(launch.Zygote, "await_ready", "ready")
-            after(examination.Session, "run", "judged")
+            after(check_runner.Session, "run", "judged")
             after(marking.Marker, "mark", "gathered")
 
     sys.addaudithook(hook)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.examination import Examination
+from grader.engine.check_runner import Examination
 from grader.engine.written import Check
 from grader.labs.imu.student import Student
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.findings import Lost, Ours, Size, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, Collection

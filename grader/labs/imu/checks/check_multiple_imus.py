@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.findings import Lost, Size, Skipped, raised
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Reading, three

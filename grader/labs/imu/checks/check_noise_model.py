@@ -7,7 +7,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.findings import Lost, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st

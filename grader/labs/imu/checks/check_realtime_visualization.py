@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.findings import Lost, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.diagnosis import liveplot

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.findings import Lost, Ours, Size, Skipped, Unusable, raised
 from grader.engine.traces import Scenario, Traces
 from grader.ground.text import printable

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.figures import Figure
 from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grader.engine.examination import check
+from grader.engine.check_runner import check
 from grader.engine.findings import Lost
 from grader.engine.traces import Traces
 from tests.labs.toy.lab import Student
