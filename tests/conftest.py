@@ -23,7 +23,7 @@ from typing import Any
 
 import pytest
 
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.recording import CACHE_VARIABLE
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles

@@ -14,7 +14,7 @@ from typing import Any
 import yaml
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import read_submission
 from grader.intake.names import is_litter

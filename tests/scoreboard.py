@@ -19,7 +19,7 @@ from functools import cache
 from pathlib import Path
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles

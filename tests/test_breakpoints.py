@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from grader.engine.breakpoints import breakpoints
+from grader.engine.grader import Marker
 from grader.engine.lab_box import open_box_for
-from grader.engine.marking import Marker
 from grader.engine.rubric import load
 from grader.intake import read_submission
 from grader.labs.imu import bundles

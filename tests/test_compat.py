@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from tests.corpus.pieces import edit, verbatim
 from tests.corpus.writing import Files
 from tests.scoreboard import Case, handed_in

@@ -14,7 +14,7 @@ from markupsafe import escape
 from grader.course import classroom
 from grader.desk.overviews import queue
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.ground.errors import GraderError

@@ -16,7 +16,7 @@ from grader.course.record import Key, Store
 from grader.engine import traces
 from grader.engine.evidence import Chart, Evidence, Panel, Role, packed, unpacked
 from grader.engine.figures import Sight
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import to_json
 from grader.engine.submission_session import Conversation
 from grader.intake import read_submission

@@ -18,7 +18,7 @@ from grader import cli
 from grader.course import classroom
 from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Key, Store
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.intake import Submission

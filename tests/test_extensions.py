@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import reference
 from grader.engine import rubric, traces
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.engine.submission_session import Conversation
 from grader.intake import Submission, read_submission

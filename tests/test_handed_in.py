@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.harness.pictures import decode

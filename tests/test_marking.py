@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grader.engine import check_runner, rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.intake import read_submission

@@ -10,7 +10,7 @@ import random
 
 import pytest
 
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.intake import Submission
 from tests.corpus import nothing
 from tests.corpus.nothing import Nothing

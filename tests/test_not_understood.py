@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from grader.course.warnings import remarks
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.ground.errors import GraderError
 from grader.labs.imu import bundles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.intake import Submission
 from tests.corpus.pieces import verbatim
 

@@ -146,7 +146,7 @@ def test_nothing_is_said_of_files_where_nothing_was_handed_in(
 def test_the_first_line_waits_for_no_simulator_and_no_pytest() -> None:
     code = (
         "import sys; from grader.commands import opening; from grader.engine import rubric; from grader.intake import read_submission\n"
-        "print([name for name in ('mujoco', 'matplotlib', 'scipy', 'pytest', 'grader.engine.marking') if name in sys.modules])"
+        "print([name for name in ('mujoco', 'matplotlib', 'scipy', 'pytest', 'grader.engine.grader') if name in sys.modules])"
     )
     environ = {**os.environ, "PYTHONPATH": str(Path(cli.__file__).parent.parent)}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environ)

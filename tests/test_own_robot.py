@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from grader.engine import recording, rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.intake import read_submission

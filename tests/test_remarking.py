@@ -15,7 +15,7 @@ from grader.course import classroom, regrade
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.marks import marked
 from grader.engine.results import Result, to_json
 from grader.engine.rubric import Rubric, RubricError

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import pytest
 
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
 from tests.corpus.pieces import verbatim

@@ -10,7 +10,7 @@ import mujoco
 import pytest
 
 from grader.engine import rubric, traces
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import read_submission
 from grader.labs.imu import bundles

@@ -14,9 +14,9 @@ import pytest
 from matplotlib import artist
 from matplotlib.lines import Line2D
 
-from grader.engine import check_runner, lab_box, marking, rubric
+from grader.engine import check_runner, grader, lab_box, rubric
+from grader.engine.grader import Marker
 from grader.engine.lab_box import HARNESS
-from grader.engine.marking import Marker
 from grader.engine.results import to_json
 from grader.harness import world
 from grader.intake import Submission, read_submission
@@ -50,7 +50,7 @@ def without_savings(folder: Path) -> Iterator[Marker]:
     with mock.patch.object(lab_box, "HARNESS", harness):
         box = lab_box.open_box(LAB, thorough=False)
     with (
-        mock.patch.object(marking, "libraries_of", return_value=()),
+        mock.patch.object(grader, "libraries_of", return_value=()),
         Marker(rubric.load(LAB), bundles.shipped(), box=box) as slow,
     ):
         yield slow

@@ -14,7 +14,7 @@ from textwrap import indent
 
 import pytest
 
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles

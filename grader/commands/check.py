@@ -75,7 +75,7 @@ def check(
             print(opening.found(LAB, submission), flush=True)
         from grader.commands import checking, history  # noqa: PLC0415
         from grader.commands.prints import Prints  # noqa: PLC0415
-        from grader.engine.marking import Stopped  # noqa: PLC0415
+        from grader.engine.grader import Stopped  # noqa: PLC0415
         from grader.report import terminal  # noqa: F401, PLC0415
 
         bundle = LAB.truth(None, chosen.settings)

@@ -23,7 +23,7 @@ from grader.course.submission_archive import pack
 from grader.course.warnings import gone, of_policy, outdated, remarks
 from grader.engine.check_runner import known_checks
 from grader.engine.evidence import Evidence, unpacked
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.marks import marked
 from grader.engine.reading import Reader
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status

@@ -26,7 +26,7 @@ from typing import Any
 from unittest import mock
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
 from grader.labs.imu import bundles

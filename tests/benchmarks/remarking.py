@@ -23,7 +23,7 @@ from grader.course import regrade
 from grader.course.publishing import publish
 from grader.course.record import Key, Store
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB

@@ -35,13 +35,13 @@ def stamped(file: Path, sample: str) -> None:
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
         if event != "import":
             return
-        if arguments[0] == "grader.report.terminal" and "grader.engine.marking" in sys.modules:
-            from grader.engine import check_runner, marking
+        if arguments[0] == "grader.report.terminal" and "grader.engine.grader" in sys.modules:
+            from grader.engine import check_runner, grader
             from grader.sandbox import launch
 
             after(launch.Zygote, "await_ready", "ready")
             after(check_runner.Session, "run", "judged")
-            after(marking.Marker, "mark", "gathered")
+            after(grader.Marker, "mark", "gathered")
 
     sys.addaudithook(hook)
     from grader import cli

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from grader.engine.evidence import unpacked
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission

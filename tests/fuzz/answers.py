@@ -27,7 +27,7 @@ import numpy as np
 from grader.engine import rubric
 from grader.engine.check_runner import Examination
 from grader.engine.evidence import Evidence, packed
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.ground.errors import Crashed
 from grader.intake import Submission, read_submission

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.engine.rubric import Limits, Rubric
 from grader.engine.traces import Traces

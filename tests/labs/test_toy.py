@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, from_dict, to_dict
 from grader.ground.errors import GraderError

@@ -13,7 +13,7 @@ import yaml
 
 import reference
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from grader.engine import rubric
-from grader.engine.marking import Marker
+from grader.engine.grader import Marker
 from grader.engine.results import Result, to_dict
 from grader.engine.rubric import Rubric
 from grader.intake import Submission
