@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from grader.engine.loaded import Endings
+from grader.engine.load_report import Endings
 from grader.ground.errors import Crashed, TimedOut
 from grader.sandbox.wire import Frame
 

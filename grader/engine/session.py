@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from grader.engine.findings import Missing
-from grader.engine.loaded import Endings, Loaded, overran
+from grader.engine.load_report import Endings, Loaded, overran
 from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 from grader.ground.text import printable
 from grader.sandbox.box import Box, Worker

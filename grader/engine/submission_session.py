@@ -10,7 +10,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import Fault, Missing, Ours, Where
-from grader.engine.loaded import Loaded, loaded_from, mistake_of
+from grader.engine.load_report import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
 from grader.engine.session import Asking
 from grader.ground.errors import NoAnswer, TimedOut

@@ -21,7 +21,7 @@ import numpy as np
 import yaml
 
 from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
-from grader.engine.loaded import Loaded
+from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
 from grader.harness import submission, world
 from grader.labs.imu import bundles

@@ -12,7 +12,7 @@ import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Sight, Stray
 from grader.engine.findings import Fault, Lost
-from grader.engine.loaded import Loaded, SteppedOver
+from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
 from grader.labs.imu.student import Student

@@ -14,7 +14,7 @@ import numpy as np
 from grader.engine.figures import Picture, picture_of
 from grader.engine.findings import Missing
 from grader.engine.lab import Lab
-from grader.engine.loaded import Loaded
+from grader.engine.load_report import Loaded
 from grader.engine.question import key_of
 from grader.engine.submission_session import Conversation, is_run
 from grader.engine.traces import Traces
