@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from grader.engine import feedback, withheld
+from grader.engine import feedback, hidden_feedback
 from grader.engine.charging import Part
 from grader.engine.findings import Charge, Charged, Deviation, Size, Skipped
 from grader.engine.hypothesis import Reason
@@ -144,7 +144,7 @@ def test_a_reason_that_cannot_compute_with_the_numbers_is_none() -> None:
 
 def test_the_words_are_those_of_the_fault_or_of_the_check_and_of_hidden_data_a_size_alone() -> None:
     found = Charged(PART.judge(Facts("a", "cheap"), ROWS)["part.a"])  # type: ignore[arg-type]
-    public, hidden = feedback.told(found, None, ROWS), withheld.told(found, ROWS)
+    public, hidden = feedback.told(found, None, ROWS), hidden_feedback.told(found, ROWS)
     assert (public.expected, public.got, public.hint, public.mistakes) == (
         "a that holds", "1.5", "do not cheap", ("cheap",)
     )  # fmt: skip

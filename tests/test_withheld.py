@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.engine import withheld
+from grader.engine import hidden_feedback
 from grader.engine.findings import Lost, Ours, Size
 from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, to_dict
@@ -135,4 +135,4 @@ STEP = "Hold it against Step 6."
 )
 def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, mistakes: tuple[str, ...], said: str) -> None:
     finding = Lost("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
-    assert withheld.told(finding, MISTAKES).hint == said
+    assert hidden_feedback.told(finding, MISTAKES).hint == said

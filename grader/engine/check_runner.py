@@ -24,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from grader.engine import withheld
+from grader.engine import hidden_feedback
 from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Charged, Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
@@ -125,7 +125,7 @@ class Examination:
             verdict = Told("passed", 1.0, "")
         elif isinstance(ended, Charged | Lost | Skipped | Raised | Missing | NoAnswer):
             finding = self._without_secrets(ended)
-            same = (withheld.story if self._secret else story)(finding, this.criterion)
+            same = (hidden_feedback.story if self._secret else story)(finding, this.criterion)
             verdict = self._told(finding, self._stories.get(same) if same else None)
             if same:
                 self._stories.setdefault(same, this.title)
@@ -142,11 +142,11 @@ class Examination:
         """Replace what a process with hidden data said of a missing name by what one with public data says."""
         if not (self._secret and isinstance(finding, Missing)):
             return finding
-        return withheld.missing(finding, self._look.missing(finding.name) if self._look else None)
+        return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
 
     def _told(self, finding: BaseException, earlier: str | None) -> Told:
         if self._secret and earlier is None and isinstance(finding, Charged | Lost | Skipped | Raised | NoAnswer):
-            return withheld.told(finding, self._mistakes)
+            return hidden_feedback.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
 
     def settle(self) -> None:

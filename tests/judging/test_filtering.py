@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine import feedback, withheld
+from grader.engine import feedback, hidden_feedback
 from grader.engine.findings import Charge, Charged, Fault
 from grader.engine.mistakes import rows
 from grader.labs.imu.answers import FilterRun
@@ -214,7 +214,7 @@ def test_every_charge_is_told_in_public_and_of_hidden_data() -> None:
     for found in every:
         for charge in PART.judge(found, ROWS).values():
             if isinstance(charge, Charge) and not charge.see:
-                told, hidden = feedback.told(Charged(charge), None, ROWS), withheld.told(Charged(charge), ROWS)
+                told, hidden = feedback.told(Charged(charge), None, ROWS), hidden_feedback.told(Charged(charge), ROWS)
                 assert told.expected != told.got, charge
                 assert told.hint, charge
                 assert hidden.hint.startswith(told.hint), charge
