@@ -6,10 +6,10 @@ import sys
 import pytest
 
 from grader import cli
+from grader.engine.check_catalog import checks_of
 from grader.engine.check_runner import known_checks
 from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load
-from grader.engine.written import checks_of
 from grader.labs.imu.lab import LAB
 from grader.report import explanations
 

@@ -12,12 +12,12 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
+from grader.engine.check_catalog import Check, title_of
 from grader.engine.findings import Charge, Charged, Deviation
 from grader.engine.hypothesis import Reason, explain
 from grader.engine.lab import Lab
 from grader.engine.mistakes import Mistake, rows
 from grader.engine.submission_session import Conversation
-from grader.engine.written import Check, title_of
 
 
 class Measurement(Protocol):

@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 
 from grader.engine import hidden_feedback
+from grader.engine.check_catalog import Check, check_files, title_of
 from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Charged, Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
@@ -33,7 +34,6 @@ from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
 from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
-from grader.engine.written import Check, check_files, title_of
 from grader.ground.errors import GraderError, NoAnswer, RequestError
 from grader.ground.text import printable
 

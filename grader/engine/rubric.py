@@ -22,10 +22,10 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import yaml
 
+from grader.engine.check_catalog import checks_of
 from grader.engine.lab import Lab
 from grader.engine.mistakes import catalogue
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
-from grader.engine.written import checks_of
 from grader.ground.errors import RequestError
 from grader.ground.package_data import beside
 from grader.ground.text import printable

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from grader.engine.check_catalog import Check
 from grader.engine.check_runner import Examination
-from grader.engine.written import Check
 from grader.labs.imu.student import Student
 
 Lines = Iterator[str]
