@@ -20,7 +20,7 @@ from grader.desk.auth import Keys
 from grader.desk.classbook import Classbook
 from grader.desk.serving import open_socket, server
 from grader.engine import rubric
-from grader.engine.evidence import Evidence
+from grader.engine.chart_data import Evidence
 from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result
 from grader.labs.imu.lab import LAB

@@ -23,7 +23,7 @@ from grader.course import classroom, cluster, cluster_worker
 from grader.course.pool import KILLED, Bounds, Outcome, Stopped, Unmarked
 from grader.course.record import Store
 from grader.engine import rubric
-from grader.engine.evidence import Evidence
+from grader.engine.chart_data import Evidence
 from grader.engine.results import Result
 from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission

@@ -14,7 +14,7 @@ from PIL import Image
 
 from grader.course.record import Key, Store
 from grader.engine import traces
-from grader.engine.evidence import Chart, Evidence, Panel, Role, packed, unpacked
+from grader.engine.chart_data import Chart, Evidence, Panel, Role, packed, unpacked
 from grader.engine.figures import Sight
 from grader.engine.grader import Marker
 from grader.engine.results import to_json

@@ -15,7 +15,7 @@ from grader import __version__
 from grader.course import publishing
 from grader.course.publishing import Publisher, publish_all
 from grader.course.record import Key, Store
-from grader.engine.evidence import Chart, Curve, Evidence, Panel, packed, unpacked
+from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.people.standing import Standing

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from grader.engine.evidence import Chart
+from grader.engine.chart_data import Chart
 from grader.engine.figures import Axes, Curve, Entry, Figure, Sight
 from grader.engine.mistakes import catalogue
 from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result

@@ -201,7 +201,7 @@ def _write(result: Result, wanted: _Wanted) -> None:
     from grader.ground.files import write_whole  # noqa: PLC0415
 
     if wanted.html is not None:
-        from grader.engine.evidence import unpacked  # noqa: PLC0415
+        from grader.engine.chart_data import unpacked  # noqa: PLC0415
         from grader.engine.mistakes import catalogue  # noqa: PLC0415
         from grader.labs.imu.lab import LAB  # noqa: PLC0415
         from grader.people.standing import Standing  # noqa: PLC0415

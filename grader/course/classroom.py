@@ -21,8 +21,8 @@ from grader.course.publishing import Publisher, publish, publish_class
 from grader.course.record import Key, Store
 from grader.course.submission_archive import pack
 from grader.course.warnings import gone, of_policy, outdated, remarks
+from grader.engine.chart_data import Evidence, unpacked
 from grader.engine.check_runner import known_checks
-from grader.engine.evidence import Evidence, unpacked
 from grader.engine.grader import Marker
 from grader.engine.marks import marked
 from grader.engine.reading import Reader

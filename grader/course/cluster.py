@@ -19,7 +19,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from grader.course.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, words
-from grader.engine.evidence import Evidence
+from grader.engine.chart_data import Evidence
 from grader.engine.results import Result, from_dict
 from grader.ground.errors import GraderError, RequestError
 from grader.ground.text import printable

@@ -19,7 +19,7 @@ from typing import TypeVar
 from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
 from grader.course.database import Database, ForeignError, foreign, read
-from grader.engine.evidence import Chart, unpacked
+from grader.engine.chart_data import Chart, unpacked
 from grader.engine.marks import fits, marked
 from grader.engine.results import Result, from_dict, to_record
 from grader.engine.rubric import Rubric

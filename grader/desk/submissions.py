@@ -17,7 +17,7 @@ from grader.desk.classbook import Classbook, now
 from grader.desk.code import Shelf, defined, named_lines, shelf, unshowable
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import Item
-from grader.engine.evidence import Chart
+from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.ground.errors import RequestError
 from grader.ground.text import printable

@@ -12,9 +12,9 @@ from types import TracebackType
 from typing import Any
 
 from grader import __version__
+from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import Examination, Judgement, known_checks, session
-from grader.engine.evidence import Evidence, packed
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.findings import Ours
 from grader.engine.fingerprint import fingerprint

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from yaml import Node
 
-    from grader.engine.evidence import Chart
+    from grader.engine.chart_data import Chart
     from grader.engine.rubric_nodes import Reader
     from grader.engine.submission_session import Conversation
     from grader.engine.traces import Traces

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, Literal, get_args
 
-from grader.engine.evidence import Evidence
+from grader.engine.chart_data import Evidence
 from grader.engine.findings import Where
 
 SCHEMA = "imugrade/result/v1"

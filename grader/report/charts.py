@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain, compress, repeat
 
-from grader.engine.evidence import Chart, Curve, Panel
+from grader.engine.chart_data import Chart, Curve, Panel
 
 WIDTH, HEIGHT = 480, 220
 _TOP, _BOTTOM, _RIGHT = 8, 26, 10

@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from grader.engine.evidence import Chart
+from grader.engine.chart_data import Chart
 from grader.engine.mistakes import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
 from grader.ground.package_data import beside

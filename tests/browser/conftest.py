@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from grader.engine.evidence import unpacked
+from grader.engine.chart_data import unpacked
 from grader.engine.grader import Marker
 from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result

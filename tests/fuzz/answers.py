@@ -25,8 +25,8 @@ from unittest import mock
 import numpy as np
 
 from grader.engine import rubric
+from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_runner import Examination
-from grader.engine.evidence import Evidence, packed
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.ground.errors import Crashed

@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 from rich.console import Console
 
-from grader.engine.evidence import unpacked
+from grader.engine.chart_data import unpacked
 from grader.engine.results import Result, to_json
 from grader.ground.errors import GraderError
 from grader.labs.imu.lab import LAB

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from yaml import Node
 
-    from grader.engine.evidence import Chart
+    from grader.engine.chart_data import Chart
     from grader.engine.rubric_nodes import Reader
     from grader.engine.traces import Traces
     from grader.labs.imu.robot import Model

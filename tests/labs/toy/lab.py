@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.evidence import Chart
+from grader.engine.chart_data import Chart
 from grader.engine.findings import Fault, raised
 from grader.engine.lab import Lab, Part
 from grader.engine.question import Question

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grader.engine.evidence import Chart
+from grader.engine.chart_data import Chart
 from grader.engine.traces import Traces
 from grader.labs.imu.exhibits import drawn, filtering, handed_in, motion, noise
 from grader.labs.imu.student import Student

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from grader.engine import figures
-from grader.engine.evidence import Chart, Curve, Panel
+from grader.engine.chart_data import Chart, Curve, Panel
 from grader.engine.figures import Axes, Entry, Figure, Mask
 from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from grader.engine.evidence import Chart, Panel
+from grader.engine.chart_data import Chart, Panel
 from grader.engine.traces import Scenario
 from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import io
 
-from grader.engine.evidence import Chart
+from grader.engine.chart_data import Chart
 from grader.engine.figures import Picture
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grader.engine.evidence import Chart, Panel
+from grader.engine.chart_data import Chart, Panel
 from grader.engine.traces import Scenario
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.compare import Array

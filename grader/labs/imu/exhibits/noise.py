@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.engine.evidence import Chart, Panel
+from grader.engine.chart_data import Chart, Panel
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import NoiseRun
 from grader.labs.imu.compare import Array

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grader.engine.evidence import Curve, Role
+from grader.engine.chart_data import Curve, Role
 from grader.labs.imu.compare import Array
 
 MOST = 200
