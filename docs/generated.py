@@ -13,8 +13,8 @@ from typing import Any
 import typer
 
 from grader import cli
+from grader.engine.faults import catalogue
 from grader.engine.lab import Part
-from grader.engine.mistakes import catalogue
 from grader.engine.rubric import load, shipped
 from grader.labs.imu.lab import LAB
 from grader.platforms import registry

@@ -9,9 +9,9 @@ import pytest
 
 from grader.engine import feedback, hidden_feedback
 from grader.engine.charging import Part
+from grader.engine.faults import Mistake
 from grader.engine.findings import Charge, Charged, Deviation, Size, Skipped
 from grader.engine.hypothesis import Reason
-from grader.engine.mistakes import Mistake
 from grader.labs.imu.lab import LAB
 
 pytestmark = pytest.mark.quick

@@ -8,7 +8,7 @@ import pytest
 from grader import cli
 from grader.engine.check_catalog import checks_of
 from grader.engine.check_runner import known_checks
-from grader.engine.mistakes import catalogue
+from grader.engine.faults import catalogue
 from grader.engine.rubric import load
 from grader.labs.imu.lab import LAB
 from grader.report import explanations

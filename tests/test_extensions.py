@@ -105,7 +105,7 @@ def test_an_extension_that_never_returns_is_stopped(
 
 
 def test_every_mistake_of_an_extension_has_a_faulty_one() -> None:
-    from grader.engine.mistakes import catalogue
+    from grader.engine.faults import catalogue
 
     named = {id_ for id_, mistake in catalogue(LAB).items() if mistake.group == "extensions"}
     assert named <= {faulty.mistake for faulty in corpus.FAULTY_EXTENSIONS}

@@ -284,7 +284,7 @@ def _attributes(tree: ast.AST) -> set[str]:
 
 
 def test_the_readme_names_commands_and_ids_that_exist(students: Path) -> None:
-    from grader.engine.mistakes import catalogue
+    from grader.engine.faults import catalogue
 
     text = (students / "README.md").read_text(encoding="utf-8")
     assert f"python -m pip install {wheel.name()}" in text

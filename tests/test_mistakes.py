@@ -18,9 +18,9 @@ import pytest
 import yaml
 
 from grader.engine import rubric
+from grader.engine.faults import catalogue
 from grader.engine.feedback import mistake_of
 from grader.engine.findings import Fault
-from grader.engine.mistakes import catalogue
 from grader.labs.imu.lab import LAB
 
 ROOT = Path(__file__).parent.parent

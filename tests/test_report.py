@@ -13,8 +13,8 @@ import pytest
 from rich.console import Console
 
 from grader.engine.chart_data import Chart
+from grader.engine.faults import catalogue
 from grader.engine.figures import Axes, Curve, Entry, Figure, Sight
-from grader.engine.mistakes import catalogue
 from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.exhibits import drawn

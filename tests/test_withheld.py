@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from grader.engine import hidden_feedback
+from grader.engine.faults import catalogue
 from grader.engine.findings import Lost, Ours, Size
-from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles

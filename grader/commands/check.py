@@ -202,7 +202,7 @@ def _write(result: Result, wanted: _Wanted) -> None:
 
     if wanted.html is not None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415
-        from grader.engine.mistakes import catalogue  # noqa: PLC0415
+        from grader.engine.faults import catalogue  # noqa: PLC0415
         from grader.labs.imu.lab import LAB  # noqa: PLC0415
         from grader.people.standing import Standing  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415

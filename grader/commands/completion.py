@@ -19,7 +19,7 @@ def checks(incomplete: str) -> list[str]:
 
 def explained(incomplete: str) -> list[str]:
     """Every mistake, criterion, extension and check."""
-    from grader.engine.mistakes import catalogue  # noqa: PLC0415
+    from grader.engine.faults import catalogue  # noqa: PLC0415
 
     return _beginning(incomplete, [*catalogue(LAB), *LAB.titles, *checks("")])
 

@@ -14,9 +14,9 @@ from types import TracebackType
 from grader import __version__
 from grader.course.database import FILE_NAME
 from grader.course.record import Store, charts
+from grader.engine.faults import catalogue
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
-from grader.engine.mistakes import catalogue
 from grader.engine.processes import context, starting_ours
 from grader.engine.results import to_json
 from grader.ground.files import write_whole

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
 from grader.engine.check_catalog import Check, title_of
+from grader.engine.faults import Mistake, rows
 from grader.engine.findings import Charge, Charged, Deviation
 from grader.engine.hypothesis import Reason, explain
 from grader.engine.lab import Lab
-from grader.engine.mistakes import Mistake, rows
 from grader.engine.submission_session import Conversation
 
 

@@ -26,10 +26,10 @@ import pytest
 
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
+from grader.engine.faults import rows
 from grader.engine.feedback import Told, charged_with, story, told
 from grader.engine.findings import Charged, Lost, Missing, Raised, Skipped
 from grader.engine.lab import Lab
-from grader.engine.mistakes import rows
 from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
 from grader.engine.submission_session import Conversation

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from grader.engine.faults import Mistake
 from grader.engine.findings import Charge, Charged, Fault, Lost, Missing, Raised, Skipped, Unusable, Where
-from grader.engine.mistakes import Mistake
 from grader.engine.results import Outcome, message_of
 from grader.engine.submission_session import THERE
 from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut

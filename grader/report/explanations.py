@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from grader.engine.check_catalog import Check, checks_of
+from grader.engine.faults import Mistake, catalogue
 from grader.engine.lab import Lab
-from grader.engine.mistakes import Mistake, catalogue
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
 from grader.ground.errors import RequestError
 from grader.ground.text import printable

@@ -13,7 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from grader.engine.chart_data import Chart
-from grader.engine.mistakes import Mistake
+from grader.engine.faults import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
 from grader.ground.package_data import beside
 from grader.ground.text import printable

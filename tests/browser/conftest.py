@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from grader.engine.chart_data import unpacked
+from grader.engine.faults import catalogue
 from grader.engine.grader import Marker
-from grader.engine.mistakes import catalogue
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB

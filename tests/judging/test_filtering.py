@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from grader.engine import feedback, hidden_feedback
+from grader.engine.faults import rows
 from grader.engine.findings import Charge, Charged, Fault
-from grader.engine.mistakes import rows
 from grader.labs.imu.answers import FilterRun
 from grader.labs.imu.compare import Array
 from grader.labs.imu.filtering import checks

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from grader.engine import rubric
+from grader.engine.faults import catalogue
 from grader.engine.grader import Marker
-from grader.engine.mistakes import catalogue
 from grader.engine.results import Result, from_dict, to_dict
 from grader.ground.errors import GraderError
 from grader.intake.submission import Submission
