@@ -8,7 +8,7 @@ from functools import cache
 
 from grader.engine import rubric
 from grader.engine.grader import Marker
-from grader.engine.lab_box import open_box
+from grader.engine.lab_sandbox import open_box
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB

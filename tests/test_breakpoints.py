@@ -8,7 +8,7 @@ import pytest
 
 from grader.engine.breakpoints import breakpoints
 from grader.engine.grader import Marker
-from grader.engine.lab_box import open_box_for
+from grader.engine.lab_sandbox import open_box_for
 from grader.engine.rubric import load
 from grader.intake import read_submission
 from grader.labs.imu import bundles

@@ -17,7 +17,7 @@ from grader.commands import history
 from grader.commands.prints import Prints
 from grader.commands.watching import View
 from grader.engine.grader import Marker
-from grader.engine.lab_box import open_box_for
+from grader.engine.lab_sandbox import open_box_for
 from grader.engine.rubric import load
 from grader.engine.submission_session import Conversation
 from grader.intake import read_submission

@@ -14,9 +14,9 @@ import pytest
 from matplotlib import artist
 from matplotlib.lines import Line2D
 
-from grader.engine import check_runner, grader, lab_box, rubric
+from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
-from grader.engine.lab_box import HARNESS
+from grader.engine.lab_sandbox import HARNESS
 from grader.engine.results import to_json
 from grader.harness import world
 from grader.intake import Submission, read_submission
@@ -47,8 +47,8 @@ def without_savings(folder: Path) -> Iterator[Marker]:
         replaced = re.findall(r"^(?:def )?(\w+)(?:\(| =)", text, re.MULTILINE)
         assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
         (harness / name).write_text(own + text, encoding="utf-8")
-    with mock.patch.object(lab_box, "HARNESS", harness):
-        box = lab_box.open_box(LAB, thorough=False)
+    with mock.patch.object(lab_sandbox, "HARNESS", harness):
+        box = lab_sandbox.open_box(LAB, thorough=False)
     with (
         mock.patch.object(grader, "libraries_of", return_value=()),
         Marker(rubric.load(LAB), bundles.shipped(), box=box) as slow,
@@ -74,7 +74,7 @@ def test_no_saving_changes_a_mark(marker: Marker, tmp_path: Path) -> None:
     ],
 )
 def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: bytes, wanted: tuple[str, ...]) -> None:
-    assert lab_box.libraries_of(LAB, {"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
+    assert lab_sandbox.libraries_of(LAB, {"lab.py": code, "notes.txt": b"scipy.integrate"}) == wanted
 
 
 def test_a_marker_has_them_imported_with_the_first_submission_that_can_mean_them(marker: Marker) -> None:

@@ -60,7 +60,7 @@ def check(
 
     if path.exists():
         print(opening.begins(path), flush=True)  # at once: the rest takes seconds on a cold machine
-    from grader.engine.lab_box import open_box_for  # noqa: PLC0415
+    from grader.engine.lab_sandbox import open_box_for  # noqa: PLC0415
     from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 
 from grader.engine.grader import Marker
-from grader.engine.lab_box import open_box_for
+from grader.engine.lab_sandbox import open_box_for
 from grader.engine.reading import Alone, Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from grader.engine.check_runner import Judgement, session
-from grader.engine.lab_box import open_box_for
+from grader.engine.lab_sandbox import open_box_for
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole

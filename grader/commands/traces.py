@@ -64,7 +64,7 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, rung: str | None)
     """What the submission's own `simulate_and_collect` records, run in a box; what cannot be had is said."""
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.findings import Missing, Raised  # noqa: PLC0415
-    from grader.engine.lab_box import open_box_for  # noqa: PLC0415
+    from grader.engine.lab_sandbox import open_box_for  # noqa: PLC0415
     from grader.ground.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
     from grader.labs.imu import recordings  # noqa: PLC0415

@@ -18,7 +18,7 @@ from grader.engine.check_runner import Examination, Judgement, known_checks, ses
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.findings import Ours
 from grader.engine.fingerprint import fingerprint
-from grader.engine.lab_box import libraries_of, open_box
+from grader.engine.lab_sandbox import libraries_of, open_box
 from grader.engine.marks import marked
 from grader.engine.public_look import PublicLook
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import cast, get_args
 
 from grader.engine.grader import Marker
-from grader.engine.lab_box import open_box_for
+from grader.engine.lab_sandbox import open_box_for
 from grader.engine.reading import read_apart
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric

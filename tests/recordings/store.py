@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.lab_box import HARNESS
+from grader.engine.lab_sandbox import HARNESS
 from grader.engine.recording import default_cache_dir
 from grader.engine.rubric import Limits
 from grader.intake import Submission
