@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import loading, pictures, seeing, world
+from . import artist_facts, loading, pictures, world
 from .guard import Guard
 from .submission import STATE
 
@@ -39,7 +39,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
     STATE.sheet_names = getattr(questions, "sheet_names", STATE.sheet_names)
     world.import_libraries()
-    seeing.remember_classes()
+    artist_facts.remember_classes()
     if thorough:
         world.use_libraries()
     _guard = Guard(__name__.partition(".")[0])

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from . import seeing
+from . import artist_facts
 from .joining import MAX_PIECE, end_to_end, is_chain, joined
 from .values import Packer
 
@@ -28,15 +28,15 @@ _MAX_INKS = 8
 
 
 def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
-    seeing.must_be_honest(figure, *figure.legends)
+    artist_facts.must_be_honest(figure, *figure.legends)
     axes, behind = list(figure.get_axes())[:_MAX_AXES], figure.get_facecolor()
     artists = [text for part in (figure, *_subfigures(figure)) for text in part.texts]
-    seeing.must_be_honest(*artists)
-    texts = [words for text in artists if (words := seeing.words(text, behind))]
+    artist_facts.must_be_honest(*artists)
+    texts = [words for text in artists if (words := artist_facts.words(text, behind))]
     return {
-        "title": seeing.words(getattr(figure, "_suptitle", None), behind),
-        "xlabel": seeing.words(getattr(figure, "_supxlabel", None), behind),
-        "ylabel": seeing.words(getattr(figure, "_supylabel", None), behind),
+        "title": artist_facts.words(getattr(figure, "_suptitle", None), behind),
+        "xlabel": artist_facts.words(getattr(figure, "_supxlabel", None), behind),
+        "ylabel": artist_facts.words(getattr(figure, "_supylabel", None), behind),
         "texts": texts[:_MAX_TEXTS],
         "legends": [_legend(legend, behind) for legend in figure.legends[:4]],
         "axes": [_axes(one, axes, packer) for one in axes],
@@ -81,10 +81,12 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
     legend, behind = axes.get_legend(), axes.get_figure().get_facecolor()
     titles = (axes.title, axes._left_title, axes._right_title)
     labels = (axes.xaxis.label, axes.yaxis.label)
-    seeing.must_be_honest(axes, axes.xaxis, axes.yaxis, *titles, *labels, *axes.texts, *([legend] if legend else []))
-    box, part = seeing.place(axes), _part_of_a_figure(axes, behind)
+    artist_facts.must_be_honest(
+        axes, axes.xaxis, axes.yaxis, *titles, *labels, *axes.texts, *([legend] if legend else [])
+    )
+    box, part = artist_facts.place(axes), _part_of_a_figure(axes, behind)
     xlabel, ylabel = (
-        seeing.words(axis.label, behind) if axes.axison and axis.get_visible() else ""
+        artist_facts.words(axis.label, behind) if axes.axison and axis.get_visible() else ""
         for axis in (axes.xaxis, axes.yaxis)
     )
     shared = axes.get_shared_x_axes()
@@ -93,9 +95,11 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
         "position": [round(_bounded(v), 4) for v in (box.x0, box.y0, box.x1, box.y1)],
         "xlabel": xlabel or part["xlabel"],
         "ylabel": ylabel or part["ylabel"],
-        "title": next((words for title in titles if (words := seeing.words(title, behind)).strip()), part["title"]),
+        "title": next(
+            (words for title in titles if (words := artist_facts.words(title, behind)).strip()), part["title"]
+        ),
         "legend": _legends(axes, behind),
-        "texts": [_placed(text) for text in axes.texts[:_MAX_TEXTS] if seeing.words(text, axes.get_facecolor())],
+        "texts": [_placed(text) for text in axes.texts[:_MAX_TEXTS] if artist_facts.words(text, axes.get_facecolor())],
         "curves": _curves(axes, packer),
         "images": len(axes.images),
         "shares_x_with": [i for i, other in enumerate(all_axes) if other is not axes and shared.joined(axes, other)],
@@ -112,15 +116,15 @@ def _part_of_a_figure(axes: Any, behind: Any) -> dict[str, str]:
     part = axes.get_figure()
     whole = part is part.canvas.figure
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
-    seeing.must_be_honest(part, *(artist for artist in artists.values() if artist is not None))
-    return {name: seeing.words(artist, behind) for name, artist in artists.items()}
+    artist_facts.must_be_honest(part, *(artist for artist in artists.values() if artist is not None))
+    return {name: artist_facts.words(artist, behind) for name, artist in artists.items()}
 
 
 def _legends(axes: Any, behind: Any) -> list[dict[str, Any]] | None:
     """The legend of a panel, and those of the part of a figure that it stands in."""
     own, part = axes.get_legend(), axes.get_figure()
     around = [] if part is part.canvas.figure else list(part.legends[:4])
-    seeing.must_be_honest(*around)
+    artist_facts.must_be_honest(*around)
     entries = [_legend(legend, behind) for legend in around if legend.get_visible()]
     if own is not None and own.get_visible():
         entries.insert(0, _legend(own, axes.get_facecolor()))
@@ -167,7 +171,7 @@ def _drawn_by(pieces: list[Any]) -> Iterator[tuple[np.ndarray, np.ndarray, Any]]
 
     artist = pieces[0]
     if isinstance(artist, Collection | StepPatch):
-        seeing.must_be_honest(*pieces)
+        artist_facts.must_be_honest(*pieces)
     if isinstance(artist, LineCollection):
         segments, colours = list(artist.get_segments()), list(_plain_floats(artist.get_edgecolor()))
         if is_chain(segments):
@@ -195,7 +199,7 @@ _NOTHING = ("None", "none", "", " ", None)
 
 
 def _line(pieces: list[Any], packer: Packer) -> dict[str, Any]:
-    seeing.must_be_honest(*pieces)
+    artist_facts.must_be_honest(*pieces)
     line, (x, y) = pieces[0], _points_of(pieces[0])
     if len(pieces) > 1:
         x, y = end_to_end(np.column_stack(_points_of(piece)) for piece in pieces).T
@@ -299,7 +303,7 @@ def _legend(legend: Any, behind: Any) -> list[dict[str, Any]]:
     """Entries as a reader sees them: the words, and the colour and stroke of the sample beside them."""
     handles = getattr(legend, "legend_handles", None) or getattr(legend, "legendHandles", [])
     pairs = list(zip(legend.get_texts()[:_MAX_CURVES], handles, strict=False))
-    seeing.must_be_honest(*(artist for pair in pairs for artist in pair))
+    artist_facts.must_be_honest(*(artist for pair in pairs for artist in pair))
     return [_entry(text, handle, behind) for text, handle in pairs]
 
 
@@ -309,7 +313,7 @@ def _entry(text: Any, handle: Any, behind: Any) -> dict[str, Any]:
         handle.get_color() if line else (_face(handle) if hasattr(handle, "get_offsets") else handle.get_facecolor())
     )
     return {
-        "text": seeing.words(text, behind),
+        "text": artist_facts.words(text, behind),
         "colour": _colour(colour),
         "style": str(handle.get_linestyle())[:8] if line else "",
         "marker": str(handle.get_marker())[:8] if line and hasattr(handle, "get_marker") else "",

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import drawing, figures, saved, seeing
+from . import artist_facts, drawing, figures, saved
 from .values import Packer
 
 _MAX_FIGURES = 12
@@ -93,7 +93,7 @@ class Recorder:
     def _described(self, figure: Any, facts: dict[str, Any], name: str, seen: drawing.Seen | None) -> saved.Drawn:
         """A figure with what is on it beside these facts; its pixels go by that name."""
         try:
-            with seeing.as_it_was():
+            with artist_facts.as_it_was():
                 seen = seen or drawing.look(figure)
                 facts |= figures.facts_of(figure, self._packer)
             facts |= {"seen": name, "extent": list(seen.extent), "dots": seen.dots}
@@ -190,7 +190,7 @@ def watch(*, read_back: bool) -> None:
     setattr(FigureCanvasBase, "print_figure", print_figure)  # noqa: B010 - a method is replaced on purpose
     setattr(FigureCanvasAgg, "print_png", print_png)  # noqa: B010
     setattr(Figure, "show", lambda self, *args, **kwargs: RECORDER.note(self, event="shown"))  # noqa: B010
-    seeing.remember(Figure, FigureCanvasBase, FigureCanvasAgg)
+    artist_facts.remember(Figure, FigureCanvasBase, FigureCanvasAgg)
 
 
 def _name(target: Any) -> str | None:
