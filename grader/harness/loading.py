@@ -19,7 +19,7 @@ from typing import Any
 
 from . import (
     compiling,
-    desktop,
+    desktop_stubs,
     drawing,
     faults,
     fuzzy_names,
@@ -89,7 +89,7 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
-        desktop.end_program()
+        desktop_stubs.end_program()
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     error = _unreadable(path) or next((e for e in STATE.stepper.noted if e["path"] == path), None)
     return seen | {"error": error, "stepped_over": STATE.stepper.noted}, arrays

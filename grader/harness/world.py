@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from . import compat, desktop, sources
+from . import compat, desktop_stubs, sources
 
 _MAX_INPUTS = 100
 
@@ -75,7 +75,7 @@ def use_libraries() -> None:
     PIL.Image.preinit()
 
 
-def furnish(furniture: Mapping[str, Any], *, run_magic: desktop.RunMagic) -> None:
+def furnish(furniture: Mapping[str, Any], *, run_magic: desktop_stubs.RunMagic) -> None:
     """Make the worker's process look like the machine that the lab sheet assumes.
 
     Parameters
@@ -86,7 +86,7 @@ def furnish(furniture: Mapping[str, Any], *, run_magic: desktop.RunMagic) -> Non
         _place_model(pathlib.PurePosixPath(furniture["sheet_model"]), furniture["model_file"], furniture["model"])
     _answer_input()
     compat.give_back()
-    desktop.furnish(run_magic)
+    desktop_stubs.furnish(run_magic)
     sources.furnish(_HOME)
     _keep_hooks_away()
     _make_signals_deadly()
