@@ -18,7 +18,7 @@ from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import HARNESS
 from grader.engine.results import to_json
-from grader.harness import world
+from grader.harness import environment
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
@@ -86,6 +86,6 @@ def test_a_marker_has_them_imported_with_the_first_submission_that_can_mean_them
 
 def test_a_student_s_own_artist_has_its_table_as_ever() -> None:
     """What the imports are spared is spared while they last."""
-    with world._undocumented():
+    with environment._undocumented():
         assert artist.kwdoc(Line2D) == ""
     assert "linestyle" in artist.kwdoc(Line2D)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from . import artist_facts, loading, pictures, world
+from . import artist_facts, environment, loading, pictures
 from .guard import Guard
 from .submission import STATE
 
@@ -38,10 +38,10 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
     global _guard  # noqa: PLW0603 - there is one harness in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
     STATE.sheet_names = getattr(questions, "sheet_names", STATE.sheet_names)
-    world.import_libraries()
+    environment.import_libraries()
     artist_facts.remember_classes()
     if thorough:
-        world.use_libraries()
+        environment.use_libraries()
     _guard = Guard(__name__.partition(".")[0])
     _guard.hide()
 

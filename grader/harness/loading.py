@@ -21,6 +21,7 @@ from . import (
     compiling,
     desktop_stubs,
     drawing,
+    environment,
     faults,
     fuzzy_names,
     notebooks,
@@ -29,7 +30,6 @@ from . import (
     sources,
     standins,
     stepping,
-    world,
 )
 from .missing_imports import MissingImports
 from .submission import STATE
@@ -52,7 +52,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     os.makedirs(_FOLDER, exist_ok=True)
     os.chdir(_FOLDER)
     STATE.folder = os.getcwd()
-    world.settle(STATE.folder)
+    environment.settle(STATE.folder)
     for path, key, levels_above in fields["files"]:
         _write(path, arrays[key].tobytes())
         if 0 < levels_above <= _FOLDER.count("/"):
@@ -61,7 +61,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     sent = len(STATE.paths)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
-    world.furnish(STATE.furniture, run_magic=_run_magic)
+    environment.furnish(STATE.furniture, run_magic=_run_magic)
     sources.seed(fields["seed"])
     recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
@@ -73,7 +73,7 @@ def load(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     """Import one file (or run one notebook) and tell which of the wanted names it defines and what was stepped over."""
     del arrays
     path: str = fields["path"]
-    with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
+    with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = _run_notebook(path) if path.endswith(".ipynb") else _import_file(path)
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     answer: dict[str, Any] = {"names": STATE.stepper.defined(vars(module)) if module else []}
@@ -86,7 +86,7 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     """Run one file as `python FILE` does, and tell which figures it saved."""
     del arrays
     path: str = fields["path"]
-    with world.at_home(STATE.folder), stepping.limited(fields["within_s"]):
+    with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
         desktop_stubs.end_program()

@@ -23,7 +23,7 @@ import yaml
 from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
-from grader.harness import submission, world
+from grader.harness import environment, submission
 from grader.labs.imu import bundles
 from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.lab import LAB
@@ -93,7 +93,7 @@ def _as_in_the_box(parts: Mapping[str, Any]) -> Iterator[None]:
         mock.patch.object(submission.STATE, "folder", str(Path.cwd())),
         mock.patch.object(entropy, "randbits", entropy.randbits),
     ):
-        world._watch_steps()
+        environment._watch_steps()
         try:
             yield
         finally:

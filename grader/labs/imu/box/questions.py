@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import faults, recorder, saved, submission, world
+from grader.harness import environment, faults, recorder, saved, submission
 from grader.harness.calling import way_of
 from grader.harness.screen import replaced
 from grader.harness.values import Packer, numbers
@@ -27,7 +27,7 @@ Reply = tuple[dict[str, Any], dict[str, np.ndarray]]
 def examined(answer: dict[str, Any]) -> Iterator[None]:
     """Catch whatever student code raises and note it in the answer."""
     try:
-        with world.at_home(submission.STATE.folder):
+        with environment.at_home(submission.STATE.folder):
             yield
     except BaseException as raised:  # whatever student code raises, SystemExit included
         answer["error"] = faults.describe(raised)
@@ -172,13 +172,13 @@ def simulate(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     packer = Packer()
     answer: dict[str, Any] = {"value": None, "departs": []}
     before = _options(model)
-    world.watch_next_run()
+    environment.watch_next_run()
     with examined(answer), own_globals.standing_for(model, data):
         collect, departs = calls.collecting_by(function, model, fields["duration_s"], ids)
         answer["departs"] = [*departs, *own_globals.read_instead(function, (calls.MODEL,))]
         answer["value"] = packer.node(collect(model, data, fields["duration_s"]))
     answer["changed"] = [name for name, value in _options(model).items() if not np.array_equal(value, before[name])]
-    return answer, packer.arrays | {f"first_{name}": value for name, value in world.watched_run().items()}
+    return answer, packer.arrays | {f"first_{name}": value for name, value in environment.watched_run().items()}
 
 
 def replay(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
