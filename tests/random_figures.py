@@ -13,10 +13,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from grader.engine.figures import Figure, Sight, figures_of
-from grader.harness import drawing, figures
-from grader.harness.values import Packer
 from grader.labs.imu.diagnosis.sight import Patience, looked_at
 from grader.sandbox.wire import Frame
+from grader.worker import drawing, figures
+from grader.worker.values import Packer
 
 _STYLES = ["default", "ggplot", "bmh", "dark_background", "fivethirtyeight", "grayscale", "seaborn-v0_8", "Solarize_Light2",
            "seaborn-v0_8-whitegrid", "seaborn-v0_8-darkgrid", "tableau-colorblind10", "fast", "classic", "seaborn-v0_8-dark"]  # fmt: skip

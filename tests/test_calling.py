@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from grader.harness import fuzzy_names, stepping
-from grader.harness.calling import Slot, way_of
-from grader.harness.missing_imports import MissingImports
 from grader.labs.imu.box import calls
+from grader.worker import fuzzy_names, stepping
+from grader.worker.calling import Slot, way_of
+from grader.worker.missing_imports import MissingImports
 
 SLOTS = (
     Slot("model", re.compile("^m$")),

@@ -16,7 +16,7 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import FuncFormatter
 from PIL import Image
 
-from grader.harness import drawing
+from grader.worker import drawing
 
 really_print = FigureCanvasBase.print_figure
 

@@ -19,11 +19,11 @@ from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.engine.traces import Traces
-from grader.harness.pictures import decode
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
 from grader.labs.imu.student import Student
+from grader.worker.pictures import decode
 from reference.imu_reader import MODEL_PATH, simulate_and_collect
 from tests import handed_pictures
 from tests.boxes import Opened

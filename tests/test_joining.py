@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grader.harness.joining import MAX_PIECE, MIN_PIECES, end_to_end, is_chain, joined
+from grader.worker.joining import MAX_PIECE, MIN_PIECES, end_to_end, is_chain, joined
 
 
 def groups(*artists: tuple[str, int]) -> list[list[tuple[str, int]]]:

@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 import pytest
 
-from grader.harness import submission
 from grader.labs.imu.box import calls, own_globals
+from grader.worker import submission
 
 pytestmark = pytest.mark.quick
 EMPTY = "<mujoco/>"

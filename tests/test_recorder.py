@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from grader.harness.recorder import Recorder
+from grader.worker.recorder import Recorder
 
 pytestmark = pytest.mark.quick
 X = np.linspace(0, 1, 60)

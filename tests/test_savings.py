@@ -18,11 +18,11 @@ from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import HARNESS
 from grader.engine.results import to_json
-from grader.harness import environment
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Box
+from grader.worker import environment
 from tests.examples import folders
 from tests.made_up import without_durations
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from grader.harness import faults, stepping
+from grader.worker import faults, stepping
 
 WITHIN_S = 0.8
 needs_a_timer = pytest.mark.skipif(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.harness.values import Packer, numbers
+from grader.worker.values import Packer, numbers
 
 MASKED = np.ma.masked_array([1, 2, 3], mask=[False, True, False])
 

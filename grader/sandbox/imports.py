@@ -13,7 +13,7 @@ from types import ModuleType
 
 from . import worker
 
-_NAMES = ("grader.harness", "grader.questions")
+_NAMES = ("grader.worker", "grader.questions")
 """What the two packages are called while they are imported: as their sources call each other. A submission finds neither."""
 
 

@@ -20,9 +20,9 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
-from grader.harness.pictures import decode
 from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
+from grader.worker.pictures import decode
 from tests import handed_pictures
 
 RECORD = Path(__file__).with_name("handed_in.json")

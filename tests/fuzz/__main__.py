@@ -10,7 +10,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping
 
-from grader.harness import notebooks
+from grader.worker import notebooks
 from tests.fuzz.decoder import FRAME, check_decoder
 from tests.fuzz.mangling import mangled_bytes, mangled_value
 from tests.fuzz.test_fuzz import ARCHIVES, BOOK, RUBRIC, check_archive, check_rubric

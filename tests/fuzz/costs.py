@@ -21,12 +21,12 @@ from dataclasses import dataclass
 from grader.engine import fingerprint
 from grader.ground.errors import Malformed
 from grader.ground.text import printable
-from grader.harness import notebooks
 from grader.intake.archives import gather_archive
 from grader.intake.pile import Unreadable
 from grader.labs.imu.diagnosis import labels
 from grader.labs.imu.lab import LAB
 from grader.sandbox import wire
+from grader.worker import notebooks
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import notebook, tarred, zipped
 from tests.fuzz.decoder import NONCE, decoded

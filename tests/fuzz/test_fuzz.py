@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 
 from grader.engine import rubric
 from grader.ground.errors import RequestError
-from grader.harness import notebooks
 from grader.intake.archives import gather_archive
 from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
 from grader.labs.imu.lab import LAB
 from grader.sandbox import wire
+from grader.worker import notebooks
 from tests.corpus.writing import Link, notebook, tarred, zipped
 from tests.fuzz.answers import Bench, everything
 from tests.fuzz.decoder import FRAME, NONCE, check_decoder

@@ -23,13 +23,13 @@ import yaml
 from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
-from grader.harness import environment, submission
 from grader.labs.imu import bundles
 from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import Student
 from grader.sandbox.wire import Frame
+from grader.worker import environment, submission
 from tests.generated import STALE
 
 WORDS = Path(__file__).parent / "words.yaml"

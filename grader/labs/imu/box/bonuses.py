@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import submission
-from grader.harness.calling import fitted
-from grader.harness.values import Packer, numbers
+from grader.worker import submission
+from grader.worker.calling import fitted
+from grader.worker.values import Packer, numbers
 
 from . import calls, live
 from .questions import Reply, examined, move_on, put_in_state, scene

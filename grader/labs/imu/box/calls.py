@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness.calling import Slot, fitted, has_place_for, way_of
+from grader.worker.calling import Slot, fitted, has_place_for, way_of
 
 
 def _meaning(pattern: str) -> re.Pattern[str]:

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import submission
-from grader.harness.calling import fitted
-from grader.harness.values import Packer, numbers
+from grader.worker import submission
+from grader.worker.calling import fitted
+from grader.worker.values import Packer, numbers
 
 from . import calls, own_globals
 from .questions import Reply, examined, parts_of, vectors_in

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import recorder, submission
-from grader.harness.screen import Screen, open_figures, replaced
-from grader.harness.values import Packer
+from grader.worker import recorder, submission
+from grader.worker.screen import Screen, open_figures, replaced
+from grader.worker.values import Packer
 
 from . import calls, own_globals
 from .questions import Reply, examined, model_of

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import sources, submission
-from grader.harness.calling import way_of
-from grader.harness.values import Packer, numbers
+from grader.worker import sources, submission
+from grader.worker.calling import way_of
+from grader.worker.values import Packer, numbers
 
 from . import calls, own_globals
 from .questions import (

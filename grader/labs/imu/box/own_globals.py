@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import submission
-from grader.harness.calling import Slot
-from grader.harness.screen import replaced
+from grader.worker import submission
+from grader.worker.calling import Slot
+from grader.worker.screen import replaced
 
 _ACCELEROMETER = re.compile(r"^acc", re.IGNORECASE)
 _GYROSCOPE = re.compile(r"^gyr", re.IGNORECASE)

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from grader.harness import environment, faults, recorder, saved, submission
-from grader.harness.calling import way_of
-from grader.harness.screen import replaced
-from grader.harness.values import Packer, numbers
+from grader.worker import environment, faults, recorder, saved, submission
+from grader.worker.calling import way_of
+from grader.worker.screen import replaced
+from grader.worker.values import Packer, numbers
 
 from . import calls, own_globals
 

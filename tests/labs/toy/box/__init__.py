@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from grader.harness import faults, submission
-from grader.harness.values import Packer
+from grader.worker import faults, submission
+from grader.worker.values import Packer
 
 
 def call(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
