@@ -160,7 +160,7 @@ def test_a_run_that_does_not_ask_loads_two_options_and_nothing_else(tmp_path: Pa
 
             def test_it():
                 ours = sorted(name for name in sys.modules if name.split(".")[0] == "grader")
-                assert ours == ["grader", "grader.front", "grader.front.asked"]
+                assert ours == ["grader", "grader.front", "grader.front.plugin"]
             """
         )
     )
