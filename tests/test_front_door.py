@@ -13,7 +13,7 @@ import pytest
 from junitparser import xunit2
 
 from grader.engine.rubric import load
-from grader.front.asking import Asked, Name, asked_for
+from grader.front.options import Asked, Name, asked_for
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
