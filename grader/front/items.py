@@ -21,8 +21,8 @@ from grader.engine import rubric as rubrics
 from grader.engine.lab import Part
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
 from grader.engine.rubric import Rubric
-from grader.front.finding import Finding, NotJudgedError
 from grader.front.options import Asked, asked_for
+from grader.front.reporting import Finding, NotJudgedError
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake import Submission, read_submission
