@@ -13,9 +13,9 @@ import pytest
 from junitparser import xunit2
 
 from grader.engine.rubric import load
-from grader.front.options import Asked, Name, asked_for
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
+from grader.pytest_plugin.options import Asked, Name, asked_for
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY
 
 READER_BY_ID = IMU_READER.replace("model.sensor_adr[accel_sensor_id]", "accel_sensor_id")
@@ -160,7 +160,7 @@ def test_a_run_that_does_not_ask_loads_two_options_and_nothing_else(tmp_path: Pa
 
             def test_it():
                 ours = sorted(name for name in sys.modules if name.split(".")[0] == "grader")
-                assert ours == ["grader", "grader.front", "grader.front.plugin"]
+                assert ours == ["grader", "grader.pytest_plugin", "grader.pytest_plugin.plugin"]
             """
         )
     )

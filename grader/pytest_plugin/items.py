@@ -21,13 +21,13 @@ from grader.engine import rubric as rubrics
 from grader.engine.lab import Part
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
 from grader.engine.rubric import Rubric
-from grader.front.options import Asked, asked_for
-from grader.front.reporting import Finding, NotJudgedError
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms.places import Place, find_places
+from grader.pytest_plugin.options import Asked, asked_for
+from grader.pytest_plugin.reporting import Finding, NotJudgedError
 from grader.report import words
 
 _CODE = ("-c", "import sys; from grader.cli import main; sys.exit(main())")
