@@ -24,7 +24,7 @@ from grader.engine.chart_data import Evidence
 from grader.engine.marks import marked
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result
 from grader.labs.imu.lab import LAB
-from grader.people.standing import NOTHING_KNOWN, HandIn
+from grader.people.final_grade import NOTHING_KNOWN, HandIn
 
 PNG = (
     b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00\x00\x00\x01\x00\x00\x00\x01\x08\x06\x00\x00\x00\x1f\x15\xc4\x89"

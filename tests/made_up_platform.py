@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grader.engine.results import Result
 from grader.intake.downloads import Download
-from grader.people.standing import HandIn, Person
+from grader.people.final_grade import HandIn, Person
 from grader.platforms import registry
 from grader.platforms.found import Found, Shape
 from grader.platforms.platform import Handed, Help, Platform

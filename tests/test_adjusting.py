@@ -351,7 +351,7 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
 
 def test_of_those_that_differ_and_end_with_the_same_points_only_the_number_is_told() -> None:
     from grader.course.differences import told
-    from grader.people.standing import Standing
+    from grader.people.final_grade import Standing
 
     old = {"a": Standing("a", result(lost())), "b": Standing("b", result(lost()))}
     new = {"a": Standing("a", result(check("timeout", 0.0))), "b": Standing("b", result(check()))}
@@ -367,7 +367,7 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     from dataclasses import replace
 
     from grader.course.differences import told
-    from grader.people.standing import Standing
+    from grader.people.final_grade import Standing
 
     old = result(lost(), name="a")
     new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
@@ -380,7 +380,7 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
 
 
 def test_nothing_that_was_ever_said_by_hand_is_lost(out: Path) -> None:
-    from grader.people.standing import Adjustment
+    from grader.people.final_grade import Adjustment
 
     said = [("alice", Adjustment("sensor_access", float(p), f"{p}", "me", "now", {})) for p in (1, 2, 3)]
     with Store(out) as store:

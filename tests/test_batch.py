@@ -20,7 +20,7 @@ from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from tests.made_up import FakeMarker, check, fake_marker, no_marker, result, submission
 
 ROOT = Path(__file__).parent.parent

@@ -14,7 +14,7 @@ from grader.engine.fingerprint import fingerprint, of_the_sheet
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report.items import Item, items
 from grader.report.pages import index_page
 from grader.report.similarity import FEWEST, pairs

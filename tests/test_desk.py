@@ -28,7 +28,7 @@ from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
-from grader.people.standing import BONUS, TOTAL, HandIn, Lateness, Person, Standing
+from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person, Standing
 from grader.report.similarity import Pair
 from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, result_of, words
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Person
+from grader.people.final_grade import Person
 from grader.platforms.classes import Intake, read_class
 from tests import classes
 from tests.corpus.writing import as_bytes

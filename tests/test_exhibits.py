@@ -25,7 +25,7 @@ from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
 from grader.labs.imu.exhibits import drawn, filtering, motion, noise
 from grader.labs.imu.exhibits.points import curve, worst_of_each
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import charts as drawing
 from grader.report.pages import report_page
 from tests.boxes import Opened

@@ -22,7 +22,7 @@ from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.ground.errors import RequestError
 from grader.intake import Submission
-from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing, beneath
+from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv

@@ -24,7 +24,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis import allan as allan_diagnosis
 from grader.labs.imu.diagnosis import liveplot, tilting
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import words
 from grader.report.pages import report_page
 from reference.allan_variance import allan_deviation, cluster_sizes, noise_density

@@ -5,7 +5,7 @@ import io
 from dataclasses import replace
 
 from grader.engine.results import Result
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.platforms.gradebook import gradebook
 from tests.made_up import check, lost, result
 

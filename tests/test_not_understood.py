@@ -12,7 +12,7 @@ from grader.engine.results import Result
 from grader.ground.errors import GraderError
 from grader.labs.imu import bundles
 from grader.labs.imu.student import Student
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from tests.boxes import Opened
 from tests.corpus.pieces import edit, verbatim
 from tests.scoreboard import Case, handed_in

@@ -18,7 +18,7 @@ from grader.course.record import Key, Store
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
 from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from tests.made_up import result
 
 MANY = 120

@@ -23,8 +23,8 @@ from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
+from grader.people.final_grade import Adjustment, HandIn, Person, Standing, beneath
 from grader.people.late_policy import judged
-from grader.people.standing import Adjustment, HandIn, Person, Standing, beneath
 from grader.report import charts
 from grader.report.pages import drawn_in
 from tests.examples import FOLDER, folders

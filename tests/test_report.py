@@ -19,7 +19,7 @@ from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.exhibits import drawn
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
+from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report import words
 from grader.report.pages import index_page, report_page
 from grader.report.progress import Lines

@@ -19,7 +19,7 @@ from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.platforms import registry
 from grader.platforms.platform import Handed
 from grader.report.pages import report_page

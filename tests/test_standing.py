@@ -14,9 +14,7 @@ from grader.engine.rubric import LatePolicy
 from grader.ground.errors import RequestError
 from grader.ground.stamps import read_stamp, stamp
 from grader.people import roster
-from grader.people.identity import Directory, Row, participant, spellings
-from grader.people.late_policy import judged
-from grader.people.standing import (
+from grader.people.final_grade import (
     Adjustment,
     HandIn,
     Lateness,
@@ -26,6 +24,8 @@ from grader.people.standing import (
     hand_in_from_dict,
     hand_in_to_dict,
 )
+from grader.people.identity import Directory, Row, participant, spellings
+from grader.people.late_policy import judged
 from grader.platforms.gradebook import gradebook
 from tests.made_up import check, lost, result
 

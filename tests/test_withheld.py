@@ -15,7 +15,7 @@ from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
 from tests.boxes import Opened

@@ -204,7 +204,7 @@ def _write(result: Result, wanted: _Wanted) -> None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415
         from grader.engine.faults import catalogue  # noqa: PLC0415
         from grader.labs.imu.lab import LAB  # noqa: PLC0415
-        from grader.people.standing import Standing  # noqa: PLC0415
+        from grader.people.final_grade import Standing  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
         write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts), catalogue(LAB)))

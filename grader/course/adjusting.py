@@ -15,8 +15,8 @@ from grader.engine.rubric_nodes import guess_at
 from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
+from grader.people.final_grade import BONUS, TOTAL, Adjustment, Standing, under, worth, worths
 from grader.people.identity import Meant
-from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, under, worth, worths
 from grader.report import words
 
 COLUMNS = ("id", "criterion", "points", "comment")

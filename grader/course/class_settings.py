@@ -20,8 +20,8 @@ from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
 from grader.ground.errors import RequestError
 from grader.people import late_policy, roster
+from grader.people.final_grade import HandIn, Standing
 from grader.people.roster import NO_ROSTER, Roster
-from grader.people.standing import HandIn, Standing
 
 _SCENARIOS = "other scenarios (another secret, model or version of MuJoCo)"
 

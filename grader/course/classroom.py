@@ -34,9 +34,9 @@ from grader.ground.errors import GraderError, RequestError
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.people import late_policy, roster
+from grader.people.final_grade import HandIn, Person, Standing
 from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
-from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.classes import Entry, read_class
 from grader.report.pages import drawn
 from grader.sandbox.rungs import RUNGS

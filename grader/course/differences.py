@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from grader.engine.results import CheckResult, Result
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import words
 
 _CAUSES = {

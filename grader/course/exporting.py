@@ -15,8 +15,8 @@ from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
 from grader.ground.text import printable
 from grader.people import roster
+from grader.people.final_grade import Person, Standing
 from grader.people.identity import Directory
-from grader.people.standing import Person, Standing
 from grader.platforms.filled import directory
 from grader.platforms.gradebook import NO_SUBMISSION
 from grader.platforms.platform import Fill, Platform

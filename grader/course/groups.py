@@ -13,7 +13,7 @@ from grader.engine.results import CheckResult, Result
 from grader.engine.rubric_nodes import guess_at
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people.standing import Adjustment, Standing
+from grader.people.final_grade import Adjustment, Standing
 from grader.report import words
 
 MISTAKE, CHECK, SAME, ALIKE = "mistake", "check", "same", "alike"

@@ -20,7 +20,7 @@ from grader.engine.lab import Lab
 from grader.engine.processes import context, starting_ours
 from grader.engine.results import to_json
 from grader.ground.files import write_whole
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
 

@@ -25,7 +25,7 @@ from grader.engine.results import Result, from_dict, to_record
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people.standing import (
+from grader.people.final_grade import (
     NOTHING_KNOWN,
     Adjustment,
     HandIn,

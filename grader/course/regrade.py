@@ -13,7 +13,7 @@ from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.people import late_policy
-from grader.people.standing import HandIn, Standing
+from grader.people.final_grade import HandIn, Standing
 
 _A_LINE = 10  # names
 

@@ -28,8 +28,8 @@ from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake import Submission
 from grader.intake.names import is_code
+from grader.people.final_grade import Standing
 from grader.people.identity import Meant
-from grader.people.standing import Standing
 from grader.report import words
 
 MAX_COMMENT = 2000

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from grader.engine.results import Result
 from grader.engine.rubric import LatePolicy
 from grader.ground.text import printable
-from grader.people.standing import Adjustment, Standing, summed, under, worth
+from grader.people.final_grade import Adjustment, Standing, summed, under, worth
 from grader.report import words
 
 A_LINE = 20  # names

@@ -21,7 +21,7 @@ from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
-from grader.people.standing import Adjustment, Standing
+from grader.people.final_grade import Adjustment, Standing
 from grader.report.similarity import Pair, own_hashes, pairs
 
 T = TypeVar("T")

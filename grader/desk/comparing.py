@@ -17,7 +17,7 @@ from grader.desk.review_queue import address
 from grader.engine.fingerprint import lines_with
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report.similarity import Pair
 
 _AROUND = 2  # context lines above and below shared lines

@@ -14,7 +14,7 @@ from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
 from grader.ground.errors import RequestError
-from grader.people.standing import BONUS, TOTAL
+from grader.people.final_grade import BONUS, TOTAL
 
 
 def show_all(book: Classbook, ask: Ask) -> Response:

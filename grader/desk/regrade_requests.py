@@ -20,8 +20,8 @@ from grader.desk.overviews import framed
 from grader.engine.rubric_nodes import guess_at
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
+from grader.people.final_grade import TOTAL, Standing
 from grader.people.identity import Directory, Row
-from grader.people.standing import TOTAL, Standing
 
 LONGEST = 8000
 _MOST = 2000

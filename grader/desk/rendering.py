@@ -10,7 +10,7 @@ from starlette.responses import HTMLResponse
 
 from grader.ground.package_data import beside
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import words
 
 STATIC = {

@@ -13,7 +13,7 @@ from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.results import Result
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import words
 
 KINDS = {

@@ -21,7 +21,7 @@ from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
 from grader.ground.errors import RequestError
 from grader.ground.files import write_whole
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import overview, words
 
 _SHOWN = 50

@@ -21,7 +21,7 @@ from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
-from grader.people.standing import BONUS, TOTAL, Adjustment, Standing, summed, under, worth
+from grader.people.final_grade import BONUS, TOTAL, Adjustment, Standing, summed, under, worth
 from grader.report import charts, words
 from grader.report.pages import Figure
 

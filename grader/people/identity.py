@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake.names import folded
-from grader.people.standing import Person
+from grader.people.final_grade import Person
 
 _PARTICIPANT = re.compile(r"\D*?(\d+)")
 _NUMBERING = ("canvas", "moodle")  # their numbers mean nothing elsewhere; a user name or a student number does

@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 
 from grader.engine.rubric import LatePolicy
 from grader.ground.stamps import read_stamp
-from grader.people.standing import HandIn, Lateness, Person
+from grader.people.final_grade import HandIn, Lateness, Person
 
 DAY = 86_400
 

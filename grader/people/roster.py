@@ -13,8 +13,8 @@ from grader.ground import tables
 from grader.ground.errors import RequestError
 from grader.ground.stamps import read_stamp, stamp
 from grader.ground.text import printable
+from grader.people.final_grade import HandIn, Person
 from grader.people.identity import Directory, Match, Row, participant
-from grader.people.standing import HandIn, Person
 
 MAX_BYTES = 16_000_000
 _DAYS = re.compile(r"\d{1,3}")

@@ -11,9 +11,9 @@ from grader.ground.errors import RequestError
 from grader.ground.text import printable
 from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, has_suffix, original
+from grader.people.final_grade import HandIn, Person, Standing
 from grader.people.identity import Row as Who
 from grader.people.identity import spellings
-from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.filled import Filled, Form, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
 from grader.platforms.platform import Help, Platform

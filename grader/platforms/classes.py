@@ -27,7 +27,7 @@ from grader.intake.names import (
 )
 from grader.intake.pile import LINK
 from grader.intake.submission import Submission, original_name, read_submission
-from grader.people.standing import NOTHING_KNOWN, HandIn
+from grader.people.final_grade import NOTHING_KNOWN, HandIn
 from grader.platforms import registry
 from grader.platforms.found import Found, Shape, mostly
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grader.ground.errors import RequestError
+from grader.people.final_grade import Person, Standing
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who
-from grader.people.standing import Person, Standing
 from grader.platforms.sheet import Row, Sheet
 from grader.report import words
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.intake.downloads import Sources
-from grader.people.standing import NOTHING_KNOWN, HandIn
+from grader.people.final_grade import NOTHING_KNOWN, HandIn
 
 AMBIGUOUS = "its name can mean several people; give --roster with the platform's numbers, and it is who stands there"
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from grader.ground.stamps import stamp
 from grader.intake.downloads import Download
 from grader.intake.names import is_code, original
-from grader.people.standing import HandIn, Person
+from grader.people.final_grade import HandIn, Person
 from grader.platforms.found import Found, Shape, mostly
 from grader.platforms.platform import Help, Platform
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from grader.engine.results import CriterionResult
 from grader.ground.text import csv_cell, printable
-from grader.people.standing import Person, Standing
+from grader.people.final_grade import Person, Standing
 from grader.platforms.platform import Help, Platform
 from grader.report import words
 

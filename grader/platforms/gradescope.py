@@ -21,7 +21,7 @@ from grader.ground.stamps import stamp
 from grader.ground.text import csv_cell, printable
 from grader.intake.downloads import Download
 from grader.intake.names import original
-from grader.people.standing import HandIn, Person, Standing
+from grader.people.final_grade import HandIn, Person, Standing
 from grader.platforms import rows
 from grader.platforms.found import Found, Shape
 from grader.platforms.platform import Help, Platform, Visibility

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from grader.ground.errors import RequestError
 from grader.intake.downloads import Download
 from grader.intake.names import original
+from grader.people.final_grade import HandIn, Person, Standing
 from grader.people.identity import Match, participant, spellings
 from grader.people.identity import Row as Who
-from grader.people.standing import HandIn, Person, Standing
 from grader.platforms.filled import Filled, Form, fill_in
 from grader.platforms.found import AMBIGUOUS, Found, Shape, mostly
 from grader.platforms.platform import Help, Platform

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from grader.engine.results import Result
     from grader.intake import Submission
     from grader.intake.downloads import Download
-    from grader.people.standing import Person, Standing
+    from grader.people.final_grade import Person, Standing
     from grader.platforms.filled import Filled
     from grader.platforms.found import Shape
 

@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 from grader.engine.results import Result
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import words
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs

@@ -17,7 +17,7 @@ from grader.engine.faults import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
 from grader.ground.package_data import beside
 from grader.ground.text import printable
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of
 

@@ -14,7 +14,7 @@ from grader.ground.text import printable
 
 if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
     from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
-    from grader.people.standing import Standing
+    from grader.people.final_grade import Standing
 
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120

@@ -27,7 +27,7 @@ from grader.engine.grader import Marker
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.standing import HandIn, Person
+from grader.people.final_grade import HandIn, Person
 from tests.benchmarks.scale import KINDS, ROOT, hand_in
 
 OTHER = (("follows_recursion: 6", "follows_recursion: 9"), ("limits:", "mistakes: {alpha-swapped: 4}\nlimits:"))

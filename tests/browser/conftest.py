@@ -14,7 +14,7 @@ from grader.engine.grader import Marker
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.people.standing import Adjustment, HandIn, Lateness, Person, Standing
+from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report.pages import index_page, report_page
 from tests.examples import FOLDER
 from tests.made_up import HOSTILE, check, lost, result

@@ -10,7 +10,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from grader.engine.findings import Where
-from grader.people.standing import HandIn, Lateness, Person
+from grader.people.final_grade import HandIn, Lateness, Person
 from tests.browser.conftest import CHROMIUM
 from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class
 from tests.test_desk import ADDRESS, HOSTILE_FILES, MISTAKE, NASTY, TITLES

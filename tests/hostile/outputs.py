@@ -20,7 +20,7 @@ from grader.engine.chart_data import unpacked
 from grader.engine.results import Result, to_json
 from grader.ground.errors import GraderError
 from grader.labs.imu.lab import LAB
-from grader.people.standing import HandIn, Person, Standing
+from grader.people.final_grade import HandIn, Person, Standing
 from grader.platforms import registry
 from grader.platforms.platform import Handed, Platform
 from grader.report import terminal

@@ -17,7 +17,7 @@ from grader.engine.grader import Marker
 from grader.engine.results import Result, from_dict, to_dict
 from grader.ground.errors import GraderError
 from grader.intake.submission import Submission
-from grader.people.standing import Standing
+from grader.people.final_grade import Standing
 from grader.platforms.gradebook import gradebook
 from grader.platforms.junit import junit
 from grader.report.pages import index_page, report_page
