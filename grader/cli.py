@@ -18,9 +18,9 @@ from typing import Annotated
 import typer
 
 from grader import __version__
+from grader.base.errors import GraderError, RequestError
 from grader.commands import adjust, check, ci, diff, doctor, explain, export, grade, kit, repair, repro, review, traces
 from grader.commands.common import say
-from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu.lab import LAB
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells count

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from grader.base.errors import GraderError, RequestError
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
-from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Standing

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import RequestError
 from grader.course import classroom
 from grader.course.pool import Bounds, Outcome, Stopped, Unmarked, mark_all
 from grader.course.warnings import remarks
 from grader.engine import rubric
 from grader.engine.results import Result
-from grader.ground.errors import RequestError
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Standing

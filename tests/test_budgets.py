@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grader.base.errors import Malformed
 from grader.engine import fingerprint
 from grader.engine.figures import Array, Axes, Curve, Figure, Sight
-from grader.ground.errors import Malformed
 from grader.intake import read_submission
 from grader.labs.imu.diagnosis import comparing, labels
 from grader.labs.imu.diagnosis.sight import Patience, looked_at

@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 from junitparser import xunit2
 from markdown_it import MarkdownIt
 
+from grader.base.errors import GraderError, RequestError
 from grader.engine import rubric
 from grader.engine.findings import Where
 from grader.engine.results import CriterionResult, Result
-from grader.ground.errors import GraderError, RequestError
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms import github, registry

@@ -14,11 +14,11 @@ import pytest
 
 import grader
 from grader import cli
+from grader.base.errors import GraderError, RequestError
 from grader.commands import checking, completion
 from grader.course import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
-from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu import bundles
 from grader.sandbox.ladder import Tried
 from grader.sandbox.one_copy import Search

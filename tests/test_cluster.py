@@ -19,13 +19,13 @@ import pytest
 from distributed import Client
 
 from grader import cli
+from grader.base.errors import GraderError, RequestError
 from grader.course import classroom, cluster, cluster_worker
 from grader.course.pool import KILLED, Bounds, Outcome, Stopped, Unmarked
 from grader.course.record import Store
 from grader.engine import rubric
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result
-from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB

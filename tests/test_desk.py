@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from grader import cli
+from grader.base.errors import RequestError
 from grader.course.database import FILE_NAME
 from grader.course.groups import groups
 from grader.course.record import Store
@@ -26,7 +27,6 @@ from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
-from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person, Standing
 from grader.report.similarity import Pair

@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 from markupsafe import escape
 
+from grader.base.errors import GraderError
 from grader.course import classroom
 from grader.desk.overviews import queue
 from grader.engine import rubric
 from grader.engine.grader import Marker
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
-from grader.ground.errors import GraderError
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.student import Student

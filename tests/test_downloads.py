@@ -11,7 +11,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Person
 from grader.platforms.classes import Intake, read_class

@@ -15,12 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader import cli
+from grader.base.errors import RequestError
 from grader.course import classroom
 from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Key, Store
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.ground.errors import RequestError
 from grader.intake import Submission
 from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing, beneath
 from grader.platforms import canvas, moodle, registry

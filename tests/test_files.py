@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
 
 
 def test_a_file_takes_the_place_of_the_one_before_and_of_a_link_to_another(tmp_path: Path) -> None:

@@ -12,8 +12,8 @@ from textwrap import dedent
 import pytest
 from junitparser import xunit2
 
+from grader.base.errors import RequestError
 from grader.engine.rubric import load
-from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.pytest_plugin.options import Asked, Name, asked_for
 from tests.corpus.sheet import FILTERS, IMU_READER, NOISY

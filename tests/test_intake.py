@@ -19,7 +19,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 from grader.intake import Submission, archives, folders, names, pile, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms import classes

@@ -21,9 +21,9 @@ import numpy as np
 import pytest
 import yaml
 
+from grader.base.errors import RequestError
 from grader.engine import rubric
 from grader.engine.traces import Traces
-from grader.ground.errors import RequestError
 from grader.kit import give, wheel
 from grader.labs.imu.lab import LAB
 from grader.platforms import github

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
+from grader.base.errors import Crashed, TimedOut
 from grader.engine.load_report import Endings
-from grader.ground.errors import Crashed, TimedOut
 from grader.sandbox.wire import Frame
 
 CRASH, LATE = Crashed("it ended"), TimedOut("no answer", cpu_s=1.0, wall_s=1.0)

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
+from grader.base.errors import GraderError
 from grader.course.warnings import remarks
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.ground.errors import GraderError
 from grader.labs.imu import bundles
 from grader.labs.imu.student import Student
 from grader.people.final_grade import Standing

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import RequestError
 from grader.engine import rubric
 from grader.engine.check_runner import known_checks
 from grader.engine.results import CheckResult
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.kit import wheel
 from grader.labs.imu import bundles

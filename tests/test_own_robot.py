@@ -13,10 +13,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from grader.base.errors import RequestError
 from grader.engine import recording, rubric
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.kit import give, wheel
 from grader.labs.imu import bundles

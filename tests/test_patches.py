@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from grader.base.errors import RequestError
 from grader.course.patches import LARGEST, applied, diff_of
-from grader.ground.errors import RequestError
 
 pytestmark = pytest.mark.quick
 BEFORE = b"a\nb\nc\nd\ne\nf\ng\nh\ni\nj\nk\nl\n"

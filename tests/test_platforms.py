@@ -15,10 +15,10 @@ import pytest
 import typer.main
 
 from grader import cli, platforms
+from grader.base.errors import GraderError, RequestError
 from grader.course import exporting
 from grader.course.record import Key, Store
 from grader.engine.rubric import load
-from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.platforms import job, registry

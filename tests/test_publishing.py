@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from grader import __version__
+from grader.base.errors import RequestError
 from grader.course import publishing
 from grader.course.publishing import Publisher, publish_all
 from grader.course.record import Key, Store
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
-from grader.ground.errors import RequestError
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Standing
 from tests.made_up import result

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import RequestError
 from grader.engine.reading import Reader
-from grader.ground.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms.classes import Entry

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from grader import __version__
+from grader.base.errors import RequestError
 from grader.course import classroom, regrade
 from grader.course.publishing import publish, publish_class
 from grader.course.record import Key, Store
@@ -19,7 +20,6 @@ from grader.engine.grader import Marker
 from grader.engine.marks import marked
 from grader.engine.results import Result, to_json
 from grader.engine.rubric import Rubric, RubricError
-from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from grader.base.errors import RequestError
 from grader.commands import repeating
 from grader.engine.results import CheckResult
 from grader.engine.rubric import load
-from grader.ground.errors import RequestError
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.repeating import WRITTEN, program

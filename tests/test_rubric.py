@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.engine import rubric
 from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, RubricError
 from grader.engine.rubric_nodes import Reader
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 

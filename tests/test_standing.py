@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import RequestError
+from grader.base.stamps import read_stamp, stamp
 from grader.course.warnings import gone, of_policy, outdated, remarks
 from grader.engine.results import to_json
 from grader.engine.rubric import LatePolicy
-from grader.ground.errors import RequestError
-from grader.ground.stamps import read_stamp, stamp
 from grader.people import roster
 from grader.people.final_grade import (
     Adjustment,

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from grader import cli
+from grader.base.errors import RequestError
 from grader.course.database import FILE_NAME
 from grader.course.record import Key, Store
-from grader.ground.errors import RequestError
 from tests.made_up import check, lost, result
 
 KEY = Key("alice", "s" * 64, "r" * 64, "t" * 64, "0.1.0")

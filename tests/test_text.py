@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.ground.text import csv_cell, printable
+from grader.base.text import csv_cell, printable
 
 
 @pytest.mark.parametrize(

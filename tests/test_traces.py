@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from grader.base.errors import GraderError, RequestError
 from grader.engine import recording
 from grader.engine import traces as truth
 from grader.engine.lab import Lab
-from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from reference import traces as recorder

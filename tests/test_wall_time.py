@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from grader.base.errors import TimedOut
 from grader.engine.submission_session import Conversation
-from grader.ground.errors import TimedOut
 from grader.labs.imu.lab import LAB
 from grader.sandbox.exchange import Deadline, DeadlineError
 from grader.sandbox.process import WallClock

@@ -198,7 +198,7 @@ def _lines(
 
 
 def _write(result: Result, wanted: _Wanted) -> None:
-    from grader.ground.files import write_whole  # noqa: PLC0415
+    from grader.base.files import write_whole  # noqa: PLC0415
 
     if wanted.html is not None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415

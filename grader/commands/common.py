@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,7 +35,7 @@ RungOption = Annotated[str | None, typer.Option("--rung", hidden=True)]
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
     """What an option says, if it is one of the words that it may say."""
-    from grader.ground.text import printable  # noqa: PLC0415
+    from grader.base.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:
         raise RequestError(f"{option} {printable(value)}: there is no such; choose {', '.join(known)}")
@@ -56,7 +56,7 @@ def near(path: Path) -> str:
 
 def say(line: str) -> None:
     """One line on stderr, with the command's name in front."""
-    from grader.ground.text import printable  # noqa: PLC0415
+    from grader.base.text import printable  # noqa: PLC0415
 
     print(f"imugrade: {printable(line, 2000)}", file=sys.stderr, flush=True)
 

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from grader.base.errors import RequestError
 from grader.commands.common import either, one_of, say
-from grader.ground.errors import RequestError
 from grader.platforms import registry
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grader.base.errors import RequestError
 from grader.commands.common import RubricOption, RungOption, SeedOption, console, either, near, one_of, say
-from grader.ground.errors import RequestError
 from grader.platforms import registry
 
 if TYPE_CHECKING:

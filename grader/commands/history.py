@@ -14,10 +14,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
 from grader.engine.recording import default_cache_dir
 from grader.engine.results import CriterionResult, ExtensionResult, Result
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
 
 SCHEMA = "imugrade/last-check/v1"
 

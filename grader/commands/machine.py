@@ -7,8 +7,8 @@ import platform
 from dataclasses import dataclass
 
 from grader import __version__
+from grader.base.errors import GraderError, RequestError
 from grader.engine.recording import rehearse
-from grader.ground.errors import GraderError, RequestError
 from grader.labs.imu.lab import LAB
 from grader.sandbox import one_copy
 from grader.sandbox.ladder import probe

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.ground.text import printable
+from grader.base.text import printable
 
 if TYPE_CHECKING:  # these lines come before anything slow is imported
     from grader.engine.lab import Lab

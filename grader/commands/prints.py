@@ -7,8 +7,8 @@ from collections import Counter
 
 from rich.text import Text
 
+from grader.base.text import printable
 from grader.engine.lab import Lab
-from grader.ground.text import printable
 
 _MOST_LINES, _LONGEST = 30, 300
 

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from grader.base.errors import RequestError
 from grader.commands.common import SeedOption, login
-from grader.ground.errors import RequestError
 
 
 def repair(

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
+from grader.base.text import printable
 from grader.engine.check_runner import Judgement, session
 from grader.engine.lab_sandbox import open_box_for
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
-from grader.ground.text import printable
 from grader.intake import Submission, read_submission
 from grader.labs.imu.repeating import Asked, Recorder, Watched, program
 

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from grader.base.errors import RequestError
 from grader.commands.common import RubricOption, login
-from grader.ground.errors import RequestError
 
 
 def review(

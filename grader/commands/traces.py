@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grader.base.text import printable
 from grader.commands.common import RubricOption, RungOption, SeedOption, say
-from grader.ground.text import printable
 
 if TYPE_CHECKING:
     from grader.engine.traces import Traces
@@ -62,10 +62,10 @@ def plot(
 
 def _recorded(path: Path, traces: Traces, rubric: Path | None, rung: str | None) -> Mapping[str, Collection]:
     """What the submission's own `simulate_and_collect` records, run in a box; what cannot be had is said."""
+    from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.findings import Missing, Raised  # noqa: PLC0415
     from grader.engine.lab_sandbox import open_box_for  # noqa: PLC0415
-    from grader.ground.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
     from grader.labs.imu import recordings  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415

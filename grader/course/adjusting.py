@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
+from grader.base import tables
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
-from grader.ground import tables
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, Standing, under, worth, worths
 from grader.people.identity import Meant
 from grader.report import words

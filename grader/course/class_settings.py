@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from grader import __version__
+from grader.base.errors import RequestError
 from grader.engine.lab import Lab
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
-from grader.ground.errors import RequestError
 from grader.people import late_policy, roster
 from grader.people.final_grade import HandIn, Standing
 from grader.people.roster import NO_ROSTER, Roster

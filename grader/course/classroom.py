@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Protocol
 
 from grader import __version__
+from grader.base.errors import GraderError, RequestError
+from grader.base.text import printable
 from grader.course import class_settings, cluster, repairs
 from grader.course.class_settings import Change, ClassSettings
 from grader.course.database import FILE_NAME
@@ -30,8 +32,6 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.engine.rubric import Criterion, Rubric
 from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
-from grader.ground.errors import GraderError, RequestError
-from grader.ground.text import printable
 from grader.intake import Submission
 from grader.people import late_policy, roster
 from grader.people.final_grade import HandIn, Person, Standing

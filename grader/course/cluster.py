@@ -18,11 +18,11 @@ from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from grader.base.errors import GraderError, RequestError
+from grader.base.text import printable
 from grader.course.pool import KILLED, Backlog, Bounds, OpenMarker, Outcome, Task, Unmarked, words
 from grader.engine.chart_data import Evidence
 from grader.engine.results import Result, from_dict
-from grader.ground.errors import GraderError, RequestError
-from grader.ground.text import printable
 from grader.intake import Submission
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from typing import Any, ClassVar
 from distributed import Worker, WorkerPlugin, get_worker
 
 from grader import __version__
+from grader.base.errors import GraderError, RequestError
 from grader.course.pool import Pool, Stopped, Unmarked
 from grader.engine.results import Result, to_record
-from grader.ground.errors import GraderError, RequestError
 from grader.intake import Submission
 
 _NUMBERS_DEPEND_ON = ("mujoco", "numpy", "scipy", "matplotlib")

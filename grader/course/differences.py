@@ -5,8 +5,8 @@ from __future__ import annotations
 import statistics
 from collections.abc import Iterator, Mapping
 
+from grader.base.text import printable
 from grader.engine.results import CheckResult, Result
-from grader.ground.text import printable
 from grader.people.final_grade import Standing
 from grader.report import words
 

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
+from grader.base.text import printable
 from grader.course import class_settings
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
-from grader.ground.text import printable
 from grader.people import roster
 from grader.people.final_grade import Person, Standing
 from grader.people.identity import Directory

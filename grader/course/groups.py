@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course.adjusting import Wish, said, undone_decision
 from grader.course.record import Store
 from grader.engine.results import CheckResult, Result
 from grader.engine.rubric_nodes import guess_at
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.final_grade import Adjustment, Standing
 from grader.report import words
 

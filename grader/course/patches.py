@@ -9,8 +9,8 @@ import difflib
 import re
 from collections.abc import Iterator, Sequence
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 
 LARGEST = 1_000_000
 """Bytes of a diff or of a patched file. The longest honest program has a twentieth of it."""

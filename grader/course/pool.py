@@ -21,9 +21,9 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from grader.base.errors import RequestError
 from grader.engine.processes import starting_ours
 from grader.engine.results import Result
-from grader.ground.errors import RequestError
 
 if TYPE_CHECKING:
     from grader.intake import Submission

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 
 from grader import __version__
+from grader.base.files import write_whole
 from grader.course.database import FILE_NAME
 from grader.course.record import Store, charts
 from grader.engine.faults import catalogue
@@ -19,7 +20,6 @@ from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.processes import context, starting_ours
 from grader.engine.results import to_json
-from grader.ground.files import write_whole
 from grader.people.final_grade import Standing
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around

@@ -16,6 +16,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import TypeVar
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course import class_settings
 from grader.course.class_settings import ClassSettings
 from grader.course.database import Database, ForeignError, foreign, read
@@ -23,8 +25,6 @@ from grader.engine.chart_data import Chart, unpacked
 from grader.engine.marks import fits, marked
 from grader.engine.results import Result, from_dict, to_record
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.final_grade import (
     NOTHING_KNOWN,
     Adjustment,

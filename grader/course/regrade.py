@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course.publishing import write_class
 from grader.course.record import Store
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people import late_policy
 from grader.people.final_grade import HandIn, Standing
 

@@ -14,6 +14,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from grader import __version__
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course.database import Database, read
 from grader.course.patches import LARGEST, applied, diff_of
 from grader.course.publishing import publish_all, write_class
@@ -24,8 +26,6 @@ from grader.engine.results import Repair, Result, Unrepaired, from_dict
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.intake import Submission
 from grader.intake.names import is_code
 from grader.people.final_grade import Standing

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
+from grader.base.text import printable
 from grader.engine.results import Result
 from grader.engine.rubric import LatePolicy
-from grader.ground.text import printable
 from grader.people.final_grade import Adjustment, Standing, summed, under, worth
 from grader.report import words
 

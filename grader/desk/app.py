@@ -10,13 +10,13 @@ from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
+from grader.base.errors import RequestError
 from grader.course.record import OvertakenError
 from grader.desk import asking, comparing, grouping, overviews, regrade_requests, rubric_what_if, submissions
 from grader.desk.asking import Ask
 from grader.desk.auth import Guard, Keys
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import STATIC, page
-from grader.ground.errors import RequestError
 
 Handler = Callable[[Classbook, Ask], Response]
 

@@ -8,8 +8,8 @@ from urllib.parse import parse_qsl, quote, unquote
 
 from starlette.requests import Request
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 
 MOST_BYTES = 2_000_000
 _MOST_FIELDS = 5000  # a decision for a class of 2000 has one field per submission

@@ -10,6 +10,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, TypeVar
 
+from grader.base.errors import RequestError
 from grader.course import class_settings
 from grader.course.adjusting import Made, Wish, decide
 from grader.course.publishing import publish_all, publish_class
@@ -20,7 +21,6 @@ from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
 from grader.people.final_grade import Adjustment, Standing
 from grader.report.similarity import Pair, own_hashes, pairs
 

@@ -10,10 +10,10 @@ from markupsafe import Markup, escape
 from pygments.lexers.python import PythonLexer
 from pygments.token import STANDARD_TYPES, Token, _TokenType
 
+from grader.base.text import printable
 from grader.course.submission_archive import Kept
 from grader.engine.fingerprint import cells
 from grader.engine.results import CheckResult
-from grader.ground.text import printable
 
 MOST_LINES = 1500
 LONGEST_LINE = 500

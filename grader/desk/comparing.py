@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from starlette.responses import Response
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course.groups import alike
 from grader.course.warnings import equal
 from grader.desk.asking import Ask
@@ -15,8 +17,6 @@ from grader.desk.code import Line, coloured, source
 from grader.desk.overviews import framed
 from grader.desk.review_queue import address
 from grader.engine.fingerprint import lines_with
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.final_grade import Standing
 from grader.report.similarity import Pair
 

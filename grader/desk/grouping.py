@@ -6,6 +6,7 @@ import itertools
 
 from starlette.responses import RedirectResponse, Response
 
+from grader.base.errors import RequestError
 from grader.course import adjusting
 from grader.course.adjusting import Wish
 from grader.course.groups import CHECK, MISTAKE, SAME, Group, alike, decisions, groups
@@ -13,7 +14,6 @@ from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
-from grader.ground.errors import RequestError
 from grader.people.final_grade import BONUS, TOTAL
 
 

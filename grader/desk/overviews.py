@@ -7,13 +7,13 @@ from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.desk import review_queue as queue_of
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import page
 from grader.desk.review_queue import KINDS, Item
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.report import overview
 
 

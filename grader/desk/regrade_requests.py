@@ -12,14 +12,14 @@ from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course.adjusting import targets
 from grader.course.record import Appeal
 from grader.desk.asking import MOST_BYTES, Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
 from grader.engine.rubric_nodes import guess_at
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.final_grade import TOTAL, Standing
 from grader.people.identity import Directory, Row
 

@@ -8,8 +8,8 @@ from urllib.parse import quote
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.responses import HTMLResponse
 
-from grader.ground.package_data import beside
-from grader.ground.text import printable
+from grader.base.package_data import beside
+from grader.base.text import printable
 from grader.people.final_grade import Standing
 from grader.report import words
 

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
 
+from grader.base.text import printable
 from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick, about, why_empty
 from grader.course.warnings import equal, not_understood, timed_out
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.results import Result
-from grader.ground.text import printable
 from grader.people.final_grade import Standing
 from grader.report import words
 

@@ -13,14 +13,14 @@ from urllib.parse import quote
 import yaml
 from starlette.responses import RedirectResponse, Response
 
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
 from grader.course import regrade
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
 from grader.people.final_grade import Standing
 from grader.report import overview, words
 

@@ -8,10 +8,10 @@ from contextlib import suppress
 
 import uvicorn
 
+from grader.base.errors import RequestError
 from grader.desk.app import application
 from grader.desk.auth import Keys
 from grader.desk.classbook import Classbook
-from grader.ground.errors import RequestError
 
 _LOOPBACK = "127.0.0.1"
 _AT_ONCE = 64

@@ -9,6 +9,8 @@ from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.course import adjusting
 from grader.course.adjusting import ALONE, Wish
 from grader.course.record import Appeal
@@ -19,8 +21,6 @@ from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import Item
 from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, Standing, summed, under, worth
 from grader.report import charts, words
 from grader.report.pages import Figure

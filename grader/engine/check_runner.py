@@ -24,6 +24,8 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
+from grader.base.errors import GraderError, NoAnswer, RequestError
+from grader.base.text import printable
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
 from grader.engine.faults import rows
@@ -34,8 +36,6 @@ from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
 from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
-from grader.ground.errors import GraderError, NoAnswer, RequestError
-from grader.ground.text import printable
 
 
 @dataclass(frozen=True)

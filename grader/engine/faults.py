@@ -12,8 +12,8 @@ from typing import Any
 
 import yaml
 
+from grader.base.errors import GraderError
 from grader.engine.lab import Lab
-from grader.ground.errors import GraderError
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
+from grader.base.text import printable
 from grader.engine.faults import Mistake
 from grader.engine.findings import Charge, Charged, Fault, Lost, Missing, Raised, Skipped, Unusable, Where
 from grader.engine.results import Outcome, message_of
 from grader.engine.submission_session import THERE
-from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
-from grader.ground.text import printable
 
 
 @dataclass(frozen=True)

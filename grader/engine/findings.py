@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from grader.ground.text import printable
+from grader.base.text import printable
 
 A_PERSON_MAY = "a person who looks at it may give more"
 """In a note: a person should look at this."""

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Any
 
 from grader import __version__
+from grader.base.text import printable
 from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import Examination, Judgement, known_checks, session
@@ -26,7 +27,6 @@ from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, matc
 from grader.engine.session import SEED, Listener
 from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
-from grader.ground.text import printable
 from grader.intake import Submission
 from grader.sandbox.box import Box
 from grader.sandbox.rungs import Rung

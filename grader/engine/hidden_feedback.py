@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from grader.base.errors import Crashed, NoAnswer, TimedOut
 from grader.engine import feedback
 from grader.engine.faults import Mistake
 from grader.engine.feedback import Told, hint_of, mistake_of, no_answer, public, seen_elsewhere
 from grader.engine.findings import Charge, Charged, Lost, Missing, Ours, Raised, Skipped
 from grader.engine.results import Outcome
-from grader.ground.errors import Crashed, NoAnswer, TimedOut
 
 _TOLD_TYPES = (
     "IndexError",

@@ -11,9 +11,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from grader.base.errors import NoAnswer, TimedOut
+from grader.base.text import printable
 from grader.engine.findings import Fault, Where
-from grader.ground.errors import NoAnswer, TimedOut
-from grader.ground.text import printable
 from grader.sandbox.wire import Frame
 
 _OVERRAN = "it had not ended when its time was up"

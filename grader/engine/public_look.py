@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from grader.base.errors import GraderError, NoAnswer, RequestError
 from grader.engine.findings import Missing
 from grader.engine.submission_session import Conversation
-from grader.ground.errors import GraderError, NoAnswer, RequestError
 
 
 class PublicLook:

@@ -12,8 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, TypeVar
 
+from grader.base.errors import RequestError
 from grader.engine.processes import context, starting_ours
-from grader.ground.errors import RequestError
 from grader.intake import Submission, read_submission
 from grader.intake.names import safe_id
 from grader.intake.submission import original_name, unread

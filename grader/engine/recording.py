@@ -19,10 +19,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Protocol
 
+from grader.base.errors import GraderError, RequestError
+from grader.base.package_data import beside
 from grader.engine.lab import Lab
 from grader.engine.traces import SCHEMA, Traces, load
-from grader.ground.errors import GraderError, RequestError
-from grader.ground.package_data import beside
 
 CACHE_VARIABLE = "IMUGRADE_CACHE"
 RECORDING_LIMIT_S = 300

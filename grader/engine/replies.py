@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.ground.errors import Malformed
+from grader.base.errors import Malformed
 from grader.sandbox.wire import Frame
 
 MAX_NUMBERS = 600_000

@@ -22,13 +22,13 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import yaml
 
+from grader.base.errors import RequestError
+from grader.base.package_data import beside
+from grader.base.text import printable
 from grader.engine.check_catalog import checks_of
 from grader.engine.faults import catalogue
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
-from grader.ground.errors import RequestError
-from grader.ground.package_data import beside
-from grader.ground.text import printable
 
 __all__ = [
     "CARRIED",

@@ -16,9 +16,9 @@ from typing import Any, NoReturn
 
 import yaml
 
-from grader.ground.errors import RequestError
-from grader.ground.stamps import read_stamp
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.stamps import read_stamp
+from grader.base.text import printable
 
 MAX_BYTES = 1_000_000
 MAX_EVENTS = 20_000  # the shipped file has about 300; PyYAML reads some 50,000 a second

@@ -11,10 +11,10 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
+from grader.base.text import printable
 from grader.engine.findings import Missing
 from grader.engine.load_report import Endings, Loaded, overran
-from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
-from grader.ground.text import printable
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.printed import PLACE_AT, PLACE_BYTES
 from grader.sandbox.wire import Frame

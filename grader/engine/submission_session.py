@@ -8,13 +8,13 @@ from functools import wraps
 from pathlib import PurePosixPath
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
+from grader.base.errors import NoAnswer, TimedOut
+from grader.base.text import printable
 from grader.engine.breakpoints import breakpoints
 from grader.engine.findings import Fault, Missing, Ours, Where
 from grader.engine.load_report import Loaded, loaded_from, mistake_of
 from grader.engine.question import Question
 from grader.engine.session import Asking
-from grader.ground.errors import NoAnswer, TimedOut
-from grader.ground.text import printable
 from grader.sandbox.wire import Frame
 
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 
 SCHEMA = "imugrade/traces/v1"
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.intake.archives import gather_members, zip_name
 from grader.intake.folders import gather_places, is_link, status_of
 from grader.intake.names import archive_parts, is_litter

@@ -6,7 +6,7 @@ import posixpath
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
-from grader.ground.text import printable
+from grader.base.text import printable
 from grader.intake.names import folded, is_code, portable
 from grader.intake.pile import CASE, UNPORTABLE, Pile, listing
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 
-from grader.ground.text import printable
+from grader.base.text import printable
 from grader.intake.names import ARCHIVES, FOREIGN_ARCHIVES, has_suffix, is_code, is_litter, joined
 from grader.intake.placeholders import placeholder
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.intake.archives import foreign, gather_archive
 from grader.intake.downloads import Sources, gather_sources
 from grader.intake.folders import gather_file, gather_folder

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader import __version__
+from grader.base.errors import RequestError
+from grader.base.package_data import beside
+from grader.base.text import printable
 from grader.engine.lab import Brought, Handout, Lab
 from grader.engine.rubric import load
 from grader.engine.rubric import shipped as shipped_rubric
 from grader.engine.traces import Traces
-from grader.ground.errors import RequestError
-from grader.ground.package_data import beside
-from grader.ground.text import printable
 from grader.kit import wheel
 from grader.platforms.github import CHECKOUT, SETUP_PYTHON
 from grader.report import truth

@@ -18,10 +18,10 @@ from pathlib import Path, PurePosixPath
 import yaml
 
 from grader import __version__
+from grader.base.errors import RequestError
+from grader.base.package_data import beside
 from grader.engine.lab import Brought, Lab
 from grader.engine.rubric import CARRIED, own_checks
-from grader.ground.errors import RequestError
-from grader.ground.package_data import beside
 from grader.report import truth
 
 _KINDS = (".py", ".txt", ".ini", ".yaml", ".json", ".npz", ".xml", ".j2", ".css", ".js", ".md", ".svg", ".typed")

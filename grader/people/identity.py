@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.intake.names import folded
 from grader.people.final_grade import Person
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from datetime import datetime, timezone
 from zoneinfo import ZoneInfo
 
+from grader.base.stamps import read_stamp
 from grader.engine.rubric import LatePolicy
-from grader.ground.stamps import read_stamp
 from grader.people.final_grade import HandIn, Lateness, Person
 
 DAY = 86_400

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 
-from grader.ground import tables
-from grader.ground.errors import RequestError
-from grader.ground.stamps import read_stamp, stamp
-from grader.ground.text import printable
+from grader.base import tables
+from grader.base.errors import RequestError
+from grader.base.stamps import read_stamp, stamp
+from grader.base.text import printable
 from grader.people.final_grade import HandIn, Person
 from grader.people.identity import Directory, Match, Row, participant
 

@@ -7,8 +7,8 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, has_suffix, original
 from grader.people.final_grade import HandIn, Person, Standing

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.intake.downloads import Download, Sources, open_download
 from grader.intake.folders import is_link, status_of
 from grader.intake.layout import MAX_LEVELS

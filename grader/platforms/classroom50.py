@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from grader.base.errors import GraderError, RequestError
 from grader.engine.results import Result
-from grader.ground.errors import GraderError, RequestError
 from grader.intake.downloads import Download
 from grader.platforms import rows
 from grader.platforms.found import Shape

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 from grader.people.final_grade import Person, Standing
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who

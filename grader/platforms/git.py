@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grader.ground.stamps import stamp
+from grader.base.stamps import stamp
 from grader.intake.downloads import Download
 from grader.intake.names import is_code, original
 from grader.people.final_grade import HandIn, Person

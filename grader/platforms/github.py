@@ -11,9 +11,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.base.text import printable
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
-from grader.ground.text import printable
 from grader.platforms import rows
 from grader.platforms.places import Place, Places, find_places
 from grader.platforms.platform import Aside, Handed, Help, Platform

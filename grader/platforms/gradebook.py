@@ -6,8 +6,8 @@ import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
 
+from grader.base.text import csv_cell, printable
 from grader.engine.results import CriterionResult
-from grader.ground.text import csv_cell, printable
 from grader.people.final_grade import Person, Standing
 from grader.platforms.platform import Help, Platform
 from grader.report import words

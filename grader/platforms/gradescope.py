@@ -15,10 +15,10 @@ from typing import Any
 
 import yaml
 
+from grader.base.errors import GraderError
+from grader.base.stamps import stamp
+from grader.base.text import csv_cell, printable
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result
-from grader.ground.errors import GraderError
-from grader.ground.stamps import stamp
-from grader.ground.text import csv_cell, printable
 from grader.intake.downloads import Download
 from grader.intake.names import original
 from grader.people.final_grade import HandIn, Person, Standing

@@ -10,15 +10,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast, get_args
 
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
+from grader.base.text import printable
 from grader.engine.grader import Marker
 from grader.engine.lab_sandbox import open_box_for
 from grader.engine.reading import read_apart
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
-from grader.ground.text import printable
 from grader.platforms import registry
 from grader.platforms.platform import Handed, Platform, Visibility
 

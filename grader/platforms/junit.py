@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator
 from datetime import datetime, timezone
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from grader.base.text import printable
 from grader.engine.results import CheckResult, Result
-from grader.ground.text import printable
 from grader.platforms import rows
 from grader.platforms.platform import Help, Platform
 from grader.report import words

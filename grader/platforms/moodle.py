@@ -7,7 +7,7 @@ import re
 from collections import defaultdict
 from collections.abc import Mapping
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 from grader.intake.downloads import Download
 from grader.intake.names import original
 from grader.people.final_grade import HandIn, Person, Standing

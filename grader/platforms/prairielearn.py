@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from grader.base.text import printable
 from grader.engine.results import CheckResult, LabName, Result
-from grader.ground.text import printable
 from grader.platforms import rows
 from grader.platforms.platform import Help, Platform
 from grader.report import words

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from grader.ground.errors import GraderError
+from grader.base.errors import GraderError
 
 if TYPE_CHECKING:
     from grader.platforms.platform import Platform

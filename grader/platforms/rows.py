@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from grader.base.text import printable
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result
-from grader.ground.text import printable
 from grader.report import causes, words
 from grader.report.causes import Cause
 

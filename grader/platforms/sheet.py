@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 
 BOM = b"\xef\xbb\xbf"
 _QUOTED = r'"(?:[^"]|"")*"'

@@ -17,12 +17,12 @@ from typing import Any
 
 import pytest
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.engine import rubric as rubrics
 from grader.engine.lab import Part
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, Result, from_dict
 from grader.engine.rubric import Rubric
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.intake import Submission, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms.places import Place, find_places

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
+from grader.base.errors import RequestError
+from grader.base.text import printable
 
 _CODE = (".py", ".ipynb")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from grader.base.text import printable
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
-from grader.ground.text import printable
 from grader.report import words
 
 _LAST = 99

@@ -6,12 +6,12 @@ import difflib
 from collections.abc import Mapping
 from functools import lru_cache
 
+from grader.base.errors import RequestError
+from grader.base.text import printable
 from grader.engine.check_catalog import Check, checks_of
 from grader.engine.faults import Mistake, catalogue
 from grader.engine.lab import Lab
 from grader.engine.rubric import CheckWeight, Criterion, Extension, Rubric, load
-from grader.ground.errors import RequestError
-from grader.ground.text import printable
 from grader.report.words import number
 
 

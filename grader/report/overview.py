@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from urllib.parse import quote
 
+from grader.base.text import printable
 from grader.engine.results import Result
-from grader.ground.text import printable
 from grader.people.final_grade import Standing
 from grader.report import words
 from grader.report.items import Item, items

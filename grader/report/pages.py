@@ -12,11 +12,11 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from grader.base.package_data import beside
+from grader.base.text import printable
 from grader.engine.chart_data import Chart
 from grader.engine.faults import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
-from grader.ground.package_data import beside
-from grader.ground.text import printable
 from grader.people.final_grade import Standing
 from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of

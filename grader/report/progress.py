@@ -6,8 +6,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from grader.base.text import printable
 from grader.engine.results import Result
-from grader.ground.text import printable
 from grader.report import words
 
 

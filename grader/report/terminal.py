@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from grader.base.text import printable
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result
-from grader.ground.text import printable
 from grader.report import causes, words
 from grader.report.causes import Cause
 from grader.report.change import Change

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from grader.base.errors import RequestError
+from grader.base.files import write_whole
+from grader.base.text import printable
 from grader.engine.traces import Scenario, Traces
-from grader.ground.errors import RequestError
-from grader.ground.files import write_whole
-from grader.ground.text import printable
 
 
 def listing(traces: Traces) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from grader.ground.text import printable
+from grader.base.text import printable
 
 if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
     from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status

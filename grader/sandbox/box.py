@@ -19,7 +19,7 @@ from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from grader.ground.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
+from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 
 from . import ladder, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from grader.ground.errors import GraderError
+from grader.base.errors import GraderError
 
 from . import bubblewrap, namespaces, rootfs, surroundings, wire
 from .paths import empty

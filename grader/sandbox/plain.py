@@ -17,7 +17,7 @@ import tempfile
 import time
 from typing import Any
 
-from grader.ground.errors import GraderError
+from grader.base.errors import GraderError
 
 from . import surroundings, wire
 from .paths import empty

@@ -24,12 +24,12 @@ from unittest import mock
 
 import numpy as np
 
+from grader.base.errors import Crashed
 from grader.engine import rubric
 from grader.engine.chart_data import Evidence, packed
 from grader.engine.check_runner import Examination
 from grader.engine.grader import Marker
 from grader.engine.results import Result
-from grader.ground.errors import Crashed
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.ground.errors import Crashed
+from grader.base.errors import Crashed
 from grader.sandbox.wire import Frame
 from tests.fuzz.answers import Bench, _key
 

@@ -18,9 +18,9 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
+from grader.base.errors import Malformed
+from grader.base.text import printable
 from grader.engine import fingerprint
-from grader.ground.errors import Malformed
-from grader.ground.text import printable
 from grader.intake.archives import gather_archive
 from grader.intake.pile import Unreadable
 from grader.labs.imu.diagnosis import labels

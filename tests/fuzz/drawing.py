@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from grader.base.errors import Malformed
 from grader.engine import replies
 from grader.engine.replies import Answer, Wrong
-from grader.ground.errors import Malformed
 from grader.sandbox.wire import Frame
 
 _WORDS = (

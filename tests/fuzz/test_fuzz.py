@@ -14,8 +14,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from grader.base.errors import RequestError
 from grader.engine import rubric
-from grader.ground.errors import RequestError
 from grader.intake.archives import gather_archive
 from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
 from grader.labs.imu.lab import LAB

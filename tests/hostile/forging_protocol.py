@@ -134,7 +134,7 @@ EXITS = {
     "raises-an-exit-of-pytest": "exec('import pytest') if False else None; raise type('Exit', (BaseException,), {'returncode': 0, '__module__': '_pytest.outcomes'})('done')",
     "raises-a-verdict-of-the-grader": "raise type('Told', (AssertionError,), {'keeps': 1.0, 'outcome': 'passed', '__module__': 'grader.engine.findings'})('earned')",
     "raises-a-missing-key": "raise KeyError('not_judged')",
-    "raises-an-error-of-the-grader": "raise type('GraderError', (Exception,), {'__module__': 'grader.ground.errors'})('the grader failed')",
+    "raises-an-error-of-the-grader": "raise type('GraderError', (Exception,), {'__module__': 'grader.base.errors'})('the grader failed')",
 }
 ENDS = [
     Program(name, "forgery", last(PASSES, FILTER, in_method("LowPassFilter", "update", code)), last(PASSES, FILTER, in_method("LowPassFilter", "update", "raise RuntimeError")), "filtering")

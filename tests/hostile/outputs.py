@@ -16,9 +16,9 @@ from xml.etree import ElementTree
 
 from rich.console import Console
 
+from grader.base.errors import GraderError
 from grader.engine.chart_data import unpacked
 from grader.engine.results import Result, to_json
-from grader.ground.errors import GraderError
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import HandIn, Person, Standing
 from grader.platforms import registry

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from grader.base.text import printable
 from grader.engine.findings import Fault, Lost, Unusable
-from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks import check_sensor_access as checks
 from tests.judging.made import Case, Made, finding, is_as_marked, truth

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from grader.base.errors import NoAnswer
 from grader.engine.figures import Axes, Curve, Figure, Sight
 from grader.engine.findings import Fault, Missing, Raised, Skipped
-from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import plot_runs
 from grader.labs.imu.checks.plot_runs import Plot

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 import yaml
 
+from grader.base.text import printable
 from grader.engine.rubric_nodes import Reader, RubricError, _syntax_problem, guess_at, nearest, quote, refuse
-from grader.ground.text import printable
 
 pytestmark = pytest.mark.quick
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from grader.base.errors import GraderError
 from grader.engine import rubric
 from grader.engine.faults import catalogue
 from grader.engine.grader import Marker
 from grader.engine.results import Result, from_dict, to_dict
-from grader.ground.errors import GraderError
 from grader.intake.submission import Submission
 from grader.people.final_grade import Standing
 from grader.platforms.gradebook import gradebook

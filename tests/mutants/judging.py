@@ -52,7 +52,7 @@ _PLACES = (
 )
 _LOADED = (mpl, np, pytest, scipy.special, yaml)
 """What every mutant needs and none changes: loaded here, before the fork."""
-_KEPT = ("grader.ground", "grader.sandbox", "grader.intake", "tests.corpus", "tests.mutants")
+_KEPT = ("grader.base", "grader.sandbox", "grader.intake", "tests.corpus", "tests.mutants")
 """Modules that stand below what is mutated, or hold data: they stay as they are."""
 _CPU_S = 180
 """Of one mutant; one that takes more is in a loop without an end."""

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.ground.errors import Crashed, Malformed, NoAnswer, TimedOut
+from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.rungs import Rung, named
 from grader.sandbox.wire import Frame

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.ground.errors import Crashed, TimedOut
+from grader.base.errors import Crashed, TimedOut
 from grader.intake import Submission
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.ground.errors import Crashed, GraderError, Malformed, TimedOut
+from grader.base.errors import Crashed, GraderError, Malformed, TimedOut
 from grader.sandbox import surroundings
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents

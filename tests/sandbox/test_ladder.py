@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from grader.ground.errors import GraderError
+from grader.base.errors import GraderError
 from grader.sandbox import ladder
 from grader.sandbox.box import Box
 from grader.sandbox.ladder import Tried

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import grader
-from grader.ground.errors import NoAnswer
+from grader.base.errors import NoAnswer
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
 

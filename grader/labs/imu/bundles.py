@@ -7,12 +7,12 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+from grader.base.errors import GraderError, RequestError
+from grader.base.package_data import beside
+from grader.base.text import printable
 from grader.engine import recording
 from grader.engine.rubric_nodes import refuse
 from grader.engine.traces import Traces, load
-from grader.ground.errors import GraderError, RequestError
-from grader.ground.package_data import beside
-from grader.ground.text import printable
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import LAB_FILE, LAB_MODEL, Model, Robot, is_of, robot_of
 

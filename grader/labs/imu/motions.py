@@ -10,8 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 from matplotlib.figure import Figure
 
+from grader.base.errors import RequestError
 from grader.engine.traces import Scenario, Traces
-from grader.ground.errors import RequestError
 from grader.labs.imu.compare import Array
 
 _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Angular velocity (rad/s)"))

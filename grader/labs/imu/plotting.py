@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from grader.base.errors import NoAnswer
 from grader.engine.figures import Picture, picture_of
 from grader.engine.findings import Missing
 from grader.engine.lab import Lab
@@ -18,7 +19,6 @@ from grader.engine.load_report import Loaded
 from grader.engine.question import key_of
 from grader.engine.submission_session import Conversation, is_run
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import Array, Drawing, drawing_of
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import yaml
 
+from grader.base.text import printable
 from grader.engine.rubric_nodes import Reader, quote, refuse
-from grader.ground.text import printable
 
 if TYPE_CHECKING:  # a rubric is read before anything slow is imported
     from grader.engine.traces import Traces

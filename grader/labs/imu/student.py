@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from grader.base.errors import NoAnswer
 from grader.engine.findings import Fault, Missing
 from grader.engine.question import Question, key_of
-from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import (
     Array,
     Collection,

@@ -6,10 +6,10 @@ import re
 
 import numpy as np
 
+from grader.base.text import printable
 from grader.engine.check_runner import check
 from grader.engine.findings import Lost, Ours, Size, Skipped, Unusable, raised
 from grader.engine.traces import Scenario, Traces
-from grader.ground.text import printable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import SHEETS_NOISE, Array, Deviation, deviation, told, vector

@@ -8,12 +8,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from grader.base.errors import NoAnswer
+from grader.base.text import printable
 from grader.engine.check_runner import check
 from grader.engine.figures import Figure
 from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
-from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
 from grader.labs.imu.checks.fitting import fits_in

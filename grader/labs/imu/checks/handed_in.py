@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from grader.base.errors import NoAnswer
 from grader.engine.figures import Figure, Picture
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION, Missing, Ours, Raised
 from grader.engine.submission_session import found_once
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
 from grader.labs.imu import bundles
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks.plot_runs import (

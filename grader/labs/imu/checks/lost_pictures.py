@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NoReturn
 
+from grader.base.text import printable
 from grader.engine.findings import A_PERSON_MAY, Lost, Ours
 from grader.engine.traces import Traces
-from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import handed_in
 from grader.labs.imu.checks.plot_runs import Plot, has_curves, sensors_in_words

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from grader.base.errors import NoAnswer
 from grader.engine.findings import Lost, Raised, Unusable, raised
 from grader.engine.submission_session import found_once
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
 from grader.labs.imu.checks.fitting import fits_in

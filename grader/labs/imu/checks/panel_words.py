@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from grader.base.text import printable
 from grader.engine.figures import Axes
-from grader.ground.text import printable
 from grader.labs.imu.checks.plot_runs import SENSOR_WORDS, Plot
 from grader.labs.imu.diagnosis import labels, plots
 from grader.labs.imu.diagnosis.plots import Panel

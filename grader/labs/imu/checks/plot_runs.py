@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.base.errors import NoAnswer
 from grader.engine.figures import Curve, Figure, Mask, Sight
 from grader.engine.findings import Missing, Raised, Skipped, raised
 from grader.engine.traces import Traces
-from grader.ground.errors import NoAnswer
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.diagnosis.plots import Channel, Panel, Shown

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from grader.base.text import printable
 from grader.engine import figures
 from grader.engine.chart_data import Chart, Curve, Panel
 from grader.engine.figures import Axes, Entry, Figure, Mask
-from grader.ground.text import printable
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.compare import Array
 from grader.labs.imu.exhibits.points import curve, thinned

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
-from grader.ground.text import printable
 from grader.labs.imu.compare import Array, same, vector
 from grader.labs.imu.digits import told_apart
 from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART

@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from grader.base.text import printable
 from grader.engine.charging import Part
 from grader.engine.findings import Deviation, Size
 from grader.engine.hypothesis import Reason
-from grader.ground.text import printable
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.filtering.measure import ATOL, FORM, Facts, Run, measure
 from grader.labs.imu.lab import LAB

@@ -6,7 +6,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from grader.ground.errors import RequestError
+from grader.base.errors import RequestError
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
