@@ -7,7 +7,7 @@ import pytest
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.intake.pile import MAX_FILES, MAX_REQUIRED
+from grader.intake.file_budget import MAX_FILES, MAX_REQUIRED
 from grader.sandbox import wire
 from tests.corpus.pieces import edit, verbatim
 

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grader.base.errors import RequestError
-from grader.intake import Submission, archives, folders, names, pile, read_submission
+from grader.intake import Submission, archives, file_budget, folders, names, read_submission
 from grader.labs.imu.lab import LAB
 from grader.platforms import classes
 from grader.platforms.classes import read_class
@@ -541,7 +541,7 @@ def test_links_and_devices_of_a_tar_are_not_read(tmp_path: Path) -> None:
 def test_a_file_over_the_limit_is_left_out(tmp_path: Path) -> None:
     folder = as_folder(tmp_path, HANDED_IN)
     with open(folder / "video.mp4", "wb") as stream:
-        stream.truncate(pile.MAX_FILE + 1)
+        stream.truncate(file_budget.MAX_FILE + 1)
     submission = read_submission(folder, LAB.files)
     assert submission.files == HANDED_IN
     assert submission.notes == ("Not read, because the file is larger than 16 MB: video.mp4.",)
@@ -549,8 +549,8 @@ def test_a_file_over_the_limit_is_left_out(tmp_path: Path) -> None:
 
 @EVERY_WAY
 def test_data_never_crowds_out_code(tmp_path: Path, pack: Pack, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pile, "MAX_FILES", 5)
-    monkeypatch.setattr(pile, "Room", lambda files=5, bytes=1000: SimpleNamespace(files=files, bytes=bytes))
+    monkeypatch.setattr(file_budget, "MAX_FILES", 5)
+    monkeypatch.setattr(file_budget, "Room", lambda files=5, bytes=1000: SimpleNamespace(files=files, bytes=bytes))
     data = {f"data/{n:02}.csv": b"x" for n in range(20)}
     submission = read_submission(pack(tmp_path, {**data, **HANDED_IN}), LAB.files)
     assert len(submission.files) == 5 + 3
@@ -572,50 +572,50 @@ def test_other_code_never_crowds_out_the_required_files(tmp_path: Path, pack: Pa
 
 
 def test_the_limits_are_the_promised_ones() -> None:
-    rooms = pile.Pile()._room.values()
+    rooms = file_budget.Pile()._room.values()
     assert sum(room.files for room in rooms) == 2_000
-    assert sum(room.bytes for room in rooms) == 64 * pile.MB
-    assert pile.MAX_FILE == 16 * pile.MB
+    assert sum(room.bytes for room in rooms) == 64 * file_budget.MB
+    assert file_budget.MAX_FILE == 16 * file_budget.MB
 
 
 def overlapping(times: int) -> bytes:
     """A zip whose entries all point at the same megabyte of compressed zeros: little data that claims to be much."""
-    data = zipped({"zeros.bin": bytes(pile.MB)})
+    data = zipped({"zeros.bin": bytes(file_budget.MB)})
     start, end = data.index(b"PK\1\2"), data.index(b"PK\5\6")
     listing = data[start:end] * times
     return data[:start] + listing + struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, times, times, len(listing), start, 0)
 
 
 def test_a_bomb_costs_no_more_than_the_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archives, "MAX_UNPACKED", 20 * pile.MB)
+    monkeypatch.setattr(archives, "MAX_UNPACKED", 20 * file_budget.MB)
     found = archives.gather_archive(io.BytesIO(overlapping(2_000)), "bomb.zip")
-    assert len(found.left.get(pile.TWICE, [])) + 1 <= 20
+    assert len(found.left.get(file_budget.TWICE, [])) + 1 <= 20
     # Pythons that see the overlap refuse each entry; others unpack until the limit.
-    assert len(found.left.get(pile.DAMAGED, [])) >= 1_999 or found.remarks == [
+    assert len(found.left.get(file_budget.DAMAGED, [])) >= 1_999 or found.remarks == [
         "bomb.zip was read in part: it unpacks to more than 20 MB."
     ]
     assert found.broken
 
 
 def test_a_zip_that_unpacks_to_too_much_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archives, "MAX_UNPACKED", 2 * pile.MB)
-    zeros = {f"{n}.bin": bytes(pile.MB) for n in range(5)}
+    monkeypatch.setattr(archives, "MAX_UNPACKED", 2 * file_budget.MB)
+    zeros = {f"{n}.bin": bytes(file_budget.MB) for n in range(5)}
     submission = read_submission(as_zip(tmp_path, {**zeros, **HANDED_IN}), LAB.files)
     assert set(HANDED_IN) < set(submission.files)
     assert submission.notes == ("alice.zip was read in part: it unpacks to more than 2 MB.",)
 
 
 def test_a_tar_that_unpacks_to_too_much_is_read_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archives, "MAX_UNPACKED", pile.MB)
+    monkeypatch.setattr(archives, "MAX_UNPACKED", file_budget.MB)
     submission = read_submission(
-        as_tgz(tmp_path, {**HANDED_IN, "zeros.bin": bytes(3 * pile.MB), "late.py": b""}), LAB.files
+        as_tgz(tmp_path, {**HANDED_IN, "zeros.bin": bytes(3 * file_budget.MB), "late.py": b""}), LAB.files
     )
     assert submission.files == HANDED_IN
     assert submission.notes == ("alice.tar.gz was read in part: it unpacks to more than 1 MB.",)
 
 
 def test_a_file_that_claims_to_be_small_is_cut_off(tmp_path: Path) -> None:
-    data = bytearray(zipped({"zeros.bin": bytes(pile.MAX_FILE + pile.MB), **HANDED_IN}))
+    data = bytearray(zipped({"zeros.bin": bytes(file_budget.MAX_FILE + file_budget.MB), **HANDED_IN}))
     central = data.index(b"PK\1\2")
     data[central + 24 : central + 28] = struct.pack("<L", 10)
     submission = read_submission(saved(tmp_path, "alice.zip", bytes(data)), LAB.files)

@@ -14,8 +14,20 @@ from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from typing import BinaryIO, Protocol
 
+from grader.intake.file_budget import (
+    DAMAGED,
+    GAPS,
+    LINK,
+    LOCKED,
+    MAX_FILE,
+    MB,
+    METHOD,
+    SPECIAL,
+    UNSAFE,
+    Pile,
+    Unreadable,
+)
 from grader.intake.names import archive_parts, is_code, is_litter
-from grader.intake.pile import DAMAGED, GAPS, LINK, LOCKED, MAX_FILE, MB, METHOD, SPECIAL, UNSAFE, Pile, Unreadable
 
 MAX_ARCHIVE = 256 * MB  # on disk: a virtual environment handed in by mistake must not hide the lab's three files
 MAX_UNPACKED = 512 * MB  # decompressed, wanted or not: two seconds of work

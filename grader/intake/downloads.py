@@ -13,9 +13,9 @@ from pathlib import Path
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import gather_members, zip_name
+from grader.intake.file_budget import LINK, UNSAFE, Pile
 from grader.intake.folders import gather_places, is_link, status_of
 from grader.intake.names import archive_parts, is_litter
-from grader.intake.pile import LINK, UNSAFE, Pile
 
 Sources = tuple[tuple[str, str], ...]
 """Files and folders of a download, and their paths in the submission ("" for the contents of a folder)."""

@@ -8,8 +8,8 @@ from collections.abc import Collection, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
+from grader.intake.file_budget import LINK, LONG, MAX_FILE, SPECIAL, Pile
 from grader.intake.names import MAX_PARTS, is_litter
-from grader.intake.pile import LINK, LONG, MAX_FILE, SPECIAL, Pile
 
 MAX_ENTRIES = 50_000
 # A pipe would block the open, a link could have come after the listing; on Windows these flags do not exist.

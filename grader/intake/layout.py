@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from grader.base.text import printable
+from grader.intake.file_budget import CASE, UNPORTABLE, Pile, listing
 from grader.intake.names import folded, is_code, portable
-from grader.intake.pile import CASE, UNPORTABLE, Pile, listing
 
 MAX_LEVELS = 4  # how far down the lab's folder may lie
 

@@ -15,6 +15,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import foreign, gather_archive
 from grader.intake.downloads import Sources, gather_sources
+from grader.intake.file_budget import MAX_OPENINGS, Pile, Unreadable, listing
 from grader.intake.folders import gather_file, gather_folder
 from grader.intake.layout import MAX_LEVELS, lay_out, outwards
 from grader.intake.names import (
@@ -25,7 +26,6 @@ from grader.intake.names import (
     original,
     safe_id,
 )
-from grader.intake.pile import MAX_OPENINGS, Pile, Unreadable, listing
 from grader.intake.placeholders import is_empty_program
 from grader.intake.texts import as_programs, in_lower_case
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from grader.intake.file_budget import Pile, listing
 from grader.intake.names import CODE, folded, has_suffix, is_code
-from grader.intake.pile import Pile, listing
 
 _ADDED = ".txt"
 _LOWERED = (*CODE, ".png")

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.downloads import Download, Sources, open_download
+from grader.intake.file_budget import LINK
 from grader.intake.folders import is_link, status_of
 from grader.intake.layout import MAX_LEVELS
 from grader.intake.names import (
@@ -25,7 +26,6 @@ from grader.intake.names import (
     is_litter,
     original,
 )
-from grader.intake.pile import LINK
 from grader.intake.submission import Submission, original_name, read_submission
 from grader.people.final_grade import NOTHING_KNOWN, HandIn
 from grader.platforms import registry

@@ -22,7 +22,7 @@ from grader.base.errors import Malformed
 from grader.base.text import printable
 from grader.engine import fingerprint
 from grader.intake.archives import gather_archive
-from grader.intake.pile import Unreadable
+from grader.intake.file_budget import Unreadable
 from grader.labs.imu.diagnosis import labels
 from grader.labs.imu.lab import LAB
 from grader.sandbox import wire

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from grader.base.errors import RequestError
 from grader.engine import rubric
 from grader.intake.archives import gather_archive
-from grader.intake.pile import MAX_BYTES, MAX_FILES, Unreadable
+from grader.intake.file_budget import MAX_BYTES, MAX_FILES, Unreadable
 from grader.labs.imu.lab import LAB
 from grader.sandbox import wire
 from grader.worker import notebooks
