@@ -9,8 +9,8 @@ import pytest
 
 from grader.engine.figures import Axes, Curve, Figure, Sight
 from grader.labs.imu.answers import Array
-from grader.labs.imu.diagnosis import sight
-from grader.labs.imu.diagnosis.sight import Patience
+from grader.labs.imu.diagnosis import visibility
+from grader.labs.imu.diagnosis.visibility import Patience
 
 pytestmark = pytest.mark.quick
 WIDTH, HEIGHT = 300, 200
@@ -68,7 +68,7 @@ class Canvas:
 
 
 def looked(figure: Figure, pixels: int = 60_000_000) -> list[Sight]:
-    axes = sight.looked_at(figure, Patience(pixels)).axes
+    axes = visibility.looked_at(figure, Patience(pixels)).axes
     assert len(axes) == 1
     assert len(axes[0].curves) == len(figure.axes[0].curves)
     return [each.sight for each in axes[0].curves]
@@ -314,12 +314,12 @@ def test_who_sends_too_much_is_not_believed() -> None:
 
 def test_a_figure_without_axes_is_as_it_was() -> None:
     figure = replace(Canvas().figure(), axes=())
-    assert sight.looked_at(figure, Patience()) is figure
+    assert visibility.looked_at(figure, Patience()) is figure
 
 
 def test_a_figure_is_looked_at_as_it_is_at_its_end_as_well() -> None:
     saved, end = Canvas().figure(curve()), Canvas().draw().figure(curve())
-    looked_at = sight.looked_at(replace(saved, finished=end), Patience())
+    looked_at = visibility.looked_at(replace(saved, finished=end), Patience())
     assert looked_at.finished is not None
     assert looked_at.finished.axes[0].curves[0].sight.seen.all()
     assert not looked_at.axes[0].curves[0].sight.seen.any()
@@ -330,7 +330,7 @@ def test_a_figure_is_looked_at_as_it_is_at_its_end_as_well() -> None:
 
 def test_what_several_curves_show_is_shown_together() -> None:
     parts = np.arange(4)
-    both = sight.together(iter([Sight(parts < 2, parts < 1), Sight(parts == 3, parts == 3)]))
+    both = visibility.together(iter([Sight(parts < 2, parts < 1), Sight(parts == 3, parts == 3)]))
     assert both.inside.tolist() == [True, True, False, True]
     assert both.seen.tolist() == [True, False, False, True]
 
@@ -343,7 +343,7 @@ def test_what_several_curves_show_is_shown_together() -> None:
     ],
 )  # fmt: skip
 def test_a_colour_is_three_or_four_numbers_behind_a_hash(colour: str, values: list[float] | None) -> None:
-    found = sight._rgba(colour)
+    found = visibility._rgba(colour)
     assert found is None if values is None else found is not None and found.tolist() == values
 
 
@@ -358,7 +358,7 @@ OFF = -np.array([0.0, 0.8, 0.8])
     ],
 )  # fmt: skip
 def test_a_pixel_is_on_the_way_to_a_colour_or_beside_it(off: Array, share: float) -> None:
-    assert sight.share_of_way(off[None].astype(np.float32), OFF).tolist() == pytest.approx([share])
+    assert visibility.share_of_way(off[None].astype(np.float32), OFF).tolist() == pytest.approx([share])
 
 
 OTHER = -np.array([0.8, 0.8, 0.0])
@@ -379,28 +379,30 @@ OTHER = -np.array([0.8, 0.8, 0.0])
     ],
 )
 def test_of_a_mixture_with_another_curves_colour_the_share_is_known(off: Array, other: Array, share: float) -> None:
-    assert sight._share_beside(off[None].astype(np.float32), OFF, other).tolist() == pytest.approx([share], abs=1e-6)
+    assert visibility._share_beside(off[None].astype(np.float32), OFF, other).tolist() == pytest.approx(
+        [share], abs=1e-6
+    )
 
 
 def test_shares_are_known_pixel_by_pixel() -> None:
     off = np.array([0.5 * OFF + 0.4 * OTHER, 0.6 * OFF - 0.2 * OTHER], np.float32)
-    assert sight._share_beside(off, OFF, OTHER).tolist() == pytest.approx([0.5, 0.0], abs=1e-6)
+    assert visibility._share_beside(off, OFF, OTHER).tolist() == pytest.approx([0.5, 0.0], abs=1e-6)
 
 
 def test_the_commonest_colour_is_that_of_most_pixels() -> None:
-    assert sight.commonest(np.zeros(0, np.int32)) == 0xFFFFFF
-    assert sight.commonest(np.array([5, 7, 7, 9], np.int32)) == 7
+    assert visibility.commonest(np.zeros(0, np.int32)) == 0xFFFFFF
+    assert visibility.commonest(np.array([5, 7, 7, 9], np.int32)) == 7
     striped = np.where(np.arange(310) % 31 == 0, 1, 2).astype(np.int32)
-    assert sight.commonest(striped) == 2
+    assert visibility.commonest(striped) == 2
     places = np.arange(310)
-    assert sight.commonest(np.where((places % 31 == 0) | (places % 5 < 2), 1, 2).astype(np.int32)) == 2
-    assert sight.commonest(np.repeat([3, 4], [60, 40]).astype(np.int32)) == 3
+    assert visibility.commonest(np.where((places % 31 == 0) | (places % 5 < 2), 1, 2).astype(np.int32)) == 2
+    assert visibility.commonest(np.repeat([3, 4], [60, 40]).astype(np.int32)) == 3
 
 
 @pytest.mark.parametrize("ground", [WHITE, DARK, (1, 254, 129)])
 def test_the_ground_of_a_panel_is_what_is_behind_its_curves(ground: tuple[int, int, int]) -> None:
     figure = Canvas(BLUE).fill(ground).draw(thick=3).figure(curve())
-    window = sight._window(figure.axes[0], sight._codes(figure.pixels), np.ones((HEIGHT, WIDTH), bool))
+    window = visibility._window(figure.axes[0], visibility._codes(figure.pixels), np.ones((HEIGHT, WIDTH), bool))
     assert window is not None
     assert window.at == (10, 30)
     assert window.free.shape == (150, 240)
@@ -415,7 +417,7 @@ def test_what_curves_cover_is_not_the_ground() -> None:
     free = np.ones((HEIGHT, WIDTH), bool)
     free[:, 85:] = False
     for still_free, ground in ((free, WHITE), (np.zeros_like(free), RED)):
-        window = sight._window(figure.axes[0], sight._codes(figure.pixels), still_free)
+        window = visibility._window(figure.axes[0], visibility._codes(figure.pixels), still_free)
         assert window is not None
         assert window.ground == pytest.approx(np.array(ground) / 255)
 
@@ -425,9 +427,9 @@ def test_around_each_pixel_is_what_the_curves_leave_free() -> None:
     free = np.ones((40, 40), bool)
     free[19:22] = False
     marked = np.flatnonzero((np.arange(40) >= 20)[None, :] & np.ones((40, 1), bool))
-    squares = sight._squares(free.shape, marked)
-    off, room = np.zeros((len(marked), 3), np.float32), sight._boxed(free, squares)
-    window = sight._Window(free, np.zeros(3), marked, off, squares, room, (0, 0))
+    squares = visibility._squares(free.shape, marked)
+    off, room = np.zeros((len(marked), 3), np.float32), visibility._boxed(free, squares)
+    window = visibility._Window(free, np.zeros(3), marked, off, squares, room, (0, 0))
     strength = np.where(free.ravel()[marked], 0.4, 1.0).astype(np.float32)
     around = np.zeros((40, 40))
     around.ravel()[marked] = window.around(strength)
@@ -460,8 +462,8 @@ def test_a_part_is_seen_where_a_point_in_it_or_the_next_one_is(
 ) -> None:
     points = np.array(x), np.ones(len(x), bool), np.array(seen_points)
     with np.errstate(all="ignore"):
-        found = sight._by_parts(*points)
-        nothing = sight._by_parts(points[0], ~points[1], points[2])
+        found = visibility._by_parts(*points)
+        nothing = visibility._by_parts(points[0], ~points[1], points[2])
     assert found.inside.all()
     assert np.flatnonzero(found.seen).tolist() == list(parts)
     assert not nothing.inside.any()
@@ -470,16 +472,16 @@ def test_a_part_is_seen_where_a_point_in_it_or_the_next_one_is(
 
 def test_curves_take_two_pixels_around_them() -> None:
     inside, known = np.array([True, True, False, True]), True
-    place = sight._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
-    below = sight._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
+    place = visibility._Places(np.array([5, 0, 8, -1]), np.array([6, 11, 8, 3]), inside, known)
+    below = visibility._Places(np.array([12, 9]), np.array([3, 12]), inside[:2], known)
     wanted = np.zeros((12, 12), bool)
     wanted[3:8, 4:9] = wanted[:3, 9:] = wanted[8:, :3] = True
-    aside = sight._Places(np.array([10]), np.array([0]), inside[:1], known)
-    assert np.array_equal(sight._taken([place, below, aside], (12, 12)), wanted)
-    right = sight._Places(np.array([5]), np.array([17]), inside[:1], known)
+    aside = visibility._Places(np.array([10]), np.array([0]), inside[:1], known)
+    assert np.array_equal(visibility._taken([place, below, aside], (12, 12)), wanted)
+    right = visibility._Places(np.array([5]), np.array([17]), inside[:1], known)
     wide = np.zeros((12, 20), bool)
     wide[3:8, 15:] = True
-    assert np.array_equal(sight._taken([right], (12, 20)), wide)
+    assert np.array_equal(visibility._taken([right], (12, 20)), wide)
 
 
 def test_sums_are_of_the_square_around_each_pixel() -> None:
@@ -488,7 +490,7 @@ def test_sums_are_of_the_square_around_each_pixel() -> None:
     wanted = [
         values[max(0, r - 8) : r + 9, max(0, c - 8) : c + 9].sum() for r, c in zip(*np.divmod(at, 50), strict=True)
     ]
-    assert sight._boxed(values, sight._squares(values.shape, at)) == pytest.approx(np.array(wanted))
+    assert visibility._boxed(values, visibility._squares(values.shape, at)) == pytest.approx(np.array(wanted))
 
 
 @pytest.mark.parametrize("reach", [1, 2, 4])
@@ -498,12 +500,12 @@ def test_a_mask_is_widened_in_all_directions(reach: int) -> None:
     wide = np.zeros_like(mask)
     wide[5 - reach : 6 + reach, 7 - reach : 8 + reach] = True
     wide[: reach + 1, : reach + 1] = wide[11 - reach :, 14 - reach :] = True
-    assert np.array_equal(sight._widened(mask, reach), wide)
+    assert np.array_equal(visibility._widened(mask, reach), wide)
 
 
 def test_colours_are_numbers_and_back() -> None:
     colours = np.array([[1, 2, 3], [255, 128, 0]], np.uint8)
-    codes = sight._codes(colours)
+    codes = visibility._codes(colours)
     assert codes.tolist() == [0x010203, 0xFF8000]
-    assert sight._colours(codes) == pytest.approx(colours / 255)
-    assert sight._largest(np.array([[1, -5, 2], [-3, 2, 1], [0, 1, 4]], np.float32)).tolist() == [5, 3, 4]
+    assert visibility._colours(codes) == pytest.approx(colours / 255)
+    assert visibility._largest(np.array([[1, -5, 2], [-3, 2, 1], [0, 1, 4]], np.float32)).tolist() == [5, 3, 4]

@@ -14,7 +14,7 @@ from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.diagnosis.plots import Channel, Panel, Shown
-from grader.labs.imu.diagnosis.sight import together
+from grader.labs.imu.diagnosis.visibility import together
 from grader.labs.imu.recordings import torso_ids
 from grader.labs.imu.student import Student
 
