@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Mask
-from grader.labs.imu.diagnosis import following
-from grader.labs.imu.diagnosis.following import Curves, Ink, Place
+from grader.labs.imu.diagnosis import ink_match
+from grader.labs.imu.diagnosis.ink_match import Curves, Ink, Place
 
 pytestmark = pytest.mark.quick
 TIME = np.linspace(0, 1.2, 601)
@@ -108,7 +108,7 @@ def test_a_place_is_moved_by_its_rows_and_by_its_columns() -> None:
 def _searched(
     ink: Ink, curves: Curves = CURVES, first: float = FIRST, last: float = LAST
 ) -> dict[tuple[int, ...], Place]:
-    return dict(following.places(ink, int(first), int(last), curves))
+    return dict(ink_match.places(ink, int(first), int(last), curves))
 
 
 def test_three_curves_on_one_scale_are_found_where_they_are_drawn() -> None:
@@ -179,7 +179,7 @@ def test_a_line_in_ink_that_is_everywhere_is_followed_by_chance(columns: int) ->
     """Of every row a half is ink, or all of it, of which some is never chance."""
     seen = np.ones((60, 4), bool)
     seen[:, ::2] = columns == 2
-    beyond = following._beyond_chance(seen, np.array([[0.0] * 4, [1.0] * 4]))
+    beyond = ink_match._beyond_chance(seen, np.array([[0.0] * 4, [1.0] * 4]))
     assert beyond.shape == (60, 27, 2)
     shortest = beyond[:50, -1]
     assert shortest == pytest.approx(np.full_like(shortest, 0.0 if columns == 1 else 1.0))
@@ -196,14 +196,14 @@ MOVED = [
 
 @pytest.mark.parametrize("moved", MOVED)
 def test_a_place_settles_where_the_curves_are(moved: dict[str, float]) -> None:
-    place = following.settled(at(**moved))
+    place = ink_match.settled(at(**moved))
     assert (place.top, place.height, place.first, place.last) == pytest.approx((TOP, TALL, FIRST, LAST), abs=4.5)
-    assert following.weighed(place).followed > 0.97
+    assert ink_match.weighed(place).followed > 0.97
 
 
 def test_a_place_settles_no_farther_than_a_span_may_be_off() -> None:
-    assert following.settled(at(first=FIRST + 8)).first == FIRST + 3
-    assert following.settled(at(first=FIRST - 8)).first == FIRST - 3
+    assert ink_match.settled(at(first=FIRST + 8)).first == FIRST + 3
+    assert ink_match.settled(at(first=FIRST - 8)).first == FIRST - 3
 
 
 @pytest.mark.parametrize(
@@ -220,27 +220,27 @@ def test_a_place_settles_no_farther_than_a_span_may_be_off() -> None:
     ],
 )
 def test_a_place_is_near_another_by_its_columns_and_high_enough(moved: dict[str, float], near: bool) -> None:
-    assert following._is_near(at(**moved), at()) is near
+    assert ink_match._is_near(at(**moved), at()) is near
 
 
 @pytest.mark.parametrize("moved", [{}, {"last": 60.0}])
 def test_a_place_that_is_right_or_too_short_stays(moved: dict[str, float]) -> None:
-    assert following.settled(start := at(**moved)) is start
+    assert ink_match.settled(start := at(**moved)) is start
 
 
 def test_a_place_that_is_too_short_is_followed_by_less_than_nothing() -> None:
-    assert following._followed(at(ink=blank(of=True), last=60.0)) < following._followed(at(ink=blank()))
+    assert ink_match._followed(at(ink=blank(of=True), last=60.0)) < ink_match._followed(at(ink=blank()))
 
 
 def test_where_nothing_is_drawn_a_place_stays() -> None:
-    assert following.settled(start := at(ink=blank())) is start
+    assert ink_match.settled(start := at(ink=blank())) is start
 
 
 # --- weighing ------------------------------------------------------------------------------------------------------------
 
 
 def test_curves_that_are_drawn_are_followed_beyond_chance() -> None:
-    weight = following.weighed(at())
+    weight = ink_match.weighed(at())
     assert weight.followed == 1.0
     assert weight.evidence > 200
 
@@ -248,8 +248,8 @@ def test_curves_that_are_drawn_are_followed_beyond_chance() -> None:
 def test_every_fourth_row_of_a_clear_curve_speaks_for_it_by_a_tenths_chance() -> None:
     alone = replace(CURVES, values=WAVES[:1])
     way = np.abs(np.diff(at(alone).rows()[1])).sum()
-    evidence = following.weighed(at(alone, drawn(alone))).evidence
-    assert evidence == pytest.approx(way / 4 * following._surprise(1.0, 0.1), rel=0.01)
+    evidence = ink_match.weighed(at(alone, drawn(alone))).evidence
+    assert evidence == pytest.approx(way / 4 * ink_match._surprise(1.0, 0.1), rel=0.01)
 
 
 def test_ink_aside_of_the_curves_is_what_chance_would_have() -> None:
@@ -258,36 +258,36 @@ def test_ink_aside_of_the_curves_is_what_chance_would_have() -> None:
     clear = drawn(alone)
     striped = Ink(clear.near | (np.arange(HEIGHT) % 9 < 3)[:, None], clear.rough)
     way = np.abs(np.diff(at(alone).rows()[1])).sum()
-    evidence = following.weighed(at(alone, striped)).evidence
-    assert evidence == pytest.approx(way / 4 * following._surprise(1.0, 1 / 3), rel=0.2)
+    evidence = ink_match.weighed(at(alone, striped)).evidence
+    assert evidence == pytest.approx(way / 4 * ink_match._surprise(1.0, 1 / 3), rel=0.2)
 
 
 @pytest.mark.parametrize("ink", [blank(), blank(of=True), Ink.of(speckled(0.3))], ids=["blank", "black", "noise"])
 def test_ink_that_lies_there_by_chance_is_no_evidence(ink: Ink) -> None:
-    assert following.weighed(at(ink=ink)).evidence < 5
+    assert ink_match.weighed(at(ink=ink)).evidence < 5
 
 
 def test_the_curve_that_is_followed_least_is_told() -> None:
     lacking = drawn(replace(CURVES, values=np.vstack([WAVES[:2], WAVES[:1]])))
-    least = following.weighed(at(ink=lacking))
+    least = ink_match.weighed(at(ink=lacking))
     assert least.followed < 0.4
-    assert 20 < least.evidence < following.weighed(at()).evidence / 2
+    assert 20 < least.evidence < ink_match.weighed(at()).evidence / 2
 
 
 def test_a_curve_elsewhere_is_not_followed() -> None:
-    assert following.weighed(at(top=TOP + 40)).evidence < 10
-    assert following.weighed(at(top=TOP + 40)).followed < 0.4
+    assert ink_match.weighed(at(top=TOP + 40)).evidence < 10
+    assert ink_match.weighed(at(top=TOP + 40)).followed < 0.4
 
 
 @pytest.mark.parametrize(("moved", "followed"), [({"height": 19.0}, 0.0), ({"last": 69.0}, 0.0), ({"last": 71.0}, 1.0)])
 def test_low_and_short_curves_weigh_nothing(moved: dict[str, float], followed: float) -> None:
-    weight = following.weighed(at(ink=blank(of=True), **moved))
+    weight = ink_match.weighed(at(ink=blank(of=True), **moved))
     assert (weight.followed, weight.evidence) == pytest.approx((followed, 0.0), abs=0.5)
 
 
 def test_curves_that_hardly_move_weigh_nothing_however_far_apart() -> None:
     calm = replace(CURVES, values=0.1 * np.tile(np.sin(9 * TIME), (3, 1)) + [[0.0], [1], [2]])
-    assert following.weighed(at(calm, drawn(calm))) == following.Weight(0.0, 0.0)
+    assert ink_match.weighed(at(calm, drawn(calm))) == ink_match.Weight(0.0, 0.0)
 
 
 @pytest.mark.parametrize("below", [True, False])
@@ -297,12 +297,12 @@ def test_ink_on_one_side_of_a_curve_is_half_of_what_chance_would_have(below: boo
     side = np.zeros((HEIGHT, WIDTH), bool)
     side[:, columns.astype(int)] = (np.arange(HEIGHT)[:, None] > rows) == below
     ink = Ink(drawn(alone).near | side, blank().rough)
-    evidence = following.weighed(at(alone, ink)).evidence
-    assert evidence == pytest.approx(np.abs(np.diff(rows)).sum() / 4 * following._surprise(1.0, 0.5), rel=0.2)
+    evidence = ink_match.weighed(at(alone, ink)).evidence
+    assert evidence == pytest.approx(np.abs(np.diff(rows)).sum() / 4 * ink_match._surprise(1.0, 0.5), rel=0.2)
 
 
 def test_every_row_on_the_way_counts_once() -> None:
-    down, across = following._rises(np.array([10.0, 20, 30]), np.array([[0.0, 10, 0], [5, 5, 5]]))
+    down, across = ink_match._rises(np.array([10.0, 20, 30]), np.array([[0.0, 10, 0], [5, 5, 5]]))
     assert down.tolist() == [*range(11), *range(9, 0, -1)]
     assert across.tolist() == list(range(10, 30))
 
@@ -319,15 +319,15 @@ def test_every_row_on_the_way_counts_once() -> None:
     ],
 )
 def test_an_observation_surprises_by_what_it_is_beyond_chance(share: float, chance: float, nats: float) -> None:
-    assert following._surprise(share, chance) == pytest.approx(nats)
+    assert ink_match._surprise(share, chance) == pytest.approx(nats)
 
 
 def test_the_search_looks_half_evenly_and_half_where_curves_move() -> None:
     values = np.zeros((1, 200))
     values[0, 100:] = np.arange(100) ** 2
-    few = following._telling(values)
+    few = ink_match._telling(values)
     assert (few[0], few[-1], len(few)) == (0, 199, 40)
     assert np.count_nonzero(few < 100) == pytest.approx(10, abs=1)
     assert np.count_nonzero(few >= 170) == pytest.approx(13, abs=1)
-    assert following._telling(values[:, 90:120]).tolist()[-1] == 29
-    assert len(following._telling(values[:, 90:120])) == 30
+    assert ink_match._telling(values[:, 90:120]).tolist()[-1] == 29
+    assert len(ink_match._telling(values[:, 90:120])) == 30

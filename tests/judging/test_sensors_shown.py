@@ -14,8 +14,8 @@ import pytest
 from grader.engine.figures import Mask
 from grader.labs.imu.answers import KEYS, Array
 from grader.labs.imu.diagnosis import handed_in
-from grader.labs.imu.diagnosis.following import Weight
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
+from grader.labs.imu.diagnosis.ink_match import Weight
 from tests.judging.made import truth
 
 pytestmark = pytest.mark.quick

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine.figures import Array, Mask
-from grader.labs.imu.diagnosis.following import Curves, Ink, Place, Weight, places, settled, weighed
+from grader.labs.imu.diagnosis.ink_match import Curves, Ink, Place, Weight, places, settled, weighed
 
 DURATIONS = (5.0, 3.0, 10.0, 2.0, 1.2)  # s: the sheet's first
 _ALIKE = 0.06  # largest difference, each channel 0 to 1, of colours that are one ground
