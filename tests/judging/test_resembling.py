@@ -7,7 +7,7 @@ import pytest
 
 from grader.engine.figures import Curve, Sight
 from grader.labs.imu.answers import KEYS, Array
-from grader.labs.imu.diagnosis.resembling import sensors_of
+from grader.labs.imu.diagnosis.channel_match import sensors_of
 from tests.judging.made import truth
 
 pytestmark = pytest.mark.quick

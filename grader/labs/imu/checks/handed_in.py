@@ -19,8 +19,8 @@ from grader.labs.imu.checks.plot_runs import (
     series_of,
 )
 from grader.labs.imu.diagnosis import comparing
+from grader.labs.imu.diagnosis.channel_match import sensors_of
 from grader.labs.imu.diagnosis.handed_in import sensors_shown
-from grader.labs.imu.diagnosis.resembling import sensors_of
 from grader.labs.imu.robot import LAB_MODEL, is_of
 from grader.labs.imu.student import Student
 
