@@ -16,7 +16,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks.check_sensor_access import with_others_first
 from grader.labs.imu.compare import told
-from grader.labs.imu.diagnosis import collection, handling
+from grader.labs.imu.diagnosis import collection, reader_faults
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
 from tests.recordings import Marking
@@ -128,8 +128,8 @@ def by_the_body(x: np.ndarray) -> np.ndarray:
 )
 def test_what_is_done_to_readings_over_calls_is_told(change: Callable[[np.ndarray], np.ndarray], name: str) -> None:
     both = tuple(change(x).reshape(-1, 3) for x in TRUE)
-    assert handling.handled(both, TRUE, AXES, ATOL) == name
-    assert handling.handled((both[0], TRUE[1]), TRUE, AXES, ATOL) == name
+    assert reader_faults.handled(both, TRUE, AXES, ATOL) == name
+    assert reader_faults.handled((both[0], TRUE[1]), TRUE, AXES, ATOL) == name
 
 
 @pytest.mark.quick
@@ -148,7 +148,7 @@ def test_what_is_done_to_readings_over_calls_is_told(change: Callable[[np.ndarra
 )
 def test_nothing_is_named_that_does_not_predict_every_reading(change: Callable[[np.ndarray], np.ndarray]) -> None:
     changed = change(TRUE[0]), change(TRUE[1])
-    assert handling.handled(changed, TRUE, AXES, ATOL) is None
+    assert reader_faults.handled(changed, TRUE, AXES, ATOL) is None
 
 
 STEPS, DT = 600, 0.002

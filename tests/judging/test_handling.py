@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import handling
+from grader.labs.imu.diagnosis import reader_faults
 
 pytestmark = pytest.mark.quick
 _N, _ATOL = 30, 1e-5
@@ -92,24 +92,24 @@ def test_what_was_done_to_the_numbers_is_told_of_both_sensors_or_of_one(
     change: Callable[[Array], Array], told: str | None
 ) -> None:
     for got in ((change(_ACCEL), change(_GYRO)), (change(_ACCEL), _GYRO), (_ACCEL, change(_GYRO))):
-        assert handling.handled(got, (_ACCEL, _GYRO), _POSES, _ATOL) == told
+        assert reader_faults.handled(got, (_ACCEL, _GYRO), _POSES, _ATOL) == told
 
 
 def test_two_sensors_that_were_handled_differently_have_no_name_together() -> None:
     got = (_ACCEL.clip(-2, 2), _low_passed(_GYRO))
-    assert handling.handled(got, (_ACCEL, _GYRO), _POSES, _ATOL) is None
+    assert reader_faults.handled(got, (_ACCEL, _GYRO), _POSES, _ATOL) is None
 
 
 def test_of_a_reading_that_never_changes_nothing_is_told() -> None:
     held = np.tile(_ACCEL[0], (_N, 1))
-    assert handling.handled((held, _GYRO), (_ACCEL, _GYRO), _POSES, _ATOL) is None
+    assert reader_faults.handled((held, _GYRO), (_ACCEL, _GYRO), _POSES, _ATOL) is None
 
 
 def test_numbers_beyond_all_reason_are_of_no_mistake() -> None:
     true = 1e9 * _ACCEL
     for low, high, told in ((-0.9e9, 0.9e9, "reading-clipped"), (-1.1e9, 0.9e9, None), (-0.9e9, 1.1e9, None)):
         got = true.clip(low, high)
-        assert handling.handled((got, _GYRO), (true, _GYRO), _POSES, 1e-3) == told
+        assert reader_faults.handled((got, _GYRO), (true, _GYRO), _POSES, 1e-3) == told
 
 
 def _standing_at(limit: float, times: int) -> tuple[Array, Array]:
@@ -123,16 +123,16 @@ def _standing_at(limit: float, times: int) -> tuple[Array, Array]:
     ("limit", "times", "told"), [(3.0, 1, False), (3.0, 2, True), (-3.0, 2, True), (-3.0, 1, False)]
 )
 def test_a_limit_is_one_at_which_two_readings_stand(limit: float, times: int, told: bool) -> None:
-    assert handling.clipped(*_standing_at(limit, times), _ATOL) == told
+    assert reader_faults.clipped(*_standing_at(limit, times), _ATOL) == told
 
 
 def test_a_limit_is_passed_by_more_than_the_tolerance() -> None:
     true = np.array([[0.0, 0, 0], [1, 0, 0], [1 + 0.5e-5, 0, 0], [1 + 0.9e-5, 0, 0]])
-    assert not handling.clipped(np.minimum(true, 1), true, _ATOL)
-    assert not handling.clipped(np.maximum(-true, -1), -true, _ATOL)
+    assert not reader_faults.clipped(np.minimum(true, 1), true, _ATOL)
+    assert not reader_faults.clipped(np.maximum(-true, -1), -true, _ATOL)
     further = np.array([[0.0, 0, 0], [1, 0, 0], [1 + 1.5e-5, 0, 0], [1 + 1.9e-5, 0, 0]])
-    assert handling.clipped(np.minimum(further, 1), further, _ATOL)
-    assert handling.clipped(np.maximum(-further, -1), -further, _ATOL)
+    assert reader_faults.clipped(np.minimum(further, 1), further, _ATOL)
+    assert reader_faults.clipped(np.maximum(-further, -1), -further, _ATOL)
 
 
 @pytest.mark.parametrize(("never_moves", "read", "told"), [(9.81, 9.81, True), (9.81, -50, False), (9.81, 50, False)])
@@ -141,7 +141,7 @@ def test_an_axis_that_never_moves_is_within_a_limit_where_it_is_right(
 ) -> None:
     true = np.column_stack([_ACCEL[:, :2], np.full(_N, never_moves)])
     got = np.column_stack([_ACCEL[:, :2].clip([-1, -0.5], [0.6, 0.8]), np.full(_N, read)])
-    assert handling.clipped(got, true, _ATOL) is told
+    assert reader_faults.clipped(got, true, _ATOL) is told
 
 
 def _new_at(*rows: int) -> Array:
@@ -168,7 +168,7 @@ def _new_at(*rows: int) -> Array:
     ],
 )
 def test_a_kept_reading_is_the_own_one_or_the_one_before_and_some_of_both(got: Array, kept: bool) -> None:
-    assert handling.kept(got, _ACCEL, _ATOL) == kept
+    assert reader_faults.kept(got, _ACCEL, _ATOL) == kept
 
 
 @pytest.mark.parametrize(
@@ -198,14 +198,14 @@ def test_a_kept_reading_is_the_own_one_or_the_one_before_and_some_of_both(got: A
 def test_a_smoothed_reading_is_a_mean_of_the_latest_or_of_the_new_one_and_the_one_given_before(
     got: Array, smoothed: bool
 ) -> None:
-    assert handling.smoothed(got, _ACCEL[: len(got)], _ATOL) == smoothed
+    assert reader_faults.smoothed(got, _ACCEL[: len(got)], _ATOL) == smoothed
 
 
 @pytest.mark.parametrize("off", [0.01, -0.01])
 def test_a_mean_that_is_off_by_the_same_everywhere_is_none(off: float) -> None:
     true = np.outer(_ACCEL[:, 0], [1, -1, 0])
-    assert handling.smoothed(_mean_of(2)(true), true, _ATOL)
-    assert not handling.smoothed(_mean_of(2)(true) + np.array([off, off, 0]), true, _ATOL)
+    assert reader_faults.smoothed(_mean_of(2)(true), true, _ATOL)
+    assert not reader_faults.smoothed(_mean_of(2)(true) + np.array([off, off, 0]), true, _ATOL)
 
 
 @pytest.mark.parametrize(
@@ -224,12 +224,12 @@ def test_a_mean_that_is_off_by_the_same_everywhere_is_none(off: float) -> None:
     ],
 )
 def test_a_body_is_turned_by_a_rotation_that_is_not_none(mount: Array, turned: bool) -> None:
-    assert handling.turned(_turned(_ACCEL, mount), _ACCEL, _POSES, _ATOL) == turned
-    assert handling.turned(_turned_back(_ACCEL, mount), _ACCEL, _POSES, _ATOL) == turned
+    assert reader_faults.turned(_turned(_ACCEL, mount), _ACCEL, _POSES, _ATOL) == turned
+    assert reader_faults.turned(_turned_back(_ACCEL, mount), _ACCEL, _POSES, _ATOL) == turned
 
 
 def test_a_turn_predicts_every_reading() -> None:
     off = np.outer(np.arange(_N) == 7, [0, 1, 0])
-    assert handling.turned(_turned(_ACCEL) + 0.3 * _ATOL * off, _ACCEL, _POSES, _ATOL)
-    assert not handling.turned(_turned(_ACCEL) + 2 * _ATOL * off, _ACCEL, _POSES, _ATOL)
-    assert not handling.turned(_turned(_ACCEL) - 2 * _ATOL * off, _ACCEL, _POSES, _ATOL)
+    assert reader_faults.turned(_turned(_ACCEL) + 0.3 * _ATOL * off, _ACCEL, _POSES, _ATOL)
+    assert not reader_faults.turned(_turned(_ACCEL) + 2 * _ATOL * off, _ACCEL, _POSES, _ATOL)
+    assert not reader_faults.turned(_turned(_ACCEL) - 2 * _ATOL * off, _ACCEL, _POSES, _ATOL)

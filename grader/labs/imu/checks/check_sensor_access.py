@@ -13,7 +13,7 @@ from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import SHEETS_NOISE, Array, Deviation, deviation, told, vector
-from grader.labs.imu.diagnosis import handling
+from grader.labs.imu.diagnosis import reader_faults
 from grader.labs.imu.diagnosis import reading as diagnosis
 from grader.labs.imu.diagnosis.reading import Explanation, Scene
 from grader.labs.imu.student import Student
@@ -86,7 +86,7 @@ def _value_mistakes(student: Student, truth: Traces, explained: Explanation | No
         return ("disturbs-simulation",)
     got = np.concatenate([first.accel[0], again.accel[0]]), np.concatenate([first.gyro[0], again.gyro[0]])
     true = np.tile(scene.accel[0], (2, 1)), np.tile(scene.gyro[0], (2, 1))
-    name = handling.handled(got, true, np.tile(scene.world_from_site[0], (2, 1, 1)), diagnosis.ATOL)
+    name = reader_faults.handled(got, true, np.tile(scene.world_from_site[0], (2, 1, 1)), diagnosis.ATOL)
     return (name,) if name else ()
 
 
