@@ -20,7 +20,7 @@ from grader.engine.results import Result
 from grader.intake import read_submission
 from grader.kit import give, wheel
 from grader.labs.imu import bundles
-from grader.labs.imu.blind_spot import blind_spot
+from grader.labs.imu.hidden_coverage import blind_spot
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 from reference.self_contained import self_contained

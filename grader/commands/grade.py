@@ -83,7 +83,7 @@ def grade(
       imugrade grade submissions -o out --only alice --force
     """
     from grader.course import class_settings, classroom  # noqa: PLC0415
-    from grader.labs.imu.blind_spot import blind_spot  # noqa: PLC0415
+    from grader.labs.imu.hidden_coverage import blind_spot  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
     from grader.platforms.classes import ATTEMPTS  # noqa: PLC0415
     from grader.report import progress, terminal  # noqa: PLC0415
