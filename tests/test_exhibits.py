@@ -20,10 +20,10 @@ from grader.engine.grader import Marker
 from grader.engine.results import to_json
 from grader.engine.submission_session import Conversation
 from grader.intake import read_submission
-from grader.labs.imu import bundles, exhibits
+from grader.labs.imu import bundles, charts
 from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
-from grader.labs.imu.exhibits import drawn, filtering, motion, noise
-from grader.labs.imu.exhibits.points import curve, worst_of_each
+from grader.labs.imu.charts import drawn, filtering, motion, noise
+from grader.labs.imu.charts.points import curve, worst_of_each
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Standing
 from grader.report import charts as drawing
@@ -68,7 +68,7 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
     marker: Marker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
-    really, gather = Conversation.ask, exhibits.charts
+    really, gather = Conversation.ask, charts.charts
 
     def counted(student: Conversation, *args: Any, **kwargs: Any) -> Any:
         asked.append(args[0])
@@ -81,7 +81,7 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
         return found
 
     monkeypatch.setattr(Conversation, "ask", counted)
-    monkeypatch.setattr(exhibits, "charts", gathered)
+    monkeypatch.setattr(charts, "charts", gathered)
     result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files))
     assert len(asked) > 5
     shown = unpacked(result.evidence.charts)
@@ -138,7 +138,7 @@ def test_charts_that_cannot_be_gathered_cost_no_mark(marker: Marker, monkeypatch
     def broken(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(exhibits, "charts", broken)
+    monkeypatch.setattr(charts, "charts", broken)
     result = marker.mark(read_submission(FOLDER / "s01-sheet-verbatim", LAB.files), only="filtering")
     assert (result.status, result.score, result.evidence) == ("graded", 20, Evidence())
 

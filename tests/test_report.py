@@ -17,7 +17,7 @@ from grader.engine.faults import catalogue
 from grader.engine.figures import Axes, Curve, Entry, Figure, Sight
 from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome, Result
 from grader.labs.imu.answers import Drawing
-from grader.labs.imu.exhibits import drawn
+from grader.labs.imu.charts import drawn
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing
 from grader.report import words

@@ -30,7 +30,7 @@ def _student(*args: Any, **options: Any) -> Student:
 
 
 def _charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
-    from grader.labs.imu.exhibits import charts  # noqa: PLC0415
+    from grader.labs.imu.charts import charts  # noqa: PLC0415
 
     return charts(student, truth)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from grader.engine.chart_data import Chart
 from grader.engine.traces import Traces
-from grader.labs.imu.exhibits import drawn, filtering, handed_in, motion, noise
+from grader.labs.imu.charts import drawn, filtering, handed_in, motion, noise
 from grader.labs.imu.student import Student
 
 

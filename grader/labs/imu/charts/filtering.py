@@ -14,8 +14,8 @@ import numpy as np
 from grader.engine.chart_data import Chart, Panel
 from grader.engine.traces import Scenario
 from grader.labs.imu.answers import FilterRun
+from grader.labs.imu.charts.points import curve
 from grader.labs.imu.compare import Array
-from grader.labs.imu.exhibits.points import curve
 
 _SHOWN = 160
 _SEGMENT = 192
