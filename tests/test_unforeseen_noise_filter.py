@@ -12,7 +12,7 @@ from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import noise_laws
 from grader.labs.imu.diagnosis.noise import Facts, bias_mistakes
 from grader.labs.imu.diagnosis.noise_twins import Twins
-from grader.labs.imu.digits import told_apart
+from grader.labs.imu.number_format import told_apart
 from tests.corpus.unforeseen_noise_filter import FAULTY, SOUND, Unforeseen
 from tests.recordings import Marking
 

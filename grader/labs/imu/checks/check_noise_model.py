@@ -19,7 +19,7 @@ from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
 from grader.labs.imu.diagnosis.noise import Facts
 from grader.labs.imu.diagnosis.noise_twins import Twins
-from grader.labs.imu.digits import told_apart
+from grader.labs.imu.number_format import told_apart
 from grader.labs.imu.student import Student
 
 _THE_SAME = 0.99

@@ -7,9 +7,9 @@ import numpy as np
 from grader.base.text import printable
 from grader.engine.findings import Deviation, Size
 from grader.labs.imu.compare import Array, same, vector
-from grader.labs.imu.digits import told_apart
 from grader.labs.imu.filtering.explain import CONSTANT_ATOL, LARGEST_NOISE_GAIN, LARGEST_SIGNAL_ERROR, PART
 from grader.labs.imu.filtering.measure import ATOL, FORM, Facts
+from grader.labs.imu.number_format import told_apart
 
 
 @PART.check("filtering.follows_recursion", lab_step=6)
