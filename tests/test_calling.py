@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from grader.labs.imu.box import calls
+from grader.labs.imu.worker import calls
 from grader.worker import fuzzy_names, stepping
 from grader.worker.calling import Slot, way_of
 from grader.worker.missing_imports import MissingImports

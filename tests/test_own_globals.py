@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import pytest
 
-from grader.labs.imu.box import calls, own_globals
+from grader.labs.imu.worker import calls, own_globals
 from grader.worker import submission
 
 pytestmark = pytest.mark.quick

@@ -24,10 +24,10 @@ from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
 from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
-from grader.labs.imu.box import HANDLERS
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import Student
+from grader.labs.imu.worker import HANDLERS
 from grader.sandbox.wire import Frame
 from grader.worker import environment, submission
 from tests.generated import STALE
