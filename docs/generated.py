@@ -21,7 +21,7 @@ from grader.platforms import registry
 from grader.platforms.platform import Platform
 from grader.report import explanations
 from grader.sandbox import packages, surroundings
-from grader.sandbox.rungs import RUNGS, UNWALLED
+from grader.sandbox.isolation_levels import RUNGS, UNWALLED
 
 FOLDER = Path(__file__).resolve().parent
 _MARK = re.compile(r"<!-- generated: ([\w-]+) -->")

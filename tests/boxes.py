@@ -13,7 +13,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.rungs import Rung
+from grader.sandbox.isolation_levels import Rung
 
 Opened = Callable[..., AbstractContextManager[Marker]]
 """A marker by traces, and by the lab's own rubric or another one."""

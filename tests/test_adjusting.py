@@ -17,7 +17,7 @@ from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.sandbox.rungs import RUNGS
+from grader.sandbox.isolation_levels import RUNGS
 from tests.made_up import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 

@@ -19,7 +19,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.platforms import job
-from grader.sandbox.rungs import RUNGS, UNWALLED
+from grader.sandbox.isolation_levels import RUNGS, UNWALLED
 from tests import made_up_platform
 from tests.made_up import check, lost, result
 from tests.test_ci_formats import ID

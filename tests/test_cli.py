@@ -20,9 +20,9 @@ from grader.course import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.labs.imu import bundles
+from grader.sandbox.isolation_levels import RUNGS, UNWALLED
 from grader.sandbox.ladder import Tried
 from grader.sandbox.one_copy import Search
-from grader.sandbox.rungs import RUNGS, UNWALLED
 from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, result
 
 ROOT = Path(__file__).parent.parent

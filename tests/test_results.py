@@ -10,7 +10,7 @@ import pytest
 import grader
 from grader.engine.findings import Where
 from grader.engine.results import Result, from_dict, to_dict, to_json
-from grader.sandbox.rungs import RUNGS
+from grader.sandbox.isolation_levels import RUNGS
 from tests.made_up import check, lost, result
 
 SCHEMA = json.loads((Path(grader.__file__).parent / "engine" / "result.schema.json").read_text(encoding="utf-8"))

@@ -11,8 +11,8 @@ from grader.base.errors import GraderError, RequestError
 from grader.engine.recording import rehearse
 from grader.labs.imu.lab import LAB
 from grader.sandbox import one_copy
+from grader.sandbox.isolation_levels import Rung
 from grader.sandbox.ladder import probe
-from grader.sandbox.rungs import Rung
 
 _UNWALLED = "no isolation: fine for your own code, `grade` asks for --trust-submissions"
 _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")

@@ -39,7 +39,7 @@ from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
 from grader.platforms.classes import Entry, read_class
 from grader.report.pages import drawn
-from grader.sandbox.rungs import RUNGS
+from grader.sandbox.isolation_levels import RUNGS
 
 _WALL_PER_CPU = 5
 """Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all

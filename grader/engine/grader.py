@@ -29,7 +29,7 @@ from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.sandbox.box import Box
-from grader.sandbox.rungs import Rung
+from grader.sandbox.isolation_levels import Rung
 
 
 class Stopped(KeyboardInterrupt):

@@ -23,11 +23,11 @@ from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedO
 
 from . import ladder, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
+from .isolation_levels import RUNGS, UNWALLED, Rung, named
 from .plain import PlainProcess
 from .plan import Contents
 from .printed import Printed
 from .process import Process, WallsRefusedError, ZygoteGoneError
-from .rungs import RUNGS, UNWALLED, Rung, named
 
 if TYPE_CHECKING:
     import numpy as np

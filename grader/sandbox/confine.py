@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from . import landlock, limits, linux, namespaces, rootfs, seccomp
-from .rungs import Rung
+from .isolation_levels import Rung
 from .syscalls import Machine
 
 FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grader

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .isolation_levels import RUNGS, Rung
 from .plan import Contents
 from .process import WallsRefusedError, ZygoteGoneError
-from .rungs import RUNGS, Rung
 
 if TYPE_CHECKING:
     from .launch import Zygote

@@ -23,11 +23,11 @@ from typing import Any
 from grader.base.errors import GraderError
 
 from . import bubblewrap, namespaces, rootfs, surroundings, wire
+from .isolation_levels import Rung
 from .paths import empty
 from .plan import Contents, Plan
 from .printed import Printed
 from .process import WallClock, WallsRefusedError, ZygoteGoneError, is_main_thread
-from .rungs import Rung
 
 _WALLS_WITHIN_S = 60.0
 _READY_WITHIN_S = 300.0

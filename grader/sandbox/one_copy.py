@@ -12,8 +12,8 @@ from pathlib import Path
 
 from . import rootfs, surroundings
 from .box import Box
+from .isolation_levels import Rung
 from .plan import Contents
-from .rungs import Rung
 
 _HARNESS = Path(__file__).parent / "searching"
 _PACKAGE = Path(__file__).parents[1]

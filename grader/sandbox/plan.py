@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from .rungs import RUNGS, Rung
+from .isolation_levels import RUNGS, Rung
 
 
 @dataclass(frozen=True)

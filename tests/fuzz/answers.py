@@ -35,7 +35,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.replies import RULES
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.rungs import UNWALLED
+from grader.sandbox.isolation_levels import UNWALLED
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, write

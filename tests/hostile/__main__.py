@@ -11,8 +11,8 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
+from grader.sandbox.isolation_levels import RUNGS
 from grader.sandbox.ladder import probe
-from grader.sandbox.rungs import RUNGS
 from tests.hostile import record
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import Court, Verdict

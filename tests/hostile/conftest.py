@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.sandbox.rungs import UNWALLED
+from grader.sandbox.isolation_levels import UNWALLED
 from tests.hostile.judging import Court
 
 

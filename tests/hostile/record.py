@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from grader.sandbox.rungs import RUNGS
+from grader.sandbox.isolation_levels import RUNGS
 from tests.hostile.judging import Verdict
 from tests.hostile.program import FAMILIES
 

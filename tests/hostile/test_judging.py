@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import pytest
 
-from grader.sandbox.rungs import UNWALLED
+from grader.sandbox.isolation_levels import UNWALLED
 from tests.hostile import outputs
 from tests.hostile.bait import SECRET, below
 from tests.hostile.forging import READS

@@ -16,7 +16,7 @@ import numpy as np
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.rungs import Rung, named
+from grader.sandbox.isolation_levels import Rung, named
 from grader.sandbox.wire import Frame
 
 _FAILURES = {kind.__name__: kind for kind in (Crashed, Malformed)}

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from grader.sandbox.box import Box, Worker
+from grader.sandbox.isolation_levels import RUNGS
 from grader.sandbox.ladder import Tried, probe
 from grader.sandbox.plan import Contents
-from grader.sandbox.rungs import RUNGS
 
 HARNESS = Path(__file__).parent / "harness"
 WALLED = [rung.name for rung in RUNGS if rung.walled]

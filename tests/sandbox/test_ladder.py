@@ -20,11 +20,11 @@ import pytest
 from grader.base.errors import GraderError
 from grader.sandbox import ladder
 from grader.sandbox.box import Box
+from grader.sandbox.isolation_levels import PROMISES, RUNGS, Rung
 from grader.sandbox.ladder import Tried
 from grader.sandbox.launch import Zygote
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
-from grader.sandbox.rungs import PROMISES, RUNGS, Rung
 
 from .conftest import HARNESS, run
 
