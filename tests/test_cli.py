@@ -21,7 +21,7 @@ from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.sandbox.isolation_levels import RUNGS, UNWALLED
-from grader.sandbox.ladder import Tried
+from grader.sandbox.level_choice import Tried
 from grader.sandbox.one_copy import Search
 from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, result
 

@@ -12,7 +12,7 @@ from grader.engine.recording import rehearse
 from grader.labs.imu.lab import LAB
 from grader.sandbox import one_copy
 from grader.sandbox.isolation_levels import Rung
-from grader.sandbox.ladder import probe
+from grader.sandbox.level_choice import probe
 
 _UNWALLED = "no isolation: fine for your own code, `grade` asks for --trust-submissions"
 _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedOut
 
-from . import ladder, surroundings, wire
+from . import level_choice, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
 from .isolation_levels import RUNGS, UNWALLED, Rung, named
 from .plain import PlainProcess
@@ -72,7 +72,7 @@ class Box:
         _hide_this_process()
         surroundings.compile_once([str(f) for f in (self._contents.harness, self._contents.questions) if f])
         if rung is None:
-            self._zygote, self.why = ladder.climb(self._contents)
+            self._zygote, self.why = level_choice.climb(self._contents)
             self.rung = self._zygote.rung if self._zygote else UNWALLED
         else:
             self.rung, self.why = _asked_for(rung), f"{rung} was asked for"
@@ -123,7 +123,7 @@ class Box:
         if not self.rung.walled:
             return None
         try:
-            return ladder.raise_walls(self.rung, self._contents)
+            return level_choice.raise_walls(self.rung, self._contents)
         except WallsRefusedError as error:
             raise GraderError(f"this machine does not allow the rung {self.rung.name!r}: {error}") from None
 

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from grader.sandbox.isolation_levels import RUNGS
-from grader.sandbox.ladder import probe
+from grader.sandbox.level_choice import probe
 from tests.hostile import record
 from tests.hostile.corpus import PROGRAMS
 from tests.hostile.judging import Court, Verdict

@@ -10,7 +10,7 @@ import pytest
 
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.isolation_levels import RUNGS
-from grader.sandbox.ladder import Tried, probe
+from grader.sandbox.level_choice import Tried, probe
 from grader.sandbox.plan import Contents
 
 HARNESS = Path(__file__).parent / "harness"

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from grader.sandbox.box import Box
-from grader.sandbox.ladder import probe
+from grader.sandbox.level_choice import probe
 from grader.sandbox.plan import Contents
 
 HARNESS = Path(__file__).parent / "harness"

@@ -18,11 +18,11 @@ from typing import Any
 import pytest
 
 from grader.base.errors import GraderError
-from grader.sandbox import ladder
+from grader.sandbox import level_choice
 from grader.sandbox.box import Box
 from grader.sandbox.isolation_levels import PROMISES, RUNGS, Rung
-from grader.sandbox.ladder import Tried
 from grader.sandbox.launch import Zygote
+from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
 
@@ -57,7 +57,7 @@ def test_a_box_takes_the_best_rung_that_holds(best: Box, rungs: dict[str, Tried]
 
 
 def refuse(*names: str) -> Callable[..., Any]:
-    real = ladder.raise_walls
+    real = level_choice.raise_walls
 
     def raise_walls(rung: Rung, *rest: Any) -> Any:
         if rung.name in names:
@@ -70,7 +70,7 @@ def refuse(*names: str) -> Callable[..., Any]:
 def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Tried]) -> None:
     if not rungs["landlock"].usable:
         pytest.skip(rungs["landlock"].reason)
-    monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap"))
+    monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap"))
     with Box(Contents(HARNESS)) as box, box.worker() as worker:
         assert box.rung.name == "landlock"
         assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
@@ -78,7 +78,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ladder, "raise_walls", refuse("full", "bubblewrap", "landlock"))
+    monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap", "landlock"))
     with Box(Contents(HARNESS)) as box, box.worker() as worker:
         assert not box.rung.walled
         assert box.why.endswith("landlock: no landlock today")
@@ -86,7 +86,7 @@ def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.Mon
 
 
 def test_a_rung_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ladder, "raise_walls", refuse("full"))
+    monkeypatch.setattr(level_choice, "raise_walls", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the rung 'full': no full today"):
         Box(Contents(HARNESS), rung="full")
 
@@ -100,7 +100,7 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
-        ladder.raise_walls(walled_box.rung, Contents(HARNESS))
+        level_choice.raise_walls(walled_box.rung, Contents(HARNESS))
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -123,10 +123,10 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     if times == 1:
-        ladder.raise_walls(rung, Contents(HARNESS)).close()
+        level_choice.raise_walls(rung, Contents(HARNESS)).close()
     else:
         with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
-            ladder.raise_walls(rung, Contents(HARNESS))
+            level_choice.raise_walls(rung, Contents(HARNESS))
 
 
 def children(pid: int) -> list[int]:
