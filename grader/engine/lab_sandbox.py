@@ -9,7 +9,7 @@ from grader.engine.lab import Lab
 from grader.sandbox.box import Box
 from grader.sandbox.plan import Contents
 
-HARNESS = Path(__file__).parent.parent / "harness"
+HARNESS = Path(__file__).parent.parent / "worker"
 
 
 def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
@@ -28,7 +28,7 @@ def open_box(lab: Lab, rung: str | None = None, *, libraries: Sequence[str] = ()
         follow, and any other is imported by the submission that wants it, with the same marks
     thorough : also use each part once beforehand, so that no submission pays for a first time
     """
-    return Box(Contents(HARNESS, lab.folder / "box", warm=tuple(libraries), thorough=thorough), rung=rung)
+    return Box(Contents(HARNESS, lab.folder / "worker", warm=tuple(libraries), thorough=thorough), rung=rung)
 
 
 def open_box_for(lab: Lab, files: Mapping[str, bytes], rung: str | None = None) -> Box:
