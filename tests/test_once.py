@@ -7,7 +7,7 @@ from importlib import resources
 import pytest
 
 from grader.engine.check_runner import Check, Examination, Judgement
-from grader.engine.feedback import Told
+from grader.engine.feedback import Feedback
 from grader.engine.results import CriterionResult
 from grader.intake import Submission
 from tests.corpus.faults import Faulty
@@ -207,7 +207,7 @@ def _settled(*judged: tuple[str, float, str]) -> dict[str, float]:
     examination.judgements = {
         id_: Judgement(
             Check(id_, id_, None),
-            Told("passed" if keeps == 1 else "failed", keeps, ""),
+            Feedback("passed" if keeps == 1 else "failed", keeps, ""),
             "",
             0.0,
             belongs_to=tuple(other.split()),

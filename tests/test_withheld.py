@@ -10,7 +10,7 @@ import pytest
 
 from grader.engine import hidden_feedback
 from grader.engine.faults import catalogue
-from grader.engine.findings import Lost, Ours, Size
+from grader.engine.findings import CheckFailed, Ours, Size
 from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
@@ -134,5 +134,5 @@ STEP = "Hold it against Step 6."
     ],
 )
 def test_a_hint_is_told_where_all_of_it_stands_in_our_code(hint: str, mistakes: tuple[str, ...], said: str) -> None:
-    finding = Lost("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
+    finding = CheckFailed("0.1", "1.25", mistakes=mistakes, hint=hint, off=Size("it is off"))
     assert hidden_feedback.told(finding, MISTAKES).hint == said

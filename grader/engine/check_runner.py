@@ -29,8 +29,8 @@ from grader.base.text import printable
 from grader.engine import hidden_feedback
 from grader.engine.check_catalog import Check, check_files, title_of
 from grader.engine.faults import rows
-from grader.engine.feedback import Told, charged_with, story, told
-from grader.engine.findings import Charged, Lost, Missing, Raised, Skipped
+from grader.engine.feedback import Feedback, charged_with, story, told
+from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.lab import Lab
 from grader.engine.public_look import PublicLook
 from grader.engine.rubric import OwnChecks
@@ -47,7 +47,7 @@ class Judgement:
     """
 
     check: Check
-    told: Told | None
+    told: Feedback | None
     trouble: str
     duration_s: float
     ours: bool = False
@@ -122,8 +122,8 @@ class Examination:
             return
         verdict, trouble = None, ""
         if ended is None:
-            verdict = Told("passed", 1.0, "")
-        elif isinstance(ended, Charged | Lost | Skipped | Raised | Missing | NoAnswer):
+            verdict = Feedback("passed", 1.0, "")
+        elif isinstance(ended, Charged | CheckFailed | Skipped | Raised | Missing | NoAnswer):
             finding = self._without_secrets(ended)
             same = (hidden_feedback.story if self._secret else story)(finding, this.criterion)
             verdict = self._told(finding, self._stories.get(same) if same else None)
@@ -135,7 +135,7 @@ class Examination:
         if verdict is None or verdict.keeps < 1.0:
             self._lost.add(this.criterion)
         ours = isinstance(ended, GraderError | RequestError)
-        belongs_to = ended.belongs_to if isinstance(ended, Lost) else ()
+        belongs_to = ended.belongs_to if isinstance(ended, CheckFailed) else ()
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
 
     def _without_secrets(self, finding: BaseException) -> BaseException:
@@ -144,8 +144,12 @@ class Examination:
             return finding
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
 
-    def _told(self, finding: BaseException, earlier: str | None) -> Told:
-        if self._secret and earlier is None and isinstance(finding, Charged | Lost | Skipped | Raised | NoAnswer):
+    def _told(self, finding: BaseException, earlier: str | None) -> Feedback:
+        if (
+            self._secret
+            and earlier is None
+            and isinstance(finding, Charged | CheckFailed | Skipped | Raised | NoAnswer)
+        ):
             return hidden_feedback.told(finding, self._mistakes)
         return told(finding, earlier, self._mistakes)
 

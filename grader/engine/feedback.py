@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.base.text import printable
 from grader.engine.faults import Mistake
-from grader.engine.findings import Charge, Charged, Fault, Lost, Missing, Raised, Skipped, Unusable, Where
+from grader.engine.findings import Charge, Charged, CheckFailed, Fault, Missing, Raised, Skipped, Unusable, Where
 from grader.engine.results import Outcome, message_of
 from grader.engine.submission_session import THERE
 
 
 @dataclass(frozen=True)
-class Told:
+class Feedback:
     """What one check tells: `keeps` is the share of its points that is earned; the others are as in `CheckResult`."""
 
     outcome: Outcome
@@ -35,25 +35,25 @@ class Told:
         return message_of(self.said, self.expected, self.got)
 
 
-def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Told:
+def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Feedback:
     """Words for what stopped a check.
 
     Parameters
     ----------
-    finding : `Charged`, `Lost`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
+    finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
     earlier : title of the check that has told the same story already, or None
     mistakes : every row of the lab's table
     """
     if isinstance(finding, Charged):
         return _charged(finding.charge, mistakes)
     if isinstance(finding, Skipped):
-        return Told("skipped", 0.0, f"Needs {finding}.")
+        return Feedback("skipped", 0.0, f"Needs {finding}.")
     if earlier is not None:
         return not_reached(earlier)
-    if isinstance(finding, Lost):
+    if isinstance(finding, CheckFailed):
         return _lost(finding, mistakes)
     if isinstance(finding, Missing):
-        return Told(
+        return Feedback(
             "failed",
             0.0,
             expected=finding.name,
@@ -75,7 +75,7 @@ def story(finding: BaseException, part: str) -> str | None:
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
-    if isinstance(finding, Charged | Lost | Skipped):
+    if isinstance(finding, Charged | CheckFailed | Skipped):
         return None
     if isinstance(finding, Missing):
         return f"Missing: {finding.name}: {finding}"
@@ -88,29 +88,29 @@ STEP_BY_STEP = "Hold this part of your code against the sheet's step, line by li
 """Where the measurement says no more than what was expected and what came."""
 
 
-def charged_with(title: str) -> Told:
+def charged_with(title: str) -> Feedback:
     """Words for a check that is lost by the fault of another one."""
-    return Told("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
+    return Feedback("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
 
 
-def not_reached(title: str) -> Told:
+def not_reached(title: str) -> Feedback:
     """Words for a check that had nothing to judge because of what another one tells."""
-    return Told("skipped", 0.0, f"Not reached: see “{title}”.")
+    return Feedback("skipped", 0.0, f"Not reached: see “{title}”.")
 
 
-def seen_elsewhere(charge: Charge) -> Told | None:
+def seen_elsewhere(charge: Charge) -> Feedback | None:
     """Words for a check that is not charged itself; None for one that is."""
     if not charge.see:
         return None
     return charged_with(charge.see) if charge.keeps else not_reached(charge.see)
 
 
-def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Told:
+def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
     if (elsewhere := seen_elsewhere(charge)) is not None:
         return elsewhere
     told_by, deviation = charge.found[0]
     words = rows[told_by] if rows[told_by].expected else rows[charge.check]
-    return Told(
+    return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
         expected=words.expected.format_map(deviation.numbers),
@@ -131,10 +131,10 @@ def public(charge: Charge, rows: Mapping[str, Mistake]) -> tuple[str, ...]:
     return tuple(id_ for id_, _ in charge.found if rows[id_].explanation)
 
 
-def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
+def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     hint = finding.hint or " ".join(mistakes[m].hint for m in finding.mistakes) or STEP_BY_STEP
-    return Told(
+    return Feedback(
         outcome,
         finding.keeps,
         expected=finding.expected,
@@ -145,14 +145,14 @@ def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     )
 
 
-def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Told:
+def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Feedback:
     fault = finding.fault
     place = f" at {fault.where}" if fault.where else ""
     said = f"{_exception_name(fault)}: {printable(fault.message, 300)}"
     if fault.type == "ModuleNotFoundError":
         said += THERE
     mistake = mistake_of(fault, mistakes)
-    return Told(
+    return Feedback(
         "error",
         0.0,
         expected=f"no exception while {finding.doing}",
@@ -182,7 +182,7 @@ def _fits(pattern: str, said: str) -> bool:
     return re.match(pattern, said, re.IGNORECASE | re.DOTALL) is not None
 
 
-def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
+def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     if isinstance(finding, TimedOut):
         return no_answer("timeout", f": {printable(str(finding), 200)}", ("never-returns",), mistakes)
     if isinstance(finding, Crashed):
@@ -191,17 +191,17 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
     named = ("tampering",) if "the harness was changed" in str(finding) else ()
     got = "something that is not an answer to the question asked"
     hint = NOT_UNDERSTOOD.hint
-    return Told("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)
+    return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)
 
 
-def no_answer(outcome: Outcome, why: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Told:
+def no_answer(outcome: Outcome, why: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Feedback:
     """Words for an answer that did not come."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(mistakes[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
-    return Told(outcome, 0.0, expected=expected, got=f"none{why}", hint=hint, mistakes=named)
+    return Feedback(outcome, 0.0, expected=expected, got=f"none{why}", hint=hint, mistakes=named)
 
 
-NOT_UNDERSTOOD = Told(
+NOT_UNDERSTOOD = Feedback(
     "failed",
     0.0,
     expected="an answer as the lab sheet describes it",

@@ -148,7 +148,7 @@ class Charged(AssertionError):  # noqa: N818 - an outcome
         self.charge = charge
 
 
-class Lost(AssertionError):  # noqa: N818 - an outcome
+class CheckFailed(AssertionError):  # noqa: N818 - an outcome
     """Points are lost, all of them or a part.
 
     Parameters
@@ -182,7 +182,7 @@ class Lost(AssertionError):  # noqa: N818 - an outcome
         self.where = fault.at if fault else None
 
 
-class Unusable(Lost):
+class Unusable(CheckFailed):
     """No check of the part can judge what came: one says so, and the others are not reached."""
 
 

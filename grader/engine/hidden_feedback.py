@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from grader.base.errors import Crashed, NoAnswer, TimedOut
 from grader.engine import feedback
 from grader.engine.faults import Mistake
-from grader.engine.feedback import Told, hint_of, mistake_of, no_answer, public, seen_elsewhere
-from grader.engine.findings import Charge, Charged, Lost, Missing, Ours, Raised, Skipped
+from grader.engine.feedback import Feedback, hint_of, mistake_of, no_answer, public, seen_elsewhere
+from grader.engine.findings import Charge, Charged, CheckFailed, Missing, Ours, Raised, Skipped
 from grader.engine.results import Outcome
 
 _TOLD_TYPES = (
@@ -30,21 +30,23 @@ _HOLDS, _DOES_NOT = "this to hold in the hidden scenarios, too", "it does not"
 _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 
-def told(finding: Charged | Lost | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
+def told(finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     """Words for what stopped a check."""
     if isinstance(finding, Charged):
         return _charged(finding.charge, mistakes)
-    if isinstance(finding, Lost):
+    if isinstance(finding, CheckFailed):
         return _lost(finding, mistakes)
     if isinstance(finding, Skipped):
-        return Told("skipped", 0.0, f"Needs {finding}.")
+        return Feedback("skipped", 0.0, f"Needs {finding}.")
     if isinstance(finding, Raised):
         kind = _kind(finding)
         if kind == "TypeError" and not finding.fault.line:
             kind += " in the call itself, before a line of yours ran: compare its parameters with the sheet's"
         id_ = mistake_of(finding.fault, mistakes)
         hint = f"{mistakes[id_].hint} {_PUBLIC}"
-        return Told("error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, mistakes=(id_,))
+        return Feedback(
+            "error", 0.0, expected=f"no exception while {finding.doing}", got=kind, hint=hint, mistakes=(id_,)
+        )
     return _no_answer(finding, mistakes)
 
 
@@ -68,12 +70,12 @@ def _kind(finding: Raised) -> str:
     return finding.fault.type if finding.fault.type in _TOLD_TYPES else "an exception"
 
 
-def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
+def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
     outcome: Outcome = "partial" if finding.keeps > 0 else "failed"
     kinds = [mistakes[id_].title for id_ in finding.mistakes]
     got = "; ".join([*kinds, *([str(finding.off)] if finding.off else [])]) or _DOES_NOT
     own = [finding.hint] if isinstance(finding.hint, Ours) else [mistakes[id_].hint for id_ in finding.mistakes]
-    return Told(
+    return Feedback(
         outcome,
         finding.keeps,
         expected=_HOLDS,
@@ -83,13 +85,13 @@ def _lost(finding: Lost, mistakes: Mapping[str, Mistake]) -> Told:
     )
 
 
-def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Told:
+def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
     """The words of the same rows, without their templates: a number appears as its power of ten alone."""
     if (elsewhere := seen_elsewhere(charge)) is not None:
         return elsewhere
     sizes = [str(deviation.size) for _, deviation in charge.found if deviation.size]
     names = public(charge, rows)
-    return Told(
+    return Feedback(
         "partial" if charge.keeps else "failed",
         charge.keeps,
         expected=_HOLDS,
@@ -99,7 +101,7 @@ def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Told:
     )
 
 
-def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Told:
+def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     if isinstance(finding, TimedOut):
         return no_answer("timeout", "", ("never-returns",), mistakes)
     named = ("kills-its-process",) if isinstance(finding, Crashed) else ()

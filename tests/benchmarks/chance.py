@@ -15,7 +15,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.findings import Lost, Skipped
+from grader.engine.findings import CheckFailed, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.answers import NoiseRun
@@ -125,7 +125,7 @@ def losses(law: Law, runs: int, seed: int = 1) -> dict[str, int]:
         for name, check in CHECKS.items():
             try:
                 check(model, truth)
-            except (Lost, Skipped):
+            except (CheckFailed, Skipped):
                 lost[name] += 1
     return lost
 

@@ -20,7 +20,7 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.findings import Lost, Missing, Ours, Raised, Size, Skipped
+from grader.engine.findings import CheckFailed, Missing, Ours, Raised, Size, Skipped
 from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
@@ -121,21 +121,21 @@ def finding(case: Case) -> BaseException | None:
         warnings.simplefilter("ignore")
         try:
             case.check(case.student(), truth())
-        except (Lost, Skipped, Raised, Missing) as found:
+        except (CheckFailed, Skipped, Raised, Missing) as found:
             return found
     return None
 
 
 def marked(found: BaseException | None) -> Marked:
     """A finding as a case has it."""
-    if isinstance(found, Lost):
+    if isinstance(found, CheckFailed):
         return round(found.keeps, 4), list(found.mistakes)
     return None if found is None else type(found).__name__.lower()
 
 
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told."""
-    if isinstance(found, Lost):
+    if isinstance(found, CheckFailed):
         assert found.off is None or isinstance(found.off, Size)  # a bare sentence reads the same here
         told = {
             "expected": found.expected, "got": found.got, "off": str(found.off or ""), "hint": str(found.hint),
@@ -171,5 +171,5 @@ def is_as_marked(case: Case) -> None:
     found = finding(case)
     assert marked(found) == case.marked, f"{case.id}: {found!r}"
     assert words(found) == pinned().get(case.id, {}), f"{case.id}: {STALE}"
-    if isinstance(found, Lost) and case.id.startswith(_WITH_HIDDEN_SCENARIOS):
+    if isinstance(found, CheckFailed) and case.id.startswith(_WITH_HIDDEN_SCENARIOS):
         assert isinstance(found.hint or Ours(), Ours), f"{case.id}: its hint is not told of a hidden scenario"

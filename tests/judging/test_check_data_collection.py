@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.findings import Lost
+from grader.engine.findings import CheckFailed
 from grader.labs.imu import recordings
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.checks import check_data_collection as checks
@@ -752,7 +752,7 @@ def test_a_made_up_recorder_is_marked_fairly(case: Case) -> None:
 @pytest.mark.parametrize("timestep", [0.001, 0.004])
 def test_stamps_at_the_usual_time_step_are_hard_coded_where_the_model_has_another(timestep: float) -> None:
     usual = 0.002
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         checks._keeps_timestep(np.arange(5) * usual, timestep, usual)
     assert (lost.value.keeps, lost.value.mistakes) == (0.5, ("hard-coded-timestep",))
     checks._keeps_timestep(np.arange(5) * usual, usual, usual)
@@ -821,7 +821,7 @@ def test_stamps_at_the_time_step_of_the_students_own_model_are_hard_coded(monkey
     monkeypatch.setattr(checks, "learnt_timestep", lambda _truth: 0.001)
     kind = stamped(lambda t, _: np.arange(len(t)) * 0.001)
     lost = finding(Case("learnt", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
-    assert isinstance(lost, Lost)
+    assert isinstance(lost, CheckFailed)
     assert (lost.keeps, lost.mistakes) == (0.5, ("hard-coded-timestep",))
 
 
@@ -890,7 +890,7 @@ def test_rows_that_no_story_tells_go_on_where_they_are_near_a_run_that_does(monk
     for near, loses in (("no_reset", True), ("push_half", False)):
         monkeypatch.setattr(checks, "recognised", lambda *_, near=near: near)
         found = finding(Case(near, RESET, lambda: Made(simulate_and_collect=_function(kind()))))
-        assert isinstance(found, Lost) is loses
+        assert isinstance(found, CheckFailed) is loses
 
 
 def _squaring(model: Any, data: Any, accel_id: int, gyro_id: int) -> Any:
@@ -991,7 +991,7 @@ def test_stamps_that_are_not_one_for_each_row_are_charged_by_the_check_of_the_ar
 ) -> None:
     kind = telling(lambda t, a, g, _m: (stamps(t), a, g))
     lost = finding(Case("not one for each", TIME, lambda: Made(simulate_and_collect=_function(kind()))))
-    assert isinstance(lost, Lost)
+    assert isinstance(lost, CheckFailed)
     assert lost.belongs_to == charged
 
 

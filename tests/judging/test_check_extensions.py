@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.findings import Fault, Lost
+from grader.engine.findings import CheckFailed, Fault
 from grader.labs.imu.checks import check_allan_variance as allan
 from grader.labs.imu.checks import check_complementary_filter as tilt
 from grader.labs.imu.checks import check_multiple_imus as imus
@@ -507,5 +507,5 @@ def test_a_steep_ride_is_to_beat_the_better_one_of_both_sensors(single: str) -> 
     ride = truth()["tilt_steep"]
     better = replace(ride, scalars={**ride.scalars, single: 0.001})
     held = replace(truth(), scenarios={**truth().scenarios, "tilt_steep": better})
-    with pytest.raises(Lost, match=tilt._SINGLE[single]):
+    with pytest.raises(CheckFailed, match=tilt._SINGLE[single]):
         tilt.check_holds_when_steep(Made(ComplementaryFilter=Tilt), held)

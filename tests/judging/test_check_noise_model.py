@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.findings import Lost
+from grader.engine.findings import CheckFailed
 from grader.labs.imu.checks import check_noise_model as checks
 from grader.labs.imu.checks import noise_runs as runs
 from grader.labs.imu.checks import noise_sizes
@@ -854,7 +854,7 @@ def _moves(bias: np.ndarray) -> tuple[str, ...]:
     """The mistakes of a bias (instances, reads, 3) without noise."""
     try:
         checks._bias_is_constant(bias, "accel", noisy=False)
-    except Lost as lost:
+    except CheckFailed as lost:
         return lost.mistakes
     return ()
 
@@ -883,7 +883,7 @@ def test_a_bias_that_moves_is_told_by_what_the_later_reads_have() -> None:
 def test_a_bias_that_moves_in_a_few_instances_alone_is_told_by_the_read_that_is_furthest_off() -> None:
     bias = np.tile(np.arange(12.0).reshape(4, 1, 3), (1, 3, 1))
     bias[1, 2, 0] += 0.25
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         checks._bias_is_constant(bias, "accel", noisy=False)
     assert lost.value.got == "[3.000 4.000 5.000], then [3.250 4.000 5.000] from the same instance"
     assert (lost.value.mistakes, lost.value.belongs_to) == ((), ("noise_model.white_and_gaussian",))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from grader.base.text import printable
-from grader.engine.findings import Fault, Lost, Unusable
+from grader.engine.findings import CheckFailed, Fault, Unusable
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks import check_sensor_access as checks
 from tests.judging.made import Case, Made, finding, is_as_marked, truth
@@ -364,7 +364,7 @@ def test_a_made_up_reader_is_marked_fairly(case: Case) -> None:
 def test_what_is_raised_elsewhere_is_told_with_its_place() -> None:
     fault = Fault("KeyError", "torso", "imu_reader.py", 12, "data.sensor('torso')")
     none = np.full((1, 1, 3), np.nan)
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         checks._ignores_ids(Readings(none, none, none[0], none[0], (), np.zeros((0, 4)), fault))
     assert (lost.value.got, lost.value.where) == ("KeyError: torso at imu_reader.py, line 12", fault.at)
 
@@ -373,7 +373,7 @@ def test_what_is_raised_elsewhere_is_told_with_its_place() -> None:
 def test_what_is_raised_elsewhere_is_told_as_it_can_be_shown_and_cut() -> None:
     fault = Fault("KeyError", "torso\x1b" + "s" * 300, None, None, None)
     none = np.full((1, 1, 3), np.nan)
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         checks._ignores_ids(Readings(none, none, none[0], none[0], (), np.zeros((0, 4)), fault))
     assert lost.value.got == f"KeyError: {printable(fault.message, 200)}"
 
@@ -407,7 +407,7 @@ def test_readings_are_apart_by_their_largest_difference_in_either_direction(
 @pytest.mark.parametrize("later", [1.0, -1.0])
 def test_a_view_is_told_by_the_sensor_that_moved(later: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "_torso", lambda *_: _read(5, 2, later))
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         checks.check_reading_is_a_copy(Made(get_imu_readings=sound), truth())
     assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] after the next step and call"
 
@@ -435,7 +435,7 @@ def test_sensors_are_put_before_the_models_own_once() -> None:
 def test_the_place_of_a_robot_with_one_imu_is_told_by_another_model(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "_elsewhere_too", lambda _truth: [("reading_shuffled", slice(None))])
     found = finding(Case("one", FOLLOWS, lambda: Made(get_imu_readings=lambda _m, d, *_: (_at(d, 20), _at(d, 30)))))
-    assert isinstance(found, Lost)
+    assert isinstance(found, CheckFailed)
     assert found.mistakes == ("hard-coded-address",)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Sight, Stray
-from grader.engine.findings import Fault, Lost
+from grader.engine.findings import CheckFailed, Fault
 from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.checks import check_visualization as checks
@@ -788,7 +788,7 @@ def test_a_comparison_is_meant_by_the_name_of_its_file_or_of_its_curves(
 def test_what_is_in_a_figure_that_is_not_meant_is_not_told() -> None:
     panel = Sheet().panels[0]
     other = Drawing((replace(_figure(_with_curves(panel, panel.curves[0])), path="a.png"),))
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         checks.check_comparison_plot(Plotted(Drawing(()), (other,)), truth())
     assert lost.value.got == "no code that draws it and no readable filtered_imu.png"
 
@@ -800,7 +800,7 @@ def test_a_script_that_stops_is_told_and_one_that_is_no_python_is_charged_where_
 ) -> None:
     fault = Fault(kind, "broken", "plots.py", 7, None)
     for scripts in ((Drawing((), fault),), (Drawing((), fault), Drawing(()))):
-        with pytest.raises(Lost) as lost:
+        with pytest.raises(CheckFailed) as lost:
             checks.check_comparison_plot(Plotted(Drawing(()), scripts), truth())
         assert (lost.value.belongs_to, lost.value.where, lost.value.mistakes) == ((belongs,), fault.at, ())
         assert lost.value.hint.startswith("Run the file by itself")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Sight
-from grader.engine.findings import Lost
+from grader.engine.findings import CheckFailed
 from grader.labs.imu.checks.curve_faults import _outside, against_no_time, in_another_unit
 
 PARTS = {
@@ -42,7 +42,7 @@ def test_milliseconds_are_told_by_the_label_in_whichever_letters(label: str, fai
     if fair:
         against_no_time(plot)
     else:
-        with pytest.raises(Lost, match="curves against milliseconds"):
+        with pytest.raises(CheckFailed, match="curves against milliseconds"):
             against_no_time(plot)
 
 
@@ -53,7 +53,7 @@ def test_milliseconds_are_told_by_the_label_in_whichever_letters(label: str, fai
 def test_numbers_in_another_unit_are_told_with_the_label_that_is_there(label: str, told: str) -> None:
     panel = SimpleNamespace(axes=SimpleNamespace(ylabel=label, title=""), shown=[SimpleNamespace(sensor=0, unit="g")])
     plot = cast(Any, SimpleNamespace(panels=[panel], figure=SimpleNamespace(ylabel="")))
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         in_another_unit(plot, lambda sensor: "")
     assert lost.value.got == told
 
@@ -78,5 +78,5 @@ def test_a_label_may_name_the_unit_in_which_the_submission_records(
     if fair:
         in_another_unit(plot, lambda sensor: recorded)
     else:
-        with pytest.raises(Lost, match="under the label"):
+        with pytest.raises(CheckFailed, match="under the label"):
             in_another_unit(plot, lambda sensor: recorded)

@@ -9,8 +9,8 @@ import pytest
 from grader.engine.findings import (
     A_PERSON_MAY,
     ANOTHER_VERSION,
+    CheckFailed,
     Fault,
-    Lost,
     Missing,
     Raised,
     Size,
@@ -98,22 +98,22 @@ def test_a_fault_is_made_of_what_is_told_and_of_nothing_there_is_none() -> None:
 
 
 def test_a_loss_says_what_was_expected_and_what_came() -> None:
-    lost = Lost("1 m/s²", "2 m/s²")
+    lost = CheckFailed("1 m/s²", "2 m/s²")
     assert str(lost) == "expected 1 m/s²; got 2 m/s²"
     assert (lost.expected, lost.got, lost.off, lost.hint, lost.where) == ("1 m/s²", "2 m/s²", None, "", None)
     assert (lost.mistakes, lost.keeps, lost.belongs_to) == ((), 0.0, ("",))
     size = Size("it is off", 1.0)
-    more = Lost(
+    more = CheckFailed(
         "a", "b", mistakes=["no-bias"], keeps=0.5, hint="Look.", off=size, belongs_to=("c.d", "e.f"), fault=_FAULT
     )
     assert (more.mistakes, more.keeps, more.hint, more.off) == (("no-bias",), 0.5, "Look.", size)
     assert (more.belongs_to, more.where) == (("c.d", "e.f"), Where("imu_reader.py", 12))
-    assert Lost("a", "b", belongs_to="c.d").belongs_to == ("c.d",)
+    assert CheckFailed("a", "b", belongs_to="c.d").belongs_to == ("c.d",)
 
 
 def test_what_cannot_be_judged_is_a_loss_and_what_is_missing_is_none() -> None:
-    assert issubclass(Unusable, Lost)
-    assert not issubclass(Skipped, Lost)
+    assert issubclass(Unusable, CheckFailed)
+    assert not issubclass(Skipped, CheckFailed)
     missing = Missing("NoisyIMU", "name-missing", "there is no NoisyIMU", Where("noisy_imu.py"))
     assert str(missing) == "there is no NoisyIMU"
     assert (missing.name, missing.mistake, missing.where) == ("NoisyIMU", "name-missing", Where("noisy_imu.py"))

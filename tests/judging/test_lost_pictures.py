@@ -6,7 +6,7 @@ from unittest import mock
 
 import pytest
 
-from grader.engine.findings import Lost
+from grader.engine.findings import CheckFailed
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import handed_in, lost_pictures
 from tests.judging.made import truth
@@ -22,7 +22,7 @@ def _notes(*, counts: bool) -> list[str]:
         assert given == (student, truth())
         return counts
 
-    with mock.patch.object(handed_in, "counts", counted), pytest.raises(Lost):
+    with mock.patch.object(handed_in, "counts", counted), pytest.raises(CheckFailed):
         lost_pictures.none_saved(student, truth(), Drawing(()))
     return student.notes
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from grader.engine.findings import Lost, Ours, Size
+from grader.engine.findings import CheckFailed, Ours, Size
 from grader.labs.imu.answers import SENSORS, Array, Collection
 from grader.labs.imu.checks import row_faults
 from grader.labs.imu.compare import vector
@@ -35,8 +35,8 @@ def _series(accel: Array = _ACCEL, gyro: Array = _GYRO, time: Array | None = _TI
     return Collection(time, accel, gyro, first_step=_STEPPED)
 
 
-def _unexplained(series: Collection, worlds: Worlds) -> Lost:
-    with pytest.raises(Lost) as lost:
+def _unexplained(series: Collection, worlds: Worlds) -> CheckFailed:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.unexplained(series, worlds)
     return lost.value
 
@@ -103,7 +103,7 @@ def test_late_rows_may_stand_at_the_times_of_their_states(series: Collection, fi
     if fits:
         row_faults.shifted(story, _worlds(), series)
         return
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.shifted(story, _worlds(), series)
     assert (lost.value.keeps, lost.value.mistakes) == (0.5, ("read-before-step",))
 
@@ -124,7 +124,7 @@ def test_early_rows_may_stand_at_the_times_of_their_states(series: Collection, f
 @pytest.mark.parametrize("first", [0.002 + 2e-6, 0.002 - 2e-6, 0.0, 0.004])
 def test_early_rows_begin_with_the_first_step(first: float) -> None:
     row_faults.shifted(Story(lag=-1), _worlds(), _series(time=_TIME + 0.002))
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.shifted(Story(lag=-1), _worlds(), _series(time=_TIME + first))
     assert lost.value.got == "every row early by one sample"
 
@@ -139,7 +139,7 @@ _LESS = {"steps": np.array([9.0])}
 
 def _found(fault: Callable[[], object]) -> tuple[str, str, tuple[str, ...], float, str]:
     """What is said of expected and got, the mistakes, what is kept, and the beginning of what is left to try."""
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         fault()
     said = lost.value
     return said.expected, said.got, said.mistakes, said.keeps, said.hint.partition(":")[0]
@@ -244,7 +244,7 @@ def test_altered_rows_are_told_by_what_was_done_to_them(
     got, true = series[which[0]], (_MOVING, _TURNING)[which[0]]
     row = int(np.abs(got - true).max(axis=1).argmax())
     unit, key = (("m/s²", "acceleration"), ("rad/s", "angular_velocity"))[which[0]]
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.altered(story, _MOVED, Collection(None, *series))
     said = lost.value
     assert said.expected == f"{vector(true[row])} {unit} under '{key}' in row {row}"
@@ -265,12 +265,12 @@ def test_rows_that_cannot_be_made_out_leave_half_to_the_others(which: int) -> No
     pair = [None if which == n else rows for n, rows in enumerate((_MOVING, _TURNING))]
     series = Collection(None, *pair).with_gap()
     gone = f"none that can be made out under '{SENSORS[which]}'"
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.altered(Story(altered=(SENSORS[which],)), _MOVED, series)
     said = lost.value
     assert (said.expected, said.got, said.mistakes) == ("rows of both sensors", gone, ())
     assert (said.keeps, said.hint, str(said.off)) == (0.5, _BOTH, gone.replace("none", "no rows"))
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.unexplained(series, _MOVED)
     said = lost.value
     assert (said.expected, said.keeps, said.hint) == ("the readings of both sensors", 0.0, _BOTH)
@@ -295,13 +295,13 @@ def test_one_number_that_is_none_is_told(both: bool, keeps: float) -> None:
 def test_rows_that_end_at_once_are_counted(n: int, rows: str) -> None:
     told = ("10 rows", rows, (), 0.0, "Return after the loop, when all rows are stored (Step 3).")
     assert _found(lambda: row_faults.broken_off(n, _worlds())) == told
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.broken_off(n, _worlds())
     assert str(lost.value.off) == "a few rows from the start, then nothing"
 
 
 def test_ids_of_the_students_own_model_are_told_in_a_hidden_run_as_well() -> None:
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(CheckFailed) as lost:
         row_faults.of_other_sensors(Story(LEARNT_IDS))
     assert isinstance(lost.value.hint, Ours)
 
@@ -312,11 +312,11 @@ def test_steps_are_counted_in_whole_numbers_and_the_hint_for_late_rows_is_ours()
 
 
 def test_rows_that_stand_still_are_told_by_whether_a_step_was_made() -> None:
-    with pytest.raises(Lost) as stepped:
+    with pytest.raises(CheckFailed) as stepped:
         row_faults.standing_still(10, _series())
     assert (stepped.value.expected, stepped.value.mistakes) == ("a reading after every step", ())
     assert isinstance(stepped.value.hint, Ours)
-    with pytest.raises(Lost) as never:
+    with pytest.raises(CheckFailed) as never:
         row_faults.standing_still(10, Collection(_TIME, _ACCEL, _GYRO))
     assert (never.value.expected, never.value.mistakes) == ("rows that a simulation made", ("nothing-simulated",))
     assert never.value.got == stepped.value.got == "10 rows, all alike, whatever gravity is"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.engine.findings import Lost
+from grader.engine.findings import CheckFailed
 from grader.labs.imu.answers import Array, Collection
 from grader.labs.imu.checks import run_starts
 from grader.labs.imu.diagnosis.collection import CLAIMED_WORLD, OWN_WORLD, Claim, Story, Worlds
@@ -73,7 +73,7 @@ def test_runs_of_which_one_says_nothing_are_not_told_apart() -> None:
     ],
 )
 def test_another_model_is_charged_where_it_was_put_back(claim: Claim) -> None:
-    with pytest.raises(Lost):
+    with pytest.raises(CheckFailed):
         run_starts.in_another_model(_CLAIMED, _worlds(claim), _SERIES, _GRAVITY)
     run_starts.in_another_model(_CLAIMED, _worlds(claim), replace(_SERIES, changed=("opt.timestep",)), _GRAVITY)
     run_starts.in_another_model(Story(), _worlds(claim), _SERIES, _GRAVITY)
@@ -102,8 +102,8 @@ def test_a_start_is_told_by_three_velocities_at_most(velocities: list[float], wo
     assert run_starts.velocities(_started(np.array(velocities, float))) == words
 
 
-def _lost(claim: Claim) -> Lost:
-    with pytest.raises(Lost) as lost:
+def _lost(claim: Claim) -> CheckFailed:
+    with pytest.raises(CheckFailed) as lost:
         run_starts.with_another_push(claim)
     return lost.value
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Skipped, raised
+from grader.engine.findings import CheckFailed, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import allan as diagnosis
@@ -29,10 +29,10 @@ def check_returns_times_and_deviations(student: Student, truth: Traces) -> None:
     run = _run(student, truth, "white")
     raised(run.fault, "computing the Allan deviation")
     if run.taus is None or run.adev is None:
-        raise Lost("two arrays of one length, (taus_s, adev)", run.shape, mistakes=["wrong-return-type"])
+        raise CheckFailed("two arrays of one length, (taus_s, adev)", run.shape, mistakes=["wrong-return-type"])
     odd = (~np.isfinite(run.adev)).sum() + (~np.isfinite(run.taus)).sum()
     if odd:
-        raise Lost("finite numbers", f"{odd} that are NaN or infinite", mistakes=["not-finite"], keeps=0.5)
+        raise CheckFailed("finite numbers", f"{odd} that are NaN or infinite", mistakes=["not-finite"], keeps=0.5)
 
 
 @check("allan_variance.averaging_times")
@@ -42,16 +42,16 @@ def check_averaging_times(student: Student, truth: Traces) -> None:
     samples, rate = truth["allan"]["white"], _rate(truth)
     meant = diagnosis.unit_of_times(_records(student, truth), rate)
     if meant and not meant[0]:
-        raise Lost(
+        raise CheckFailed(
             "averaging times in seconds", f"times from {taus.min():.3g} to {taus.max():.3g}", mistakes=["tau-wrong"]
         )
     low, high, longest = taus.min() * rate, taus.max() * rate, len(samples) / 2
     if low < 0.5 or high > longest * 1.01 + 1:
         got = f"times from {low:.3g} to {high:.3g} samples, at {rate:g} Hz"
-        raise Lost(f"averaging times of 1 to {longest:.0f} samples", got, keeps=0.5)
+        raise CheckFailed(f"averaging times of 1 to {longest:.0f} samples", got, keeps=0.5)
     if len(np.unique(taus)) < 5 or high < 10 * low:
         got = f"{len(np.unique(taus))} times from {taus.min():.3g} to {taus.max():.3g} s"
-        raise Lost("five averaging times or more, over a decade or more", got, keeps=0.5)
+        raise CheckFailed("five averaging times or more, over a decade or more", got, keeps=0.5)
 
 
 @check("allan_variance.matches_definition")
@@ -64,7 +64,7 @@ def check_matches_definition(student: Student, truth: Traces) -> None:
     size = int(np.clip(diagnosis.in_seconds(taus, rate)[0], 1, len(samples) // 2))
     ratio = curve[0] / diagnosis.overlapping(samples, size)
     roots = [(t, np.sqrt(np.abs(c)), x) for t, c, x in records]
-    raise Lost(
+    raise CheckFailed(
         "the Allan deviation at each of its averaging times",
         f"{ratio:.3g} times that at the shortest one, {taus[0]:.3g} s, and another curve at others",
         mistakes=diagnosis.mistakes(records, rate),
@@ -92,7 +92,7 @@ def check_shows_kinds_of_noise(student: Student, truth: Traces) -> None:
     if wrong:
         words, nominal, got = wrong[0]
         records = _records(student, truth)
-        raise Lost(
+        raise CheckFailed(
             f"a slope of {nominal:+.1f} for {words}", f"{got:+.2f}", mistakes=diagnosis.mistakes(records, _rate(truth))
         )
 
@@ -104,14 +104,16 @@ def check_takes_three_axes(student: Student, truth: Traces) -> None:
     run = allan(student, samples, _rate(truth))
     raised(run.fault, "computing the Allan deviation of samples (n, 3)")
     if run.taus is None or run.adev is None:
-        raise Lost("deviations of shape (k, 3) for samples of shape (n, 3)", run.shape)
+        raise CheckFailed("deviations of shape (k, 3) for samples of shape (n, 3)", run.shape)
     known = run.adev[np.isfinite(run.adev).all(axis=1)]
     alone = [allan(student, samples[:, axis], _rate(truth)) for axis in range(3)]
     for axis, single in enumerate(alone):
         taus, curve = _curve(single)
         same = diagnosis.thinned(np.arange(float(len(known))), known[:, axis])[1]
         if len(taus) != len(same) or not np.allclose(same, curve, rtol=1e-9, atol=0.0):
-            raise Lost("the same curve for an axis as when it comes alone", f"another one for axis {'xyz'[axis]}")
+            raise CheckFailed(
+                "the same curve for an axis as when it comes alone", f"another one for axis {'xyz'[axis]}"
+            )
 
 
 # --- what the checks share -----------------------------------------------------------------------------------------------

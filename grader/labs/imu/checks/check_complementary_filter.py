@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Size, Skipped, raised
+from grader.engine.findings import CheckFailed, Size, Skipped, raised
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.compare import Array, vector
 from grader.labs.imu.diagnosis import tilting
@@ -33,11 +33,11 @@ def check_returns_roll_and_pitch(student: Student, truth: Traces) -> None:
     if not np.isfinite(run.output).all():
         shape = run.odd if run.odd and not run.odd.startswith(_PAIRS) else ""
         mistake = "wrong-return-type" if shape else "not-finite"
-        raise Lost("two numbers from update(), roll and pitch", shape or "NaN or infinity", mistakes=[mistake])
+        raise CheckFailed("two numbers from update(), roll and pitch", shape or "NaN or infinity", mistakes=[mistake])
     worst = np.abs(tilting.wrapped(run.output)).max()
     if worst > _LEVEL_ATOL:
         got = f"{vector(run.output[-1])} rad"
-        raise Lost("roll and pitch 0 rad at rest and level", got, mistakes=_mistakes(student), off=_rad(worst))
+        raise CheckFailed("roll and pitch 0 rad at rest and level", got, mistakes=_mistakes(student), off=_rad(worst))
 
 
 _PAIRS = ("a tuple of 2 (a number, a number)", "a list of 2 (a number, a number)", "an array of shape (2,)")
@@ -51,7 +51,7 @@ def check_settles_at_tilt(student: Student, truth: Traces) -> None:
     errors = [np.abs(tilting.wrapped(_output(run)[-1] - wanted)).max() for run, wanted in zip(runs, tilts, strict=True)]
     worst = int(np.argmax(errors))
     if errors[worst] > _SETTLED_ATOL:
-        raise Lost(
+        raise CheckFailed(
             f"roll and pitch {vector(tilts[worst])} rad after 30 s at rest",
             f"{vector(_output(runs[worst])[-1])} rad",
             mistakes=_mistakes(student),
@@ -71,7 +71,7 @@ def check_beats_accelerometer_alone(student: Student, truth: Traces) -> None:
     """Where the sensor is shaken, the filter does not take the shaking for a tilt"""
     turned = [run.output for run in tilt(student, [TiltCase(tilting.DT, *s) for s in tilting.probes()[:2]])]
     if tilting.ignores_gyroscope(turned):
-        raise Lost(
+        raise CheckFailed(
             "angles that follow a turn at once", "angles that take no notice of the gyroscope", mistakes=["accel-only"]
         )
     _beats(student, truth, "tilt_shaken", "accel_alone_rms", _BETTER_THAN_ACCEL)
@@ -94,7 +94,7 @@ def _beats(student: Student, truth: Traces, name: str, single: str, factor: floa
     error = _rms(_output(run), ride)
     alone = float(truth[name].scalars[single])
     if not error * factor <= alone:
-        raise Lost(
+        raise CheckFailed(
             f"an error of at most {alone / factor:.3f} rad RMS, {factor:g} times smaller than that of {_SINGLE[single]}",
             f"{error:.3f} rad",
             mistakes=_mistakes(student),

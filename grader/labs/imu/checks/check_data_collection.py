@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Ours, Size, Skipped
+from grader.engine.findings import CheckFailed, Ours, Size, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, Collection
 from grader.labs.imu.checks import row_faults, run_starts
@@ -59,21 +59,21 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
     if series.oddities:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in series.oddities))
         got = "; ".join(sentence.removeprefix("got ") for _, sentence in series.oddities[:3])
-        raise Lost(_SHAPES, got, mistakes=mistakes)
+        raise CheckFailed(_SHAPES, got, mistakes=mistakes)
     present = [(key, value) for key, value in zip(KEYS, arrays_of(series), strict=True) if key != series.absent]
     sizes = {key: len(value) for key, value in present if value is not None}
     if not sizes:
         hint = Ours(
             "The names are there, and no row: store one for each step, n_steps = duration_seconds / model.opt.timestep (Step 3)."
         )
-        raise Lost("rows in every array", "none", hint=hint)
+        raise CheckFailed("rows in every array", "none", hint=hint)
     if len(sizes) < len(KEYS):
-        raise Lost(
+        raise CheckFailed(
             _SHAPES, f"no numbers under {', '.join(sorted(set(KEYS) - set(sizes)))}", mistakes=["wrong-return-type"]
         )
     if len(set(sizes.values())) > 1:
         got = ", ".join(f"{key} has {n} rows" for key, n in sizes.items())
-        raise Lost("arrays of the same length", got, mistakes=["wrong-return-type"])
+        raise CheckFailed("arrays of the same length", got, mistakes=["wrong-return-type"])
     fits_in("simulate_and_collect", series.departs, keeps=0.0)
 
 
@@ -104,7 +104,7 @@ def check_sample_count(student: Student, truth: Traces) -> None:
     story, pushed_worlds = story_of(student, truth, "push", pushed(student, truth))
     at_once = story is not None and _ends_at_once(pushed(student, truth), pushed_worlds, story)
     elsewhere = at_once or _is_last_alone(pushed(student, truth), story) or _are_too_many(student, truth)
-    raise Lost(
+    raise CheckFailed(
         f"{worlds.steps} samples for {worlds.duration_s:g} s at a time step of {worlds.timestep:g} s",
         f"{n} samples",
         off=Size("another number of samples"),
@@ -159,18 +159,18 @@ def check_time_axis(student: Student, truth: Traces) -> None:
     series = pushed(student, truth)
     if series.time is None:
         if complete(series):
-            raise Lost("a time stamp for each sample", "none", belongs_to=_NAMED)
+            raise CheckFailed("a time stamp for each sample", "none", belongs_to=_NAMED)
         raise Skipped("time stamps, which the returned value does not hold")
     story, worlds = story_of(student, truth, "push", series)
     filled = series.filled_rows if complete(series) else None
     time = series.time[:filled] if filled else series.time
     if not np.isfinite(time).all():
-        raise Lost("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
+        raise CheckFailed("finite time stamps", "NaN or infinity", mistakes=["not-finite"])
     error = diagnosis.time_error(time, _timestep(worlds, series), story or Story())
     worst = float(np.max(error))
     if worst > TIME_ATOL:
         _keeps_timestep(time, worlds.timestep, learnt_timestep(truth))
-        raise Lost(
+        raise CheckFailed(
             f"time stamps {worlds.timestep:g} s apart, from {worlds.timestep:g} s (or 0 s) on",
             f"{', '.join(f'{t:g}' for t in time[:3])} … {time[-1]:g} s",
             mistakes=["time-axis-wrong"],
@@ -238,7 +238,7 @@ def _keeps_timestep(time: Array, timestep: float, usual: float) -> None:
     apart = np.abs(np.diff(time) - usual)
     if len(apart) and apart.max() <= TIME_ATOL and abs(timestep - usual) > TIME_ATOL:
         got = f"{usual:g} s apart, as with the model's usual time step"
-        raise Lost(f"time stamps {timestep:g} s apart", got, mistakes=["hard-coded-timestep"], keeps=0.5)
+        raise CheckFailed(f"time stamps {timestep:g} s apart", got, mistakes=["hard-coded-timestep"], keeps=0.5)
 
 
 def _timestep(worlds: Worlds, series: Collection) -> float:
@@ -265,7 +265,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     if _ends_at_once(series, worlds, story):
         row_faults.broken_off(filled, worlds)
     if _is_last_alone(series, story):
-        raise Lost(
+        raise CheckFailed(
             f"{worlds.steps} rows", "one, of the last step", off=Size("one row, of the last step"), hint=_IN_THE_LOOP
         )
     if story.altered:
@@ -275,19 +275,19 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     if all_alike(series) and not one_row_follows(student, truth):
         row_faults.standing_still(n, series)
     if series.last_alone:
-        raise Lost(f"{n} filled rows", "one, which is the last", mistakes=["rows-left-zero"], hint=_IN_THE_LOOP)
+        raise CheckFailed(f"{n} filled rows", "one, which is the last", mistakes=["rows-left-zero"], hint=_IN_THE_LOOP)
     if story.aliased:
-        raise Lost(
+        raise CheckFailed(
             "rows that differ from step to step", f"{n} rows, all equal to the last sample", mistakes=["aliased-rows"]
         )
     if story.exchanged:
-        raise Lost(
+        raise CheckFailed(
             "accelerations under 'acceleration'",
             "angular velocities there, and the other way round",
             mistakes=["channels-swapped"],
         )
     if story.skip != 1 and not story.covers(n, worlds.steps):  # else too few rows, which sample_count charges
-        raise Lost(
+        raise CheckFailed(
             "one stored sample for each step",
             f"{story.skip} steps between stored samples",
             mistakes=["samples-skipped"],
@@ -295,7 +295,9 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     row_faults.shifted(story, worlds, series)
     if filled < n:
         keeps = _BUT_FOR_ONE if filled == n - 1 else 0.5
-        raise Lost(f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=keeps)
+        raise CheckFailed(
+            f"{n} filled rows", f"{filled} filled rows, then zeros", mistakes=["rows-left-zero"], keeps=keeps
+        )
 
 
 @check("data_collection.starts_from_reset", lab_step=3, needs=simulated)
@@ -304,17 +306,17 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
     series = from_dirt(student, truth)
     if complete(pushed(student, truth)) and not length(series):
         duration = f"{Worlds.of(truth['push_dirty']).duration_s:g} s"
-        raise Lost(f"the rows of a run of {duration}", "none", hint=_ONE_A_STEP, belongs_to=_COUNT)
+        raise CheckFailed(f"the rows of a run of {duration}", "none", hint=_ONE_A_STEP, belongs_to=_COUNT)
     has_rows(series)
     if series.changed:
-        raise Lost(
+        raise CheckFailed(
             "a model that is the same afterwards", f"{', '.join(series.changed)} changed", mistakes=["modifies-model"]
         )
     push = after_push(student, truth)
     left = diagnosis.rows_left(push), diagnosis.rows_left(after_dirt(student, truth), push)
     if any(left):
         got = f"a series that begins with {max(left)} rows of the run before"
-        raise Lost("the same series as from a fresh start", got, mistakes=["keeps-old-rows"])
+        raise CheckFailed("the same series as from a fresh start", got, mistakes=["keeps-old-rows"])
     first, first_worlds = story_of(student, truth, "push", pushed(student, truth))
     story, worlds = story_of(student, truth, "push_dirty", series)
     start = truth["reading_lab"]["qpos"][-1]
@@ -325,7 +327,7 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
     )
     if goes_on:
         got = "a series that goes on from where the data was left"
-        raise Lost("the same series as from a fresh start", got, mistakes=["no-reset"])
+        raise CheckFailed("the same series as from a fresh start", got, mistakes=["no-reset"])
     unknown = story is None and not (first or Story()).fits((series, worlds))
     near = recognised(student, truth, series, worlds) if unknown else TRUE_WORLD
     elsewhere = near == diagnosis.CLAIMED_WORLD and run_starts.in_another_pose(Story(near), worlds, start)
@@ -335,7 +337,7 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         wanted = f"{vector(accel[0])} m/s² in the first row, as from a fresh start"
         hint = Ours("Call mujoco.mj_resetData(model, data) first, and push the robot right after it (Step 3).")
         off = Size("another series than from a fresh start")
-        raise Lost(wanted, vector(series.acceleration[0]), off=off, hint=hint)
+        raise CheckFailed(wanted, vector(series.acceleration[0]), off=off, hint=hint)
 
 
 def _time_goes_on(series: Collection, truth: Traces) -> bool:
@@ -354,15 +356,15 @@ def check_applies_push(student: Student, truth: Traces) -> None:
         first, second = (run_starts.velocities(each) for each in (series, pushed_again(student, truth)))
         got = f"a series that starts with {first}, and one from the same state that starts with {second}"
         off = Size("a series that starts with another velocity in every run")
-        raise Lost(f"{PUSH}, in every run", got, mistakes=["random-push"], off=off)
+        raise CheckFailed(f"{PUSH}, in every run", got, mistakes=["random-push"], off=off)
     if world == "no_push":
-        raise Lost(PUSH, "a series that starts without a push", mistakes=["no-perturbation"])
+        raise CheckFailed(PUSH, "a series that starts without a push", mistakes=["no-perturbation"])
     if world in (diagnosis.CLAIMED_WORLD, diagnosis.OWN_WORLD):
         assert worlds.claim is not None
         run_starts.with_another_push(worlds.claim)
     elif world.startswith("push"):
         got = f"a series after another push ({world.removeprefix('push_')})"
-        raise Lost(PUSH, got, mistakes=["wrong-perturbation"])
+        raise CheckFailed(PUSH, got, mistakes=["wrong-perturbation"])
 
 
 def _pushes_at_random(student: Student, truth: Traces) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Size, Skipped, raised
+from grader.engine.findings import CheckFailed, Size, Skipped, raised
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Reading, three
 from grader.labs.imu.compare import Array, same, vector
@@ -29,14 +29,16 @@ def check_finds_every_place(student: Student, truth: Traces) -> None:
         raised(world.got.fault, "reading all IMUs")
         if not world.got.calls or not (world.got.calls[0] or world.got.shape.startswith("a dictionary")):
             wanted = "a dictionary of readings by place, such as 'torso'"
-            raise Lost(wanted, world.got.shape, mistakes=["wrong-return-type"])
+            raise CheckFailed(wanted, world.got.shape, mistakes=["wrong-return-type"])
     missing = [(world, place) for world in (lab, other) for place in world.places if place not in world.got.calls[0]]
     if missing:
         world, place = missing[0]
         got = f"none for '{place}'" + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
         elsewhere = all(w is other for w, _ in missing)
         where = " of a model with other places" if elsewhere else ""
-        raise Lost(f"a reading for each place{where}", got, mistakes=["imu-missing"], keeps=0.5 if elsewhere else 0.0)
+        raise CheckFailed(
+            f"a reading for each place{where}", got, mistakes=["imu-missing"], keeps=0.5 if elsewhere else 0.0
+        )
 
 
 @check("multiple_imus.matches_truth")
@@ -49,7 +51,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     if wrong:
         world, place = wrong[0]
         state = int(np.argmax(np.abs(world.stacked(place) - world.true(place)).max(axis=1)))
-        raise Lost(
+        raise CheckFailed(
             f"{vector(world.true(place)[state])} at '{place}'",
             vector(world.stacked(place)[state]),
             mistakes=_mistakes(worlds),
@@ -81,7 +83,7 @@ def check_readings_are_copies(student: Student, truth: Traces) -> None:
     changed = [p for p in read if not np.array_equal(_six(world.got.later.get(p)), now[p], equal_nan=True)]
     if changed:
         got = f"readings of {len(changed)} of {len(read)} places that change with the next step"
-        raise Lost("readings that stay", got, mistakes=["view-not-copy"])
+        raise CheckFailed("readings that stay", got, mistakes=["view-not-copy"])
 
 
 # --- what the checks share -----------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Ours, Size, Skipped, raised
+from grader.engine.findings import CheckFailed, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import SENSOR_UNITS
@@ -83,7 +83,7 @@ def check_noise_size(student: Student, truth: Traces) -> None:
     mistakes = diagnosis.size_mistakes(sensors, again, silent)
     if not mistakes and laws.density(sensors, float(truth["push"].scalars["timestep"])):
         mistakes = ["noise-density"]
-    raise Lost(
+    raise CheckFailed(
         f"{_NAMES[wrong]} noise with a standard deviation of {sensors[wrong].std:g} {SENSOR_UNITS[wrong]}",
         f"{noise_sizes.in_words(sensors[wrong])} {SENSOR_UNITS[wrong]} over {sensors[wrong].residual[..., 0].size} reads",
         mistakes=mistakes,
@@ -117,7 +117,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     for key in ("given", "silent"):
         raised(runs.asked(student, truth, key, given=True).fault, "reading the noisy IMU with given biases")
     if runs.returns_exchanged(student, truth):
-        raise Lost(
+        raise CheckFailed(
             "accel first and gyro second from read(), each with its own bias",
             "gyro first and accel second",
             mistakes=["swapped-sensors"],
@@ -125,7 +125,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
         )
     if runs.is_one_twice(student, truth):
         twice = "the same three numbers twice"
-        raise Lost("both sensors from read(), the accelerometer first", twice, off=Size(twice), hint=_ORDER)
+        raise CheckFailed("both sensors from read(), the accelerometer first", twice, off=Size(twice), hint=_ORDER)
     off = [i for i, facts in enumerate(sensors) if not _bias_is_right(facts)]
     twins = runs.from_one_seed(student, truth) if off else None
     drifting = runs.which_drift(student, truth)
@@ -140,7 +140,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
         unused = mistakes in (["no-bias"], ["bias-argument-ignored"])
         if unused and twins and not all(t.ignores_bias() for t in twins if t.seeded):
             mistakes = []  # something of it is there, if too little to be seen beside the noise
-        raise Lost(
+        raise CheckFailed(
             f"readings that are {expected} {unit} off the clean ones on average ({_NAMES[wrong[0]]})",
             f"{came} {unit}",
             off=Size("the average is off", float(np.abs(facts.offset - facts.bias).max()), unit),
@@ -152,7 +152,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     another = [i for i in off if not drifting[i] and _has_another_bias(sensors[i], silent[i])]
     if another:
         which = another[0]
-        raise Lost(
+        raise CheckFailed(
             f"no {_NAMES[which]} bias but the one that is given",
             f"another one beside it, {vector(silent[which].offset[0])} {SENSOR_UNITS[which]} in one instance and "
             f"{vector(sensors[which].offset[0] - sensors[which].bias)} {SENSOR_UNITS[which]} in the next",
@@ -165,7 +165,7 @@ def check_given_bias(student: Student, truth: Traces) -> None:
     moved = [f for f, least in zip(silent, exact, strict=True) if np.abs(f.offset).max() > least]
     if any(facts.still for facts in moved):
         got = moved[0]
-        raise Lost(
+        raise CheckFailed(
             "no offset where the given bias is zero",
             vector(got.offset[0]),
             mistakes=["bias-argument-ignored"],
@@ -207,7 +207,7 @@ def check_default_bias(student: Student, truth: Traces) -> None:
                 continue
             mistake = "no-bias" if diagnosis.bias_mistakes(sensors) == ["no-bias"] else "bias-not-random"
             keeps = 0.0 if mistake == "no-bias" else 0.5
-            raise Lost(
+            raise CheckFailed(
                 f"a random {name} bias for each instance",
                 "none",
                 mistakes=[mistake],
@@ -220,7 +220,7 @@ def check_default_bias(student: Student, truth: Traces) -> None:
                 sensors, runs.given_again(student, truth), silent
             )
             mistakes = reseeded or ["bias-not-random"]
-            raise Lost(
+            raise CheckFailed(
                 f"another {name} bias for each instance",
                 got,
                 mistakes=mistakes,
@@ -231,7 +231,7 @@ def check_default_bias(student: Student, truth: Traces) -> None:
             got = f"{vector(mean[0])}: the same on each axis"
             facts = sensors[which]  # with a bias that has three
             as_given = np.ptp(facts.offset, axis=1).max() < _ALIKE * np.ptp(facts.bias)
-            raise Lost(
+            raise CheckFailed(
                 f"one {name} bias of its own on each axis",
                 got,
                 mistakes=["bias-shared"],
@@ -243,14 +243,14 @@ def check_default_bias(student: Student, truth: Traces) -> None:
     ratio = biases[1].mean(axis=1) / biases[0].mean(axis=1)
     if np.ptp(ratio) <= 1e-3 * np.abs(ratio).max():
         got = f"{ratio[0, 0]:.3g} times the accelerometer's for the gyroscope, on every axis"
-        raise Lost("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
+        raise CheckFailed("a bias of its own for each sensor", got, mistakes=["bias-shared"], keeps=0.5)
     too_large = noise_sizes.too_large_for_a_sensor(biases)
     if too_large is not None and not noisy:
         which, drawn, sheets = too_large
         wanted = f"a default {_NAMES[which]} bias as sensors have it, about {sheets:g} {SENSOR_UNITS[which]}"
         law = () if all(map(_bias_is_right, sensors)) else (_LAW_CHECK,)  # it charges what else is in the mean
         elsewhere = (_GIVEN_CHECK, *law)
-        raise Lost(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL, belongs_to=elsewhere)
+        raise CheckFailed(wanted, f"{drawn:.2g} {SENSOR_UNITS[which]}", keeps=0.5, hint=_AS_SMALL, belongs_to=elsewhere)
 
 
 def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:
@@ -266,7 +266,7 @@ def _drawn_with_noise(student: Student, truth: Traces, which: int) -> bool:
 def _stays(drifting: list[bool], biases: list[Array], silent: list[Facts]) -> None:
     which = drifting.index(True)
     moved = max(float(np.ptp(biases[which], axis=1).max()), float(np.ptp(silent[which].residual, axis=1).max()))
-    raise Lost(
+    raise CheckFailed(
         f"one {_NAMES[which]} bias for all reads",
         f"one that drifts, by up to {moved:.3g} {SENSOR_UNITS[which]} over {runs.MANY} reads without noise",
         mistakes=["bias-drifts"],
@@ -283,13 +283,13 @@ def _bias_is_constant(bias: Array, name: str, *, noisy: bool) -> None:
     wanted = f"one {name} bias that stays the same from read to read"
     got = f"{', then '.join(told_apart(bias[row, 0], bias[row, read]))} from the same instance"
     if np.abs(bias[:, 1:]).max() <= diagnosis.TRUTH_ATOL:
-        raise Lost(wanted, got, mistakes=["bias-drifts"], belongs_to=_GIVEN_CHECK)
+        raise CheckFailed(wanted, got, mistakes=["bias-drifts"], belongs_to=_GIVEN_CHECK)
     if np.ptp(bias[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT:  # the first read was before the next one was made
         got += ", and from every other one that was made meanwhile"
-        raise Lost(wanted, got, mistakes=["bias-shared"], keeps=0.5)
+        raise CheckFailed(wanted, got, mistakes=["bias-shared"], keeps=0.5)
     if np.median(moves.max(axis=1)) <= diagnosis.EXACT:  # of most instances the bias stays
-        raise Lost(wanted, got, hint=_NOTHING_ELSE, belongs_to=_LAW_CHECK)
-    raise Lost(wanted, got, mistakes=["bias-redrawn"], belongs_to=_GIVEN_CHECK)
+        raise CheckFailed(wanted, got, hint=_NOTHING_ELSE, belongs_to=_LAW_CHECK)
+    raise CheckFailed(wanted, got, mistakes=["bias-redrawn"], belongs_to=_GIVEN_CHECK)
 
 
 def _differs_from_read_to_read(student: Student, truth: Traces) -> NoReturn:
@@ -298,7 +298,7 @@ def _differs_from_read_to_read(student: Student, truth: Traces) -> NoReturn:
     mistakes = diagnosis.size_mistakes(runs.steady(student, truth), again, silent)
     wanted = "noise that differs from read to read"
     if mistakes in (["frozen-noise"], ["reseeded"]):
-        raise Lost(wanted, "one draw, which is repeated", mistakes=mistakes, belongs_to=_SIZE_CHECK)
+        raise CheckFailed(wanted, "one draw, which is repeated", mistakes=mistakes, belongs_to=_SIZE_CHECK)
     raise Skipped(wanted)
 
 
@@ -310,7 +310,7 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
         grains = " and ".join(
             f"{f.grain:g} {u} ({n})" for f, u, n in zip(raw, SENSOR_UNITS, _NAMES, strict=True) if f.grain
         )
-        raise Lost(
+        raise CheckFailed(
             "readings as fine as float64 has them",
             f"none finer than {grains}",
             mistakes=["precision-lost"],
@@ -322,10 +322,10 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
     for facts, name in sensors:
         _is_white(facts, name)
         if diagnosis.one_signed(facts):
-            raise Lost(f"{name} noise of both signs", "noise of one sign only", mistakes=["noise-not-zero-mean"])
+            raise CheckFailed(f"{name} noise of both signs", "noise of one sign only", mistakes=["noise-not-zero-mean"])
         if laws.clipped(facts):
             most = float(np.abs(facts.centred).max())
-            raise Lost(
+            raise CheckFailed(
                 f"{name} noise of a normal law, which nothing cuts off",
                 f"none beyond {most / facts.std:.2f} standard deviations in {facts.residual.size} values",
                 mistakes=["noise-clipped"],
@@ -335,7 +335,7 @@ def check_white_and_gaussian(student: Student, truth: Traces) -> None:
             values = laws.living(facts)
             got = f"{st.geary(values):.3f} over {values.size} values"
             wanted = f"{name} noise with a ratio of mean deviation to standard deviation of 0.798, as a normal law has"
-            raise Lost(wanted, got, mistakes=["not-gaussian"])
+            raise CheckFailed(wanted, got, mistakes=["not-gaussian"])
     _is_centred(student, truth, raw)
 
 
@@ -348,7 +348,7 @@ def _is_so_in_all_reads(facts: Facts, name: str) -> None:
             "and the others as a normal law has them"
         )
         off = Size("a few values are further off than a normal law has any")
-        raise Lost(f"{name} noise of a normal law in all reads", got, off=off, hint=_NOTHING_ELSE)
+        raise CheckFailed(f"{name} noise of a normal law in all reads", got, off=off, hint=_NOTHING_ELSE)
 
 
 def _is_centred(student: Student, truth: Traces, sensors: list[Facts]) -> None:
@@ -364,7 +364,7 @@ def _is_centred(student: Student, truth: Traces, sensors: list[Facts]) -> None:
         return  # given_bias charges it
     known = [m for m in mistakes if m in ("noise-not-zero-mean", "stale-clean-reading")]
     beside = facts.offset[-1] - facts.bias
-    raise Lost(
+    raise CheckFailed(
         f"{_NAMES[which]} readings that are the clean ones and the bias on average",
         f"{vector(beside)} {SENSOR_UNITS[which]} beside these",
         off=Size("the average is off", float(np.abs(beside).max()), SENSOR_UNITS[which]),
@@ -375,7 +375,7 @@ def _is_centred(student: Student, truth: Traces, sensors: list[Facts]) -> None:
 
 def _is_white(facts: Facts, name: str) -> None:
     if diagnosis.accumulates(facts):
-        raise Lost(
+        raise CheckFailed(
             f"{name} noise drawn anew on every read",
             "noise that adds up from read to read",
             mistakes=["noise-accumulates"],
@@ -384,7 +384,7 @@ def _is_white(facts: Facts, name: str) -> None:
     for lag in (1, 2, 3):
         worst = laws.correlation(facts, lag)
         if worst > bound:
-            raise Lost(
+            raise CheckFailed(
                 f"{name} reads that do not depend on each other",
                 f"a correlation of {worst:.2f} with the read {lag} before",
                 mistakes=["noise-correlated"],
@@ -411,7 +411,7 @@ def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
     )  # as it is told: the last digits differ between processors
     if worst > bound:
         one = _is_one_for_all_axes(matrix, i // 3)
-        raise Lost(
+        raise CheckFailed(
             f"independent noise on {channels[i]} and {channels[j]}",
             f"a correlation of {worst:.2f} over {len(columns)} reads",
             off=Size("two of the six channels have noise that goes together"),
@@ -455,7 +455,7 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
     if changed:
         only_sensors = change[:3].max() <= 1e-12
         mistake, hint = ("mutates-sensordata", "") if only_sensors else ("disturbs-simulation", _READ_ONLY)
-        raise Lost("the same data before and after a read", "; ".join(changed), mistakes=[mistake], hint=hint)
+        raise CheckFailed("the same data before and after a read", "; ".join(changed), mistakes=[mistake], hint=hint)
 
 
 def _has_another_bias(facts: Facts, silent: Facts) -> bool:

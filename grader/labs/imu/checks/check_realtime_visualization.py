@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Skipped, raised
+from grader.engine.findings import CheckFailed, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.diagnosis import liveplot
 from grader.labs.imu.recordings import torso_ids
@@ -25,7 +25,9 @@ def check_returns(student: Student, truth: Traces) -> None:
     raised(run.fault, "plotting live")
     duration = float(truth["watched"].scalars["duration_s"])
     if run.simulated < 0.9 * duration:
-        raise Lost(f"{duration:g} s of simulation", f"{run.simulated:.3g} s", keeps=0.5 if run.simulated > 0 else 0.0)
+        raise CheckFailed(
+            f"{duration:g} s of simulation", f"{run.simulated:.3g} s", keeps=0.5 if run.simulated > 0 else 0.0
+        )
 
 
 @check("realtime_visualization.grows_while_stepping")
@@ -44,7 +46,7 @@ def check_grows_while_stepping(student: Student, truth: Traces) -> None:
         if replayed
         else ""
     )
-    raise Lost(
+    raise CheckFailed(
         f"curves that change {_UPDATES} times or more in {duration:g} s of simulation",
         f"{updates} changes while it went on",
         mistakes=["plot-not-live"] if once else [],
@@ -62,11 +64,11 @@ def check_shows_true_data(student: Student, truth: Traces) -> None:
         raise Skipped("a curve on a figure that is shown")
     judged = [curve for curve in run.curves if len(curve.y) >= _JUDGED][-_MOST:]
     if not judged:
-        raise Lost(f"curves of {_JUDGED} points or more", "none", mistakes=["curves-missing"])
+        raise CheckFailed(f"curves of {_JUDGED} points or more", "none", mistakes=["curves-missing"])
     right = sum(_is_true(curve, truth) for curve in judged)
     if right * 2 < len(judged):
         got = f"{right} of {len(judged)} curves that follow one of its channels"
-        raise Lost(
+        raise CheckFailed(
             "curves that follow the readings of an IMU",
             got,
             mistakes=[] if right else ["wrong-data-plotted"],

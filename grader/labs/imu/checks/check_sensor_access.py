@@ -8,7 +8,7 @@ import numpy as np
 
 from grader.base.text import printable
 from grader.engine.check_runner import check
-from grader.engine.findings import Lost, Ours, Size, Skipped, Unusable, raised
+from grader.engine.findings import CheckFailed, Ours, Size, Skipped, Unusable, raised
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Readings
 from grader.labs.imu.checks.fitting import fits_in
@@ -31,9 +31,9 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
     _is_usable(readings)
     got = _oddities(readings)
     if "dictionary" in got or "object" in got or (got and readings.alone):
-        raise Lost(_FORM, got, mistakes=["wrong-return-type"])
+        raise CheckFailed(_FORM, got, mistakes=["wrong-return-type"])
     if got:
-        raise Lost(_FORM, got, mistakes=[_of_form(readings)], belongs_to=(_VALUES, _PLACE))
+        raise CheckFailed(_FORM, got, mistakes=[_of_form(readings)], belongs_to=(_VALUES, _PLACE))
     fits_in("get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
 
 
@@ -137,11 +137,11 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], me
     keeps, finite = 0.5 if any(right) or near else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
     if readings.oddities and not (finite and readings.whole):  # what is there may be right; the rest is not there
         mistake, off = _of_form(readings), Size("a vector that has not three numbers")
-        raise Lost("three numbers of each sensor", _oddities(readings), mistakes=[mistake], keeps=keeps, off=off)
+        raise CheckFailed("three numbers of each sensor", _oddities(readings), mistakes=[mistake], keeps=keeps, off=off)
     if not finite:
-        raise Lost("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"], keeps=keeps)
+        raise CheckFailed("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"], keeps=keeps)
     gap, got, true, unit, name = _gap(readings, scene)
-    raise Lost(
+    raise CheckFailed(
         f"{name} ≈ {told(true[gap.row], got[gap.row])} {unit}",
         f"{name} = {told(got[gap.row], true[gap.row])}",
         mistakes=mistakes,
@@ -259,7 +259,7 @@ def _ignores_ids(readings: Readings) -> None:
     fault = readings.fault
     assert fault is not None
     place = f" at {fault.where}" if fault.where else ""
-    raise Lost(
+    raise CheckFailed(
         "a reading of the sensors whose ids are given, in a model with other sensor names",
         f"{fault.type}: {printable(fault.message, 200)}{place}",
         off=Size("an exception, as the sensors have other names there"),
@@ -270,7 +270,7 @@ def _ignores_ids(readings: Readings) -> None:
 
 def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
     gap, got, true, unit, name = _gap(readings, scene)
-    raise Lost(
+    raise CheckFailed(
         f"{name} ≈ {told(true[gap.row], got[gap.row])} {unit}",
         f"{name} = {told(got[gap.row], true[gap.row])}",
         mistakes=mistakes,
@@ -327,7 +327,7 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
     if np.array_equal(now, later, equal_nan=True):
         return
     moved = np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1))
-    raise Lost(
+    raise CheckFailed(
         f"{vector(now[moved])}, as it was read",
         f"{vector(later[moved])} after the next step and call",
         mistakes=["view-not-copy"],
@@ -344,7 +344,9 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
         f"{name} changed by {size:.3g}" for name, size in zip(names, change, strict=True) if not size <= DISTURBED
     ]
     if changed:
-        raise Lost("the same state before and after the call", "; ".join(changed), mistakes=["disturbs-simulation"])
+        raise CheckFailed(
+            "the same state before and after the call", "; ".join(changed), mistakes=["disturbs-simulation"]
+        )
 
 
 def _torso(student: Student, truth: Traces) -> Readings:

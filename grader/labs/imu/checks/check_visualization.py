@@ -12,7 +12,7 @@ from grader.base.errors import NoAnswer
 from grader.base.text import printable
 from grader.engine.check_runner import check
 from grader.engine.figures import Figure
-from grader.engine.findings import Fault, Lost, Missing, Ours, Size, Skipped, raised
+from grader.engine.findings import CheckFailed, Fault, Missing, Ours, Size, Skipped, raised
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import curve_faults, handed_in, lost_pictures
@@ -51,9 +51,9 @@ def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, 
     def judged(student: Student, truth: Traces) -> None:
         try:
             judge(student, truth)
-        except (Lost, Skipped, Missing):
+        except (CheckFailed, Skipped, Missing):
             if handed_in.counts(student, truth):
-                raise Lost(
+                raise CheckFailed(
                     "code that draws and saves the plot",
                     f"{handed_in.PICTURE}, which shows both sensors, and no code that draws it",
                     mistakes=["plot-not-saved"],
@@ -84,7 +84,7 @@ def _gains(student: Student, truth: Traces, before: Plot, after: Plot) -> int:
 def _kept(judge: Judge, plot: Plot) -> float:
     try:
         judge(plot)
-    except Lost as lost:
+    except CheckFailed as lost:
         return lost.keeps
     return 1.0
 
@@ -94,7 +94,7 @@ def _saved_in_the_end(student: Student, truth: Traces, plot: Plot | None) -> Non
     at_its_end = finished(plot, truth) if plot is not None else None
     if plot is None or at_its_end is None or not (gains := _gains(student, truth, plot, at_its_end)):
         return
-    raise Lost(
+    raise CheckFailed(
         "a picture of the finished figure",
         "a picture that was saved before all was drawn and labelled",
         keeps=0.5 if gains == 1 else 0.0,
@@ -121,10 +121,10 @@ def check_saves_image(student: Student, truth: Traces) -> None:
     width, height = max((figure.size_px for figure in full), key=lambda size: size[0] * size[1])
     if width < _SMALLEST_PX[0] or height < _SMALLEST_PX[1]:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
-        raise Lost(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
+        raise CheckFailed(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
     if all(figure.format in _OTHER_FORMS for figure in full):
         hint = Ours("The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4).")
-        raise Lost("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
+        raise CheckFailed("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
 
 
 def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
@@ -145,7 +145,7 @@ def check_two_labelled_panels(student: Student, truth: Traces) -> None:
 
 def _panels_say_what_they_show(plot: Plot) -> None:
     if any(panel.mainly != {sensor} for sensor in (0, 1) for panel in plot.of_sensor(sensor)):
-        raise Lost("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
+        raise CheckFailed("a panel of its own for each sensor", "both sensors on the same axes", mistakes=["one-panel"])
     unlabelled = []
     for sensor in (0, 1):
         for panel in plot.of_sensor(sensor):
@@ -155,7 +155,7 @@ def _panels_say_what_they_show(plot: Plot) -> None:
             unlabelled.append(SENSOR_WORDS[sensor])
     missing = [sensor for sensor in (0, 1) if not plot.of_sensor(sensor)]
     if missing and len(plot.panels) < 2:
-        raise Lost(
+        raise CheckFailed(
             "a panel for each sensor",
             f"no panel with the {SENSOR_WORDS[missing[0]]}",
             mistakes=["curves-missing"],
@@ -163,18 +163,18 @@ def _panels_say_what_they_show(plot: Plot) -> None:
         )
     if unlabelled:
         got = f"nothing on the panel that says {' or '.join(unlabelled)}"
-        raise Lost("panels that say what they show, by title or axis label", got, keeps=0.5)
+        raise CheckFailed("panels that say what they show, by title or axis label", got, keeps=0.5)
 
 
 def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
     expected = f"{SENSOR_WORDS[sensor]} under its own name"
     got = f"a panel labelled {quoted(' | '.join(wrong))} that shows the {SENSOR_WORDS[sensor]}"
     if all(text in wrong for text in (panel.axes.title, panel.axes.ylabel) if text.strip()):
-        raise Lost(expected, got, mistakes=["panels-swapped"])
+        raise CheckFailed(expected, got, mistakes=["panels-swapped"])
     hint = Ours(
         "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
     )
-    raise Lost(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
+    raise CheckFailed(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
 
 
 @check("visualization.curves_match_data", lab_step=4)
@@ -208,7 +208,7 @@ def _axes_have_labels(plot: Plot) -> None:
     if lost:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in lost))
         keeps = round(1 - len(lost) / 3, 4) if len(lost) < 3 else 0.0
-        raise Lost(
+        raise CheckFailed(
             "labels such as “Acceleration (m/s²)” and “Time (s)”",
             "; ".join(text for _, text in lost),
             mistakes=mistakes,
@@ -238,13 +238,13 @@ def _curves_have_names(plot: Plot) -> None:
             said = labels.axis_of(name)
             if said is not None and said != axis:
                 got = f"{quoted(name)} beside the curve of {'xyz'[axis]}"
-                raise Lost("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
+                raise CheckFailed("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
     if nameless:
         keeps = 0.5 if len(nameless) < len(crowded) else 0.0
         got = "curves that no legend and no text names" + (
             "" if len(nameless) == len(crowded) else " in one of the panels"
         )
-        raise Lost("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
+        raise CheckFailed("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
 
 
 @check("visualization.titles", lab_step=4)
@@ -264,7 +264,7 @@ def _panels_have_titles(plot: Plot) -> None:
     columns = {panel.axes.position[0] for panel in over} >= {panel.axes.position[0] for panel in panels}
     if columns and (len(panels) > 2 or all(len(labels.claims(panel.axes.title)) != 1 for panel in over)):
         return  # one title over each column of panels, or one that does not speak of a single sensor
-    raise Lost(
+    raise CheckFailed(
         "a title",
         "none" if not any(titled) else "a panel without one",
         mistakes=["no-title"],
@@ -321,14 +321,14 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         few = max([few, *(comparing.too_few(figure) for figure in drawing.figures if figure.is_saved)])
     if late and not drawn:
         got = "a picture that was saved before both were drawn"
-        raise Lost("a picture of raw and filtered data", got, keeps=0.5, hint=lost_pictures.SAVE_LAST)
+        raise CheckFailed("a picture of raw and filtered data", got, keeps=0.5, hint=lost_pictures.SAVE_LAST)
     if few and not drawn:
         wanted = f"raw and filtered data of {plots.FEWEST_POINTS} samples or more"
-        raise Lost(wanted, f"{few} samples", keeps=0.5, hint=_MORE_SAMPLES)
+        raise CheckFailed(wanted, f"{few} samples", keeps=0.5, hint=_MORE_SAMPLES)
     if drawn:
         if handed_in.shows_something(student, _COMPARISON):
             return
-        raise Lost(
+        raise CheckFailed(
             "a saved picture of raw and filtered data",
             "a figure that is not saved",
             mistakes=["comparison-missing"],
@@ -339,7 +339,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         if broken_off:
             why = "and code that stops with an exception before it is drawn"
         got = f"{_COMPARISON}, {why}"
-        raise Lost(
+        raise CheckFailed(
             "code that draws raw and filtered data",
             got,
             mistakes=["comparison-missing"],
@@ -352,7 +352,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     mistakes = (
         [] if broken_off else ["comparison-missing"]
     )  # an exception came first: what the script would draw is not known
-    raise Lost(
+    raise CheckFailed(
         "a picture with the raw and the filtered series in it",
         got,
         mistakes=mistakes,
@@ -422,11 +422,11 @@ def _names_are_right(saved: list[list[comparing.Compared]]) -> None:
     """No names are asked for here; but names that are exchanged tell the reader the opposite."""
     if all(any(pair.exchanged for pair in of_it) and not any(pair.in_order for pair in of_it) for of_it in saved):
         got = "the raw curve under the name of the filtered one"
-        raise Lost("each curve under its own name", got, mistakes=["legend-order-wrong"], keeps=0.5)
+        raise CheckFailed("each curve under its own name", got, mistakes=["legend-order-wrong"], keeps=0.5)
 
 
 def _noise_is_shown(saved: list[list[comparing.Compared]], student: Student) -> None:
     """A filter takes noise away; where `NoisyIMU` adds none, that has been charged already."""
     if "NoisyIMU" in student.broken or any(pair.noisy for of_it in saved for pair in of_it):
         return
-    raise Lost("raw data with noise in it", "a raw curve without noise", keeps=0.5, hint=_DRAW_NOISE)
+    raise CheckFailed("raw data with noise in it", "a raw curve without noise", keeps=0.5, hint=_DRAW_NOISE)

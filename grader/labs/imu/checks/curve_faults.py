@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 
 from grader.engine.figures import Mask, Sight
-from grader.engine.findings import Lost, Ours, Size
+from grader.engine.findings import CheckFailed, Ours, Size
 from grader.labs.imu.checks.panel_words import quoted
 from grader.labs.imu.checks.plot_runs import CHANNELS, SENSOR_WORDS, Plot
 from grader.labs.imu.diagnosis import labels, plots
@@ -54,7 +54,7 @@ def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
         mistakes.append("curves-not-seen")
     if parts := plot.in_part():
         got.append(_over_a_part(parts))
-    raise Lost(
+    raise CheckFailed(
         "six curves, one for each channel of the data",
         "; ".join(got),
         mistakes=list(dict.fromkeys(mistakes)),
@@ -84,7 +84,7 @@ def drawn_in_part(plot: Plot) -> None:
     """Charge channels that are drawn over a part of the recorded time alone."""
     parts = plot.in_part()
     if parts:
-        raise Lost(
+        raise CheckFailed(
             "curves of the data from its first row to its last",
             _over_a_part(parts),
             keeps=_worth(plot, CHANNELS),
@@ -124,11 +124,13 @@ def _outside(cut_off: Mapping[Channel, Sight]) -> str:
 def against_no_time(plot: Plot) -> None:
     """Charge curves against the sample's index, or against a time in another unit than the label's."""
     if "index" in plot.abscissae:
-        raise Lost("curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5)
+        raise CheckFailed(
+            "curves against time", "curves against the sample's index", mistakes=["x-not-time"], keeps=0.5
+        )
     labelled = [labels.plain(text) for text in plot.x_labels]
     said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
     if "ms" in plot.abscissae and not said and not plot.own_ticks:
-        raise Lost(
+        raise CheckFailed(
             "curves against time in the unit of the label",
             "curves against milliseconds",
             mistakes=["x-not-time"],
@@ -154,6 +156,6 @@ def in_another_unit(plot: Plot, recorded: Callable[[int], str]) -> None:
             unsaid = said is None and shown.unit != family[0]
             if wrong or unsaid:
                 got = f"numbers in {shown.unit} under {f'the label {quoted(label)}' if label else 'no label'}"
-                raise Lost(
+                raise CheckFailed(
                     "numbers in the unit of the label", got, mistakes=["wrong-data-plotted"], keeps=0.5, hint=_IN_UNIT
                 )

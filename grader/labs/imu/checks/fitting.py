@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from grader.engine.findings import Lost, Size
+from grader.engine.findings import CheckFailed, Size
 
 _GLOBAL, _NAME = "global ", "name for "
 
@@ -30,7 +30,7 @@ def fits_in(name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_
     belongs_to : the check that deducts for the same
     """
     for departure in _departures(name, departs):
-        raise Lost(
+        raise CheckFailed(
             departure.expected,
             departure.got,
             off=Size(departure.off),

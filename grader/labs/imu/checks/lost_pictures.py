@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NoReturn
 
 from grader.base.text import printable
-from grader.engine.findings import A_PERSON_MAY, Lost, Ours
+from grader.engine.findings import A_PERSON_MAY, CheckFailed, Ours
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import handed_in
@@ -26,7 +26,7 @@ def some_overwritten(drawn: list[Plot]) -> None:
     if gone - standing:
         path = next(plot.figure.path for plot in drawn if plot.figure.event == "overwritten")
         missing = sensors_in_words({sensor for sensor, _ in gone - standing})
-        raise Lost(
+        raise CheckFailed(
             "each figure in a picture file of its own",
             f"{printable(path or handed_in.PICTURE, 60)}, saved a second time, without the {missing}",
             mistakes=["picture-overwritten"],
@@ -42,24 +42,26 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
             "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
         )
         got = f"{printable(broken.path, 60)}, which no program can open"
-        raise Lost("a picture that can be read", got, hint=hint)
+        raise CheckFailed("a picture that can be read", got, hint=hint)
     if "overwritten" in events:
         hint = Ours("Save the figure last, under a name that nothing else is written to afterwards (Step 4).")
         got = "a file in which the figure no longer stands at the end"
-        raise Lost(f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint)
+        raise CheckFailed(
+            f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint
+        )
     empty = [figure for figure in drawing.figures if figure.is_saved]
     if empty:
         last = SAVE_LAST if any(figure.finished is not None for figure in empty) else ""
         got = "a picture that was saved from an empty figure"
-        raise Lost("a picture of the curves", got, mistakes=["blank-image"], hint=last)
+        raise CheckFailed("a picture of the curves", got, mistakes=["blank-image"], hint=last)
     if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
         if not handed_in.counts(student, truth):
             student.note(
                 Ours(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
             )
         got = f"{handed_in.PICTURE}, which no code draws, and on which the recording was not recognised"
-        raise Lost("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
+        raise CheckFailed("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
     drawn = "a figure that is drawn and never saved" if events else "no figure"
     if "forgotten" in events:
         drawn = "a figure that is saved to memory, and never written to a file"
-    raise Lost(f"a saved picture, {handed_in.PICTURE}", drawn, mistakes=["plot-not-saved"])
+    raise CheckFailed(f"a saved picture, {handed_in.PICTURE}", drawn, mistakes=["plot-not-saved"])

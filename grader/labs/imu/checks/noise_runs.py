@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.engine.findings import Lost, Raised, Unusable, raised
+from grader.engine.findings import CheckFailed, Raised, Unusable, raised
 from grader.engine.submission_session import found_once
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
@@ -50,7 +50,7 @@ def in_sound_form(student: Student, truth: Traces) -> None:
     """Charge other parameters, or another form that both vectors could be made out of; all else is judged as it should be."""
     run = judged(student, truth, "given")
     if run.odd:
-        raise Lost(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
+        raise CheckFailed(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
     with suppress(Raised, Unusable, NoAnswer):  # default_bias charges that
         default_biases(student, truth)  # what it cannot be run without is found out by then
     fits_in("NoisyIMU", run.departs)

@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from grader.engine.findings import Lost, Ours, Size
+from grader.engine.findings import CheckFailed, Ours, Size
 from grader.labs.imu.answers import SENSOR_UNITS, SENSORS, Collection
 from grader.labs.imu.compare import SHEETS_NOISE, deviation, told
 from grader.labs.imu.diagnosis import collection as diagnosis
@@ -33,9 +33,9 @@ _KINDS = {
 def of_other_sensors(story: Story) -> None:
     """Charge rows of sensors whose ids were not given."""
     if story.world.startswith(diagnosis.OTHER_IMU):
-        raise Lost("readings of the IMU whose ids are given", "those of another IMU of the model")
+        raise CheckFailed("readings of the IMU whose ids are given", "those of another IMU of the model")
     if story.world == diagnosis.LEARNT_IDS:
-        raise Lost(
+        raise CheckFailed(
             "readings of the robot's IMU, its ids looked up by their names",
             "those of the sensors that have their ids in your copy of the model",
             mistakes=["hard-coded-address"],
@@ -43,7 +43,7 @@ def of_other_sensors(story: Story) -> None:
         )
     if story.world == diagnosis.LAST_SENSOR:
         got = "those of the model's last sensor, which the id -1 of an unknown name reads"
-        raise Lost("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
+        raise CheckFailed("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
 
 
 def shifted(story: Story, worlds: Worlds, series: Collection) -> None:
@@ -70,7 +70,7 @@ def _steps(series: Collection) -> int:
 def _begins_late(steps: int) -> NoReturn:
     got = f"none for the first {f'{steps} steps' if steps > 1 else 'step'}"
     off = Size("no row for the first of the steps")
-    raise Lost("a row for every step from the start on", got, keeps=0.5, hint=_FROM_THE_FIRST, off=off)
+    raise CheckFailed("a row for every step from the start on", got, keeps=0.5, hint=_FROM_THE_FIRST, off=off)
 
 
 def _by_one(story: Story, series: Collection) -> NoReturn:
@@ -78,11 +78,11 @@ def _by_one(story: Story, series: Collection) -> NoReturn:
     assert series.acceleration is not None
     if story.lag > 0 and _steps(series) == len(series.acceleration) - 1 and not series.acceleration[0].any():
         got = "a first row that was never filled: the loop makes a step less than there are rows"
-        raise Lost("a row for every step, the first one too", got, mistakes=["first-row-empty"], keeps=0.5)
+        raise CheckFailed("a row for every step, the first one too", got, mistakes=["first-row-empty"], keeps=0.5)
     late, mistakes = ("late", ["read-before-step"]) if story.lag > 0 else ("early", [])
     got = f"every row {late} by one sample"
     hint = "" if mistakes else _IN_THE_SAME_PASS
-    raise Lost("each row read after its step", got, mistakes=mistakes, keeps=0.5, hint=hint)
+    raise CheckFailed("each row read after its step", got, mistakes=mistakes, keeps=0.5, hint=hint)
 
 
 def _at_own_times(story: Story, worlds: Worlds, series: Collection) -> bool:
@@ -106,18 +106,18 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
     if key == series.absent:
         gone = f"none that can be made out under {key!r}"
         off = Size(f"no rows that can be made out under {key!r}")
-        raise Lost("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
+        raise CheckFailed("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
     alone = len(story.altered) == 1
     keeps, others = (
         (0.5, ", while the other sensor is right") if alone else (0.5 if _is_near(story, worlds, series) else 0.0, "")
     )
     if not np.isfinite(got).all():
-        raise Lost("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
+        raise CheckFailed("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
     gap = deviation(got, true)
     treatment = diagnosis.treatment(key, got, true)
     kind = _KINDS.get(treatment or "", "")
     beside = "the other sensor's rows as they should be, and " if alone else ""
-    raise Lost(
+    raise CheckFailed(
         f"{told(true[gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
         f"{told(got[gap.row], true[gap.row])}{kind and ': '}{kind}{others}",
         mistakes=["rows-altered"] if treatment else [],
@@ -137,13 +137,13 @@ def broken_off(n: int, worlds: Worlds) -> NoReturn:
     """The first rows are right, and the others are not there."""
     rows = f"{n} row{'s' * (n != 1)}, then nothing"
     hint = Ours("Return after the loop, when all rows are stored (Step 3).")
-    raise Lost(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
+    raise CheckFailed(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
 
 
 def standing_still(n: int, series: Collection) -> NoReturn:
     """All rows are alike, and others would be too: no step was made, or none was read."""
     got, stepped = f"{n} rows, all alike, whatever gravity is", bool(series.first_step)
-    raise Lost(
+    raise CheckFailed(
         "a reading after every step" if stepped else "rows that a simulation made",
         got,
         mistakes=[] if stepped else ["nothing-simulated"],
@@ -155,13 +155,13 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     """Rows that no story predicts: told by the sensor that is off, and by the row where it is furthest off."""
     if series.absent:
         found = f"no rows that can be made out under {series.absent!r}, and others than the truth of the other sensor"
-        raise Lost("the readings of both sensors", found, hint=_BOTH)
+        raise CheckFailed("the readings of both sensors", found, hint=_BOTH)
     accel, gyro = worlds.series.get(diagnosis.CLAIMED_WORLD, worlds.series[diagnosis.TRUE_WORLD])
     assert series.acceleration is not None
     assert series.angular_velocity is not None
     n = min(len(series.acceleration), len(accel))
     if not (np.isfinite(series.acceleration).all() and np.isfinite(series.angular_velocity).all()):
-        raise Lost("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
+        raise CheckFailed("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
     in_accel, in_gyro = deviation(series.acceleration, accel), deviation(series.angular_velocity[:n], gyro)
     right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
     if all(right):
@@ -172,7 +172,7 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
         else (series.acceleration, accel, in_accel, SENSOR_UNITS[0])
     )
     nothing = [] if series.first_step else ["nothing-simulated"]
-    raise Lost(
+    raise CheckFailed(
         f"{told(true[at.row], got[at.row])} {unit} in row {at.row}",
         f"{told(got[at.row], true[at.row])} (RMS difference over the series {at.rms:.3g} {unit})",
         keeps=0.5 if any(right) else 0.0,

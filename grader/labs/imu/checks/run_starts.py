@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grader.engine.findings import Lost, Size
+from grader.engine.findings import CheckFailed, Size
 from grader.labs.imu.answers import Collection
 from grader.labs.imu.compare import Array, vector
 from grader.labs.imu.diagnosis.collection import Claim, Story, Worlds
@@ -52,11 +52,11 @@ def in_another_model(story: Story, worlds: Worlds, series: Collection, gravity: 
         return
     if abs(claim.timestep - worlds.timestep) > _SAME:
         got = f"rows of a simulation with a time step of {claim.timestep:g} s"
-        raise Lost(
+        raise CheckFailed(
             f"a simulation with the model's time step of {worlds.timestep:g} s", got, mistakes=["modifies-model"]
         )
     if np.abs(claim.gravity - gravity).max() > _GRAVITY_ATOL:
-        raise Lost(
+        raise CheckFailed(
             "a simulation with the model's gravity",
             f"rows of one with {vector(claim.gravity)} m/s²",
             mistakes=["modifies-model"],
@@ -68,12 +68,12 @@ def with_another_push(claim: Claim) -> None:
     pushed = np.flatnonzero(np.abs(claim.qvel) > _SAME)
     if claim.force.any():
         got = f"a series under a force of up to {np.abs(claim.force).max():.3g} N or Nm"
-        raise Lost(f"{PUSH}, and no force", got, mistakes=["wrong-perturbation"])
+        raise CheckFailed(f"{PUSH}, and no force", got, mistakes=["wrong-perturbation"])
     if not len(pushed) and len(claim.set_at):
         got = f"a series whose velocity is set before step {claim.set_at[0] + 1:.0f}, and not at the start"
         _wrongly_pushed(got, Size("a series whose velocity is set later, and not at the start"))
     if not len(pushed):
-        raise Lost(PUSH, "a series without a push", mistakes=["no-perturbation"])
+        raise CheckFailed(PUSH, "a series without a push", mistakes=["no-perturbation"])
     if len(pushed) != 1 or pushed[0] != 0 or abs(claim.qvel[0] - 0.5) > _SAME:
         _wrongly_pushed(
             f"a series that starts with {_in_words(claim.qvel)}", Size("a series that starts with another push")
@@ -85,7 +85,7 @@ def with_another_push(claim: Claim) -> None:
 
 
 def _wrongly_pushed(got: str, off: Size) -> None:
-    raise Lost("data.qvel[0] = 0.5 once, right after the reset", got, mistakes=["wrong-perturbation"], off=off)
+    raise CheckFailed("data.qvel[0] = 0.5 once, right after the reset", got, mistakes=["wrong-perturbation"], off=off)
 
 
 def velocities(series: Collection) -> str:
