@@ -194,13 +194,17 @@ def attacks() -> str:
     entries = json.loads((FOLDER / "isolation.json").read_text(encoding="utf-8"))
     families = {entry["family"]: entry["programs"] for entry in entries}
     rows = []
-    for level, user in dict.fromkeys((entry["rung"], entry["user"]) for entry in entries):
-        fell = {each["family"]: len(each["fell"]) for each in entries if (each["rung"], each["user"]) == (level, user)}
+    for level, user in dict.fromkeys((entry["isolation_level"], entry["user"]) for entry in entries):
+        fell = {
+            each["family"]: len(each["fell"])
+            for each in entries
+            if (each["isolation_level"], each["user"]) == (level, user)
+        }
         rows.append((f"`{level}`", user, *(_held(count, fell.get(name)) for name, count in families.items())))
     table = _table(("Level", "User", *(f"{name} ({count})" for name, count in families.items())), rows)
     unwalled = [
         (entry["family"], name, entry["user"], effect.replace("|", "\\|"))
-        for entry in entries if entry["rung"] == UNWALLED.name
+        for entry in entries if entry["isolation_level"] == UNWALLED.name
         for name, effect in entry["fell"].items()
     ]  # fmt: skip
     effects = _table(("Family", "Submission", "User", "Effect"), unwalled)

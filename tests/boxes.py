@@ -13,7 +13,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.isolation_levels import Rung
+from grader.sandbox.isolation_levels import IsolationLevel
 
 Opened = Callable[..., AbstractContextManager[Marker]]
 """A marker by traces, and by the lab's own rubric or another one."""
@@ -26,8 +26,8 @@ class Lasting:
         self._box = box
 
     @property
-    def rung(self) -> Rung:
-        return self._box.rung
+    def isolation_level(self) -> IsolationLevel:
+        return self._box.isolation_level
 
     def worker(self) -> Worker:
         return self._box.worker()

@@ -64,6 +64,6 @@ def _lost(checks: Iterable[CheckResult]) -> dict[str, list[Any]]:
 
 def table() -> str:
     """Grade all examples and return the table."""
-    with Marker(rubric.load(LAB), bundles.shipped(), rung=os.environ.get("IMUGRADE_RUNG")) as marker:
+    with Marker(rubric.load(LAB), bundles.shipped(), isolation_level=os.environ.get("IMUGRADE_RUNG")) as marker:
         found = {folder.name: summary(marker.mark(read_submission(folder, LAB.files))) for folder in folders()}
     return yaml.safe_dump(found, sort_keys=False, width=140, default_flow_style=None, allow_unicode=True)

@@ -17,7 +17,7 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import Standing
-from grader.sandbox.isolation_levels import RUNGS, Rung
+from grader.sandbox.isolation_levels import RUNGS, IsolationLevel
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
 SHA = "0123456789abcdef" * 4
@@ -84,7 +84,7 @@ class FakeMarker:
     """Does what the submission's id says."""
 
     folder: Path
-    isolation: Rung = RUNGS[0]
+    isolation: IsolationLevel = RUNGS[0]
     pid: int = field(default_factory=os.getpid)
 
     def mark(self, submission: Submission, *, only: str | None = None) -> Result:

@@ -26,7 +26,7 @@ COLLECTORS, READERS = replays.collectors(), replays.readers()
 
 @pytest.fixture(scope="module")
 def marker(hidden: traces.Traces) -> Iterator[Marker]:
-    with Marker(rubric.load(LAB), hidden, rung=os.environ.get("IMUGRADE_RUNG")) as warm:
+    with Marker(rubric.load(LAB), hidden, isolation_level=os.environ.get("IMUGRADE_RUNG")) as warm:
         yield warm
 
 

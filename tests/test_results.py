@@ -36,7 +36,7 @@ RESULTS = [
 
 def test_the_schema_knows_every_rung() -> None:
     named = SCHEMA["$defs"]["provenance"]["properties"]["isolation"]["enum"]
-    assert named == [rung.name for rung in RUNGS]
+    assert named == [isolation_level.name for isolation_level in RUNGS]
 
 
 def test_what_a_check_found_is_written_in_fields_and_as_one_text_and_read_back() -> None:

@@ -43,7 +43,7 @@ def check(
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
     prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,
     rubric: RubricOption = None,
-    rung: RungOption = None,
+    isolation_level: RungOption = None,
 ) -> int:
     """Check one submission against the public scenarios.
 
@@ -55,7 +55,7 @@ def check(
     """
     wanted = _Wanted(path, only, html, json, prints, rubric)
     if watch:
-        return _watch(wanted, rubric, rung)
+        return _watch(wanted, rubric, isolation_level)
     from grader.commands import opening  # noqa: PLC0415
 
     if path.exists():
@@ -65,7 +65,7 @@ def check(
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     submission = read_apart(path, LAB.files)
-    with open_box_for(LAB, submission.files, rung) as box:
+    with open_box_for(LAB, submission.files, isolation_level) as box:
         from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the box warms up
 
         chosen = rubrics.load(LAB, rubric)
@@ -130,7 +130,7 @@ class _Wanted:
         return () if self.path == Path() else (str(self.path),)
 
 
-def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
+def _watch(wanted: _Wanted, rubric: Path | None, isolation_level: str | None) -> int:
     from grader.commands.watching import View  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.intake.submission import original_name  # noqa: PLC0415
@@ -155,7 +155,7 @@ def _watch(wanted: _Wanted, rubric: Path | None, rung: str | None) -> int:
 
     try:
         for result in checking.check_on_save(
-            wanted.path, chosen, bundle, only=wanted.only, rung=rung, written=written, begins=begins, waits=view.refit,
+            wanted.path, chosen, bundle, only=wanted.only, isolation_level=isolation_level, written=written, begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.hear,
         ):  # fmt: skip
             known = history.recalled(wanted.path, result) if before is None else before

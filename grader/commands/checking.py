@@ -46,7 +46,7 @@ def check_on_save(
     traces: Traces,
     *,
     only: str | None = None,
-    rung: str | None = None,
+    isolation_level: str | None = None,
     written: Collection[Path] = (),
     begins: Callable[[], None] = _nothing,
     waits: Callable[[], None] = _nothing,
@@ -65,7 +65,7 @@ def check_on_save(
     handed_in = Alone(path, rubric.lab.files)
     with (
         Reader() as reader,
-        Marker(rubric, traces, box=open_box_for(rubric.lab, reader.read(handed_in).files, rung)) as marker,
+        Marker(rubric, traces, box=open_box_for(rubric.lab, reader.read(handed_in).files, isolation_level)) as marker,
     ):
         for _ in saves(path, written, waits):
             begins()

@@ -46,7 +46,7 @@ def ci(
         bool,
         typer.Option("--private", help="Allow hidden scenarios: students cannot read this job."),
     ] = False,
-    rung: RungOption = None,
+    isolation_level: RungOption = None,
 ) -> int:
     """Grade one submission in a CI job and write its platform's output.
 
@@ -66,7 +66,7 @@ def ci(
     bundle = LAB.truth(None, chosen.settings) if traces_ is None else traces.load(traces_)
     order = job.Job(
         job.named(format_), chosen, bundle, path, out,
-        job.visible(visibility), trust, min_score, rung, private=private,
+        job.visible(visibility), trust, min_score, isolation_level, private=private,
     )  # fmt: skip
     result = job.run(order)
     if result.status == "incomplete":

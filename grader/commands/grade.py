@@ -68,7 +68,7 @@ def grade(
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
     trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
-    rung: RungOption = None,
+    isolation_level: RungOption = None,
 ) -> int:
     """Grade a class. After an interruption, the same command continues.
 
@@ -96,7 +96,7 @@ def grade(
     bundle = LAB.truth(seed, chosen.settings)
     which = one_of("--attempts", attempts, ATTEMPTS) or (known.attempts if known else ATTEMPTS[0])
     order = classroom.Order(
-        tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, rung, cluster,
+        tuple(paths), out, chosen, bundle, jobs, tuple(only or ()), force, trust, isolation_level, cluster,
         one_of("--from", from_, (registry.FOLDERS, *registry.names("read"))), class_settings.roster_of(known, roster), which,
         at_least=known.isolation if known and not change else "",
     )  # fmt: skip

@@ -11,7 +11,7 @@ from grader.base.errors import GraderError, RequestError
 from grader.engine.recording import rehearse
 from grader.labs.imu.lab import LAB
 from grader.sandbox import one_copy
-from grader.sandbox.isolation_levels import Rung
+from grader.sandbox.isolation_levels import IsolationLevel
 from grader.sandbox.level_choice import probe
 
 _UNWALLED = "no isolation: fine for your own code, `grade` asks for --trust-submissions"
@@ -34,17 +34,21 @@ def examine() -> list[tuple[str, list[Finding]]]:
 
 def _isolation() -> list[Finding]:
     tried = probe()
-    best = next(each.rung for each in tried if each.usable)
-    rows = [Finding(each.rung.name, each.usable, each.reason or "works here") for each in tried if each.rung.walled]
+    best = next(each.isolation_level for each in tried if each.usable)
+    rows = [
+        Finding(each.isolation_level.name, each.usable, each.reason or "works here")
+        for each in tried
+        if each.isolation_level.walled
+    ]
     if not best.walled:
         return [*rows, Finding("in use", False, _UNWALLED)]
     return [*rows, Finding("in use", True, best.name), _one_copy(best)]
 
 
-def _one_copy(rung: Rung) -> Finding:
+def _one_copy(isolation_level: IsolationLevel) -> Finding:
     """Whether a submission could read the solution of a second install, of a checkout, or of this one."""
     try:
-        search = one_copy.search(rung)
+        search = one_copy.search(isolation_level)
     except GraderError as error:
         return Finding("hidden", False, f"could not be looked at from inside: {error}")
     if not search.found:

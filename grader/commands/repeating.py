@@ -38,7 +38,7 @@ def folder_in(path: Path) -> Path:
     return place
 
 
-def write(rubric: Rubric, check_id: str, path: Path, out: Path, rung: str | None = None) -> Path:
+def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level: str | None = None) -> Path:
     """Examine the submission, and write what the check asked of it.
 
     Returns
@@ -55,7 +55,7 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, rung: str | None
     if not path.is_dir():
         raise RequestError(f"{printable(str(path), 500)} is no folder; unpack it, so that Python finds the files in it")
     submission = read_submission(path, rubric.lab.files)
-    student, judgements = examined(rubric, submission, rung)
+    student, judgements = examined(rubric, submission, isolation_level)
     questions = [each for each in student.questions(check_id) if str(each.fields["path"]).endswith(".py")]
     if not questions:
         raise RequestError(f"{check_id} asked nothing of a .py file here that could be asked again")
@@ -74,13 +74,13 @@ def put(out: Path, text: str, questions: Sequence[Asked], beside: Mapping[str, s
 
 
 def examined(
-    rubric: Rubric, submission: Submission, rung: str | None = None
+    rubric: Rubric, submission: Submission, isolation_level: str | None = None
 ) -> tuple[Recorder, Mapping[str, Judgement]]:
     """The whole submission on the public scenarios, as `imugrade check` examines it."""
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)
-    with open_box_for(lab, submission.files, rung) as box:
+    with open_box_for(lab, submission.files, isolation_level) as box:
         student = Recorder(box, lab, submission.files, truth=truth, above=submission.above, **limits)
         examination = Watched(lab, student, truth, None)
         try:

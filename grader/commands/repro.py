@@ -26,7 +26,7 @@ def repro(
         typer.Option("--out", "-o", metavar="DIR", help="The output folder. Default: PATH/.imugrade."),
     ] = None,
     rubric: RubricOption = None,
-    rung: RungOption = None,
+    isolation_level: RungOption = None,
 ) -> int:
     """Write a program that calls your code with the public input of a check.
 
@@ -43,6 +43,6 @@ def repro(
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     folder = repeating.folder_in(path) if out is None else out
-    written = repeating.write(rubrics.load(LAB, rubric), check, path, folder, rung)
+    written = repeating.write(rubrics.load(LAB, rubric), check, path, folder, isolation_level)
     print(f"{written} written; run it with: python {os.path.relpath(written)}")
     return 0

@@ -43,7 +43,7 @@ def plot(
     ] = None,
     seed: SeedOption = None,
     rubric: RubricOption = None,
-    rung: RungOption = None,
+    isolation_level: RungOption = None,
 ) -> int:
     """Plot each motion as a PNG file.
 
@@ -54,13 +54,13 @@ def plot(
     from grader.labs.imu import motions  # noqa: PLC0415
 
     traces = _obtained(seed, rubric)
-    own = None if mine is None else _recorded(mine, traces, rubric, rung)
+    own = None if mine is None else _recorded(mine, traces, rubric, isolation_level)
     for path in motions.plot(traces, out, own):
         print(path)
     return 0
 
 
-def _recorded(path: Path, traces: Traces, rubric: Path | None, rung: str | None) -> Mapping[str, Collection]:
+def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None) -> Mapping[str, Collection]:
     """What the submission's own `simulate_and_collect` records, run in a box; what cannot be had is said."""
     from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
@@ -72,7 +72,7 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, rung: str | None)
 
     submission, limits = read_submission(path, LAB.files), asdict(rubrics.load(LAB, rubric).limits)
     own = {}
-    with open_box_for(LAB, submission.files, rung) as box:
+    with open_box_for(LAB, submission.files, isolation_level) as box:
         student = LAB.student(box, LAB, submission.files, truth=traces, above=submission.above, **limits)
         for scenario, ask in {"push": recordings.after_push, "push_dirty": recordings.after_dirt}.items():
             try:

@@ -66,7 +66,7 @@ class Order:
     only: tuple[str, ...] = ()
     force: bool = False
     trusted: bool = False
-    rung: str | None = None
+    isolation_level: str | None = None
     cluster: str | None = None
     shape: str | None = None
     roster: Roster = NO_ROSTER
@@ -312,7 +312,7 @@ def _keep_people(store: Store, publisher: Publisher, named: Mapping[str, HandIn]
 
 def _keep_isolation(store: Store, standings: Mapping[str, Standing]) -> None:
     """Record the weakest isolation level of the class."""
-    levels = [rung.name for rung in RUNGS]
+    levels = [isolation_level.name for isolation_level in RUNGS]
     used = [name for each in standings.values() if (name := each.result.provenance.get("isolation")) in levels]
     settings = store.settings()
     if settings is not None and used:
@@ -429,15 +429,15 @@ def _jobs(order: Order) -> int:
 
 def opener(order: Order) -> OpenMarker:
     """What each worker process makes its marker with."""
-    return partial(guarded_marker, order.rubric, order.traces, order.rung, order.trusted, order.at_least)
+    return partial(guarded_marker, order.rubric, order.traces, order.isolation_level, order.trusted, order.at_least)
 
 
 @contextmanager
 def guarded_marker(
-    rubric: Rubric, traces: Traces, rung: str | None, trusted: bool, at_least: str = ""
+    rubric: Rubric, traces: Traces, isolation_level: str | None, trusted: bool, at_least: str = ""
 ) -> Iterator[Marking]:
     """A marker for other people's code: refused where nothing isolates it, or less than the isolation level `at_least`."""
-    with Marker(rubric, traces, rung=rung) as marker:
+    with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.walled and not trusted:
             raise RequestError(
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "

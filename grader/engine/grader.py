@@ -29,7 +29,7 @@ from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.sandbox.box import Box
-from grader.sandbox.isolation_levels import Rung
+from grader.sandbox.isolation_levels import IsolationLevel
 
 
 class Stopped(KeyboardInterrupt):
@@ -46,7 +46,7 @@ class Marker:
     Parameters
     ----------
     rubric, traces : what is asked, and what is true
-    rung : of the box; the best that this machine allows if None
+    isolation_level : of the box; the best that this machine allows if None
     box : one that was opened before, and is closed with the marker
 
     Raises
@@ -57,10 +57,12 @@ class Marker:
         Where no box can be opened.
     """
 
-    def __init__(self, rubric: Rubric, traces: Traces, *, rung: str | None = None, box: Box | None = None) -> None:
+    def __init__(
+        self, rubric: Rubric, traces: Traces, *, isolation_level: str | None = None, box: Box | None = None
+    ) -> None:
         self._lab, self._rubric, self._traces = rubric.lab, rubric, traces
         rubric.lab.match(rubric.settings, traces)
-        self._box = box or open_box(rubric.lab, rung)  # it warms up while the checks are collected
+        self._box = box or open_box(rubric.lab, isolation_level)  # it warms up while the checks are collected
         try:
             self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})
@@ -69,8 +71,8 @@ class Marker:
             raise
 
     @property
-    def isolation(self) -> Rung:
-        return self._box.rung
+    def isolation(self) -> IsolationLevel:
+        return self._box.isolation_level
 
     def __enter__(self) -> Marker:
         return self
@@ -262,7 +264,7 @@ class Marker:
             "submission_sha256": submission.sha256,
             "python": platform.python_version(),
             **{package: _version(package) for package in self._lab.depends_on},
-            "isolation": self._box.rung.name,
+            "isolation": self._box.isolation_level.name,
             "seed": SEED,
         }
 

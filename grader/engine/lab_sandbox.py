@@ -18,19 +18,24 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
 
 
-def open_box(lab: Lab, rung: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True) -> Box:
+def open_box(
+    lab: Lab, isolation_level: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True
+) -> Box:
     """A box for many submissions, which warms up while the caller goes on.
 
     Parameters
     ----------
-    rung : the best that this machine allows if None
+    isolation_level : the best that this machine allows if None
     libraries : imported beforehand; a marker has those that a submission can mean imported with the first that does, for all that
         follow, and any other is imported by the submission that wants it, with the same marks
     thorough : also use each part once beforehand, so that no submission pays for a first time
     """
-    return Box(Contents(HARNESS, lab.folder / "worker", warm=tuple(libraries), thorough=thorough), rung=rung)
+    return Box(
+        Contents(HARNESS, lab.folder / "worker", warm=tuple(libraries), thorough=thorough),
+        isolation_level=isolation_level,
+    )
 
 
-def open_box_for(lab: Lab, files: Mapping[str, bytes], rung: str | None = None) -> Box:
+def open_box_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Box:
     """A box for one submission, ready sooner: nothing is done beforehand that it can do without."""
-    return open_box(lab, rung, libraries=libraries_of(lab, files), thorough=False)
+    return open_box(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)

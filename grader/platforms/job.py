@@ -38,7 +38,7 @@ class Job:
     visibility: Visibility = "visible"
     trusted: bool = False
     min_score: float | None = None
-    rung: str | None = None
+    isolation_level: str | None = None
     private: bool = False
     environ: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
 
@@ -120,7 +120,9 @@ def run(job: Job) -> Result:
         job.platform.refuse(job.environ, job.min_score)
     path = job.path or submission_of(job.platform)
     submission = read_apart(path, job.rubric.lab.files)
-    with Marker(job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.rung)) as marker:
+    with Marker(
+        job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.isolation_level)
+    ) as marker:
         if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(
                 "hidden scenarios, but nothing here keeps students' code from reading them (`imugrade doctor` tells why); "

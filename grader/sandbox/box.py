@@ -23,7 +23,7 @@ from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedO
 
 from . import level_choice, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
-from .isolation_levels import RUNGS, UNWALLED, Rung, named
+from .isolation_levels import RUNGS, UNWALLED, IsolationLevel, named
 from .plain import PlainProcess
 from .plan import Contents
 from .printed import Printed
@@ -44,23 +44,23 @@ class Box:
     ----------
     contents
         What it is opened for; its harness answers the questions.
-    rung
+    isolation_level
         The name of one of `RUNGS`; None for the best that this machine allows.
 
     Attributes
     ----------
-    rung
-        The rung in use.
+    isolation_level
+        The isolation level in use.
     why
         Why it is not a better one; empty on the highest.
 
     Raises
     ------
     GraderError
-        If the rung that was asked for cannot be had here.
+        If the isolation level that was asked for cannot be had here.
     """
 
-    def __init__(self, contents: Contents, *, rung: str | None = None) -> None:
+    def __init__(self, contents: Contents, *, isolation_level: str | None = None) -> None:
         self._contents = replace(
             contents,
             harness=contents.harness.resolve(),
@@ -71,11 +71,11 @@ class Box:
         self._closed = False
         _hide_this_process()
         surroundings.compile_once([str(f) for f in (self._contents.harness, self._contents.questions) if f])
-        if rung is None:
+        if isolation_level is None:
             self._zygote, self.why = level_choice.climb(self._contents)
-            self.rung = self._zygote.rung if self._zygote else UNWALLED
+            self.isolation_level = self._zygote.isolation_level if self._zygote else UNWALLED
         else:
-            self.rung, self.why = _asked_for(rung), f"{rung} was asked for"
+            self.isolation_level, self.why = _asked_for(isolation_level), f"{rung} was asked for"
             self._zygote = self._start()
 
     def __enter__(self) -> Box:
@@ -87,7 +87,7 @@ class Box:
         self.close()
 
     def worker(self) -> Worker:
-        """A fresh worker, which knows nothing of the ones before it. At most four at a time live on the middle rungs.
+        """A fresh worker, which knows nothing of the ones before it. At most four at a time live on the middle isolation levels.
 
         Raises
         ------
@@ -120,15 +120,15 @@ class Box:
             self._zygote = None
 
     def _start(self) -> Zygote | None:
-        if not self.rung.walled:
+        if not self.isolation_level.walled:
             return None
         try:
-            return level_choice.raise_walls(self.rung, self._contents)
+            return level_choice.raise_walls(self.isolation_level, self._contents)
         except WallsRefusedError as error:
-            raise GraderError(f"this machine does not allow the rung {self.rung.name!r}: {error}") from None
+            raise GraderError(f"this machine does not allow the isolation level {self.rung.name!r}: {error}") from None
 
     def _spawn(self, printed: Printed) -> Process:
-        if not self.rung.walled:
+        if not self.isolation_level.walled:
             return PlainProcess(self._contents, printed)
         try:
             return self._spawn_once(printed)
@@ -258,11 +258,11 @@ class Worker:
             self._process.end()
 
 
-def _asked_for(name: str) -> Rung:
-    rung = named(name)
-    if rung is None:
-        raise GraderError(f"there is no rung {name!r}, only {', '.join(each.name for each in RUNGS)}")
-    return rung
+def _asked_for(name: str) -> IsolationLevel:
+    isolation_level = named(name)
+    if isolation_level is None:
+        raise GraderError(f"there is no isolation level {name!r}, only {', '.join(each.name for each in RUNGS)}")
+    return isolation_level
 
 
 def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:

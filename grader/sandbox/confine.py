@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from . import landlock, limits, linux, namespaces, rootfs, seccomp
-from .isolation_levels import Rung
+from .isolation_levels import IsolationLevel
 from .syscalls import Machine
 
 FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grader
@@ -25,7 +25,7 @@ class Walls:
 
     Attributes
     ----------
-    rung
+    isolation_level
         Which walls these are.
     machine
         For seccomp's system call numbers.
@@ -40,7 +40,7 @@ class Walls:
         The zygote's pid, as a worker without a pid namespace sees it; 0 for others.
     """
 
-    rung: Rung
+    isolation_level: IsolationLevel
     machine: Machine
     landlock_abi: int
     rules: tuple[tuple[str, int], ...]
@@ -59,13 +59,13 @@ def confine(walls: Walls, scratch: str) -> None:
     os.umask(0o077)
     os.setsid()
     _die_first(walls.proc)
-    if walls.rung.own_namespaces:
+    if walls.isolation_level.own_namespaces:
         namespaces.enter_as_worker(walls.proc)
         rootfs.mount_scratch()
     rules = _keep_rules(walls, scratch)
     os.chdir(scratch)
     limits.enforce(
-        leave_out=() if walls.rung.own_namespaces else ("RLIMIT_NPROC",)
+        leave_out=() if walls.isolation_level.own_namespaces else ("RLIMIT_NPROC",)
     )  # it would count the user's others too
     linux.prctl(linux.PR_SET_DUMPABLE, 0)
     _end_with_zygote(walls.zygote)
@@ -79,7 +79,7 @@ def confine(walls: Walls, scratch: str) -> None:
 @lru_cache(maxsize=2)
 def filter_program(walls: Walls, pid: int) -> bytes:
     """The seccomp filter of the worker `pid`."""
-    return seccomp.program(walls.machine, pid, own_files_only=walls.rung.own_namespaces)
+    return seccomp.program(walls.machine, pid, own_files_only=walls.isolation_level.own_namespaces)
 
 
 def _die_first(proc: int) -> None:

@@ -1,4 +1,4 @@
-"""The ladder of walls, best first: one record a rung. Whatever differs between rungs asks the record, and no name is compared."""
+"""The choice of levels of walls, best first: one record a isolation level. Whatever differs between isolation levels asks the record, and no name is compared."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One rung of the ladder.
+class IsolationLevel:
+    """One isolation level of the choice of levels.
 
     Attributes
     ----------
@@ -37,14 +37,14 @@ class Rung:
 
 @dataclass(frozen=True)
 class Promise:
-    """What holds whatever a submission does, and on which rungs."""
+    """What holds whatever a submission does, and on which isolation levels."""
 
     words: str
-    kept_on: Callable[[Rung], bool]
+    kept_on: Callable[[IsolationLevel], bool]
 
 
 RUNGS = (
-    Rung(
+    IsolationLevel(
         "full",
         "user, mount, pid, ipc, uts and network namespaces; a read-only root with what a box shows (below) and nothing else; "
         "its own 64 MB of disk in memory; limits; no capabilities; Landlock; a seccomp allowlist",
@@ -52,29 +52,29 @@ RUNGS = (
         own_root=True,
         own_namespaces=True,
     ),
-    Rung(
+    IsolationLevel(
         "bubblewrap",
         "the zygote in `bwrap`; around each worker limits, Landlock and the allowlist",
         "the program `bwrap`",
         own_root=True,
         program="bwrap",
     ),
-    Rung("landlock", "limits, Landlock and the allowlist, without any privilege", "Linux 5.13"),
-    Rung("none", "a fresh process with limits of time and memory", "nothing", walled=False),
+    IsolationLevel("landlock", "limits, Landlock and the allowlist, without any privilege", "Linux 5.13"),
+    IsolationLevel("none", "a fresh process with limits of time and memory", "nothing", walled=False),
 )
 UNWALLED = RUNGS[-1]
 
 
-def _everywhere(_: Rung) -> bool:
+def _everywhere(_: IsolationLevel) -> bool:
     return True
 
 
-def _behind_walls(rung: Rung) -> bool:
-    return rung.walled
+def _behind_walls(isolation_level: IsolationLevel) -> bool:
+    return isolation_level.walled
 
 
-def _under_own_root(rung: Rung) -> bool:
-    return rung.own_root
+def _under_own_root(isolation_level: IsolationLevel) -> bool:
+    return isolation_level.own_root
 
 
 PROMISES = (
@@ -96,6 +96,6 @@ PROMISES = (
 )
 
 
-def named(name: str) -> Rung | None:
-    """The rung of that name; None if there is none."""
-    return next((rung for rung in RUNGS if rung.name == name), None)
+def named(name: str) -> IsolationLevel | None:
+    """The isolation level of that name; None if there is none."""
+    return next((isolation_level for isolation_level in RUNGS if isolation_level.name == name), None)

@@ -23,7 +23,7 @@ from typing import Any
 from grader.base.errors import GraderError
 
 from . import bubblewrap, namespaces, rootfs, surroundings, wire
-from .isolation_levels import Rung
+from .isolation_levels import IsolationLevel
 from .paths import empty
 from .plan import Contents, Plan
 from .printed import Printed
@@ -35,7 +35,7 @@ _WORKER_WITHIN_S = 60.0
 _END_WITHIN_S = 30.0
 _MAX_MESSAGE = 1 << 20
 _SCRATCH_FOLDERS = 4
-_PACKAGES = "packages"  # on the rung without a root of its own: links to the packages that are shown
+_PACKAGES = "packages"  # on the isolation level without a root of its own: links to the packages that are shown
 _KILLED = (-signal.SIGKILL, signal.SIGKILL, 128 + signal.SIGKILL)  # itself; what serve and bwrap make of their child's
 _UCRED = struct.Struct("3i")
 
@@ -51,8 +51,8 @@ class Zygote:
         If it was killed before they were up, which says nothing about the machine.
     """
 
-    def __init__(self, rung: Rung, contents: Contents) -> None:
-        self.rung = rung
+    def __init__(self, isolation_level: IsolationLevel, contents: Contents) -> None:
+        self.isolation_level = isolation_level
         self.without_landlock = False
         self.start_cpu_s = 0.0
         self._lock = threading.RLock()
@@ -81,10 +81,10 @@ class Zygote:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         process: subprocess.Popen[bytes] | None = None
         try:
-            uid = {} if self.rung.own_namespaces else _harmless_uid(_needed(contents))
+            uid = {} if self.isolation_level.own_namespaces else _harmless_uid(_needed(contents))
             scratch, cache = self._folders(uid)
             command = [sys.executable, "-B", "-s", surroundings.zygote(), str(theirs.fileno())]
-            if self.rung.program:
+            if self.isolation_level.program:
                 command = bubblewrap.command(self._plan(contents, uid, scratch, cache), theirs.fileno())
             process = subprocess.Popen(
                 command,
@@ -120,7 +120,7 @@ class Zygote:
             search = surroundings.search_by_links(visible, os.path.join(self._folder, _PACKAGES))
             visible = (*visible, os.path.join(self._folder, _PACKAGES))
         return Plan(
-            rung=self.rung,
+            isolation_level=self.isolation_level,
             harness=str(contents.harness.resolve()),
             questions=str(contents.questions.resolve()) if contents.questions else "",
             visible=visible,
@@ -134,14 +134,14 @@ class Zygote:
             cache=cache,
             decoy=surroundings.decoy(),
             # Where there are folders to remove it must not be killed: it ends when the control socket closes.
-            end_with_parent=self.rung.own_root and is_main_thread(),
+            end_with_parent=self.isolation_level.own_root and is_main_thread(),
         )
 
     def _folders(self, uid: dict[str, Any]) -> tuple[tuple[str, ...], str]:
         """Scratch folders and cache: the same names every time where the box has a root of its own."""
         names = [rootfs.SCRATCH, *(f"{rootfs.SCRATCH}{number}" for number in range(2, _SCRATCH_FOLDERS + 1))]
-        if self.rung.own_root:
-            return tuple(names[:1] if self.rung.own_namespaces else names), rootfs.CACHE
+        if self.isolation_level.own_root:
+            return tuple(names[:1] if self.isolation_level.own_namespaces else names), rootfs.CACHE
         self._folder = os.path.realpath(tempfile.mkdtemp(prefix="imugrade-"))
         os.chmod(self._folder, 0o711)
         folders = [self._folder + name for name in names]
@@ -371,7 +371,7 @@ def _needed(contents: Contents) -> list[str]:
 
 
 def _harmless_uid(needed: Sequence[str]) -> dict[str, Any]:
-    """On the lower rungs, root becomes a plain user at once, unless root alone can read what the box needs."""
+    """On the lower isolation levels, root becomes a plain user at once, unless root alone can read what the box needs."""
     if not namespaces.may_drop_root() or not all(_open_to_all(path) for path in needed):
         return {}
     return {"user": namespaces.DROPPED_ID, "group": namespaces.DROPPED_ID, "extra_groups": []}

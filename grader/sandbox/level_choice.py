@@ -1,4 +1,4 @@
-"""Which walls this machine allows, found out by raising them: the best rung for a box, all of them for the doctor."""
+"""Which walls this machine allows, found out by raising them: the best isolation level for a box, all of them for the doctor."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .isolation_levels import RUNGS, Rung
+from .isolation_levels import RUNGS, IsolationLevel
 from .plan import Contents
 from .process import WallsRefusedError, ZygoteGoneError
 
@@ -19,56 +19,56 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tried:
-    """A rung, whether it holds here, and if not (or not quite), why."""
+    """A isolation level, whether it holds here, and if not (or not quite), why."""
 
-    rung: Rung
+    isolation_level: IsolationLevel
     usable: bool
     reason: str
 
 
 def probe() -> list[Tried]:
-    """Try every rung in a child process, best first, with its walls tested from inside; about 50 ms each."""
-    return [_tried(rung) for rung in RUNGS]
+    """Try every isolation level in a child process, best first, with its walls tested from inside; about 50 ms each."""
+    return [_tried(isolation_level) for isolation_level in RUNGS]
 
 
-def _tried(rung: Rung) -> Tried:
-    if not rung.walled:
-        return Tried(rung, True, "a fresh process with a time limit, and no walls")
+def _tried(isolation_level: IsolationLevel) -> Tried:
+    if not isolation_level.walled:
+        return Tried(isolation_level, True, "a fresh process with a time limit, and no walls")
     try:
-        zygote = raise_walls(rung, Contents(Path(__file__).parent))
+        zygote = raise_walls(isolation_level, Contents(Path(__file__).parent))
     except WallsRefusedError as error:
-        return Tried(rung, False, str(error))
+        return Tried(isolation_level, False, str(error))
     zygote.close()
-    return Tried(rung, True, caveat(zygote))
+    return Tried(isolation_level, True, caveat(zygote))
 
 
 def caveat(zygote: Zygote) -> str:
-    """What is missing on a rung that holds; empty if nothing is."""
+    """What is missing on a isolation level that holds; empty if nothing is."""
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 
-def raise_walls(rung: Rung, contents: Contents) -> Zygote:
-    """Start a zygote on this very rung, or raise WallsRefusedError."""
+def raise_walls(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
+    """Start a zygote on this very isolation level, or raise WallsRefusedError."""
     if sys.platform != "linux":
         raise WallsRefusedError("needs Linux")
     from . import launch  # noqa: PLC0415 - of Linux only
 
-    if rung.program and shutil.which(rung.program) is None:
+    if isolation_level.program and shutil.which(isolation_level.program) is None:
         raise WallsRefusedError(f"the program {rung.program} is not installed")
     with contextlib.suppress(ZygoteGoneError):
-        return launch.Zygote(rung, contents)
+        return launch.Zygote(isolation_level, contents)
     try:
-        return launch.Zygote(rung, contents)
+        return launch.Zygote(isolation_level, contents)
     except ZygoteGoneError as error:
         raise WallsRefusedError(f"{error}, twice") from None
 
 
 def climb(contents: Contents) -> tuple[Zygote | None, str]:
-    """Start a zygote on the best rung that holds (None: there is none), and say why it is not a better one."""
+    """Start a zygote on the best isolation level that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
-    for rung in filter(lambda each: each.walled, RUNGS):
+    for isolation_level in filter(lambda each: each.walled, RUNGS):
         try:
-            zygote = raise_walls(rung, contents)
+            zygote = raise_walls(isolation_level, contents)
         except WallsRefusedError as error:
             refused.append(f"{rung.name}: {error}")
             continue

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from . import rootfs, surroundings
 from .box import Box
-from .isolation_levels import Rung
+from .isolation_levels import IsolationLevel
 from .plan import Contents
 
 _HARNESS = Path(__file__).parent / "searching"
@@ -29,22 +29,22 @@ class Search:
     found: tuple[str, ...]
 
 
-def search(rung: Rung) -> Search:
-    """Open whatever a submission could open on this rung, and look for our names and for lines of ours in it.
+def search(isolation_level: IsolationLevel) -> Search:
+    """Open whatever a submission could open on this isolation level, and look for our names and for lines of ours in it.
 
     Raises
     ------
     GraderError
-        If the rung cannot be had here.
+        If the isolation level cannot be had here.
     """
-    with Box(Contents(_HARNESS), rung=rung.name) as box, box.worker() as worker:
+    with Box(Contents(_HARNESS), isolation_level=isolation_level.name) as box, box.worker() as worker:
         fields = {"roots": _roots(), "phrases": sorted(_phrases()), "own": _own()}
         answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
     return Search(int(answer["opened"]), tuple(map(str, answer["found"])))
 
 
 def _roots() -> list[str]:
-    """Where to begin: on a rung with the host's root, / itself cannot be listed."""
+    """Where to begin: on a isolation level with the host's root, / itself cannot be listed."""
     shown = surroundings.visible()
     return list(dict.fromkeys(["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *shown]))
 

@@ -1,4 +1,4 @@
-"""The worker's side of the lowest rung: one process, no walls, the same loop."""
+"""The worker's side of the lowest isolation level: one process, no walls, the same loop."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from .isolation_levels import RUNGS, Rung
+from .isolation_levels import RUNGS, IsolationLevel
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Contents:
     readable
         Further paths that the box shows read-only.
     warm
-        Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest rung each worker imports what it
+        Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest isolation level each worker imports what it
         needs.
     thorough
         Whether the harness also uses each part once before the first worker: it pays where many of them follow.
@@ -43,7 +43,7 @@ class Plan:
 
     Attributes
     ----------
-    rung
+    isolation_level
         Whose walls are raised.
     harness, questions
         The folders that are imported as packages; no questions are "".
@@ -67,7 +67,7 @@ class Plan:
         Whether the kernel kills the zygote with the thread that started it; it ends anyway when the grader hangs up.
     """
 
-    rung: Rung
+    isolation_level: IsolationLevel
     harness: str
     questions: str
     visible: tuple[str, ...]
@@ -84,10 +84,12 @@ class Plan:
 
     def packed(self) -> bytes:
         """As one message, which has to fit into a socket's buffer: a machine may have thousands of packages."""
-        return zlib.compress(json.dumps({**asdict(self), "rung": RUNGS.index(self.rung)}).encode(), 1)
+        return zlib.compress(
+            json.dumps({**asdict(self), "isolation_level": RUNGS.index(self.isolation_level)}).encode(), 1
+        )
 
     @classmethod
     def unpacked(cls, message: bytes) -> Plan:
         values = json.loads(zlib.decompress(message)).items()
         fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in values}
-        return cls(**{**fields, "rung": RUNGS[fields["rung"]]})
+        return cls(**{**fields, "isolation_level": RUNGS[fields["isolation_level"]]})

@@ -43,7 +43,7 @@ def main(control_fd: int) -> Callable[[], None] | None:
     try:
         return _live(control, plan)
     except _GraderGoneError:
-        if not plan.rung.own_root:
+        if not plan.isolation_level.own_root:
             with contextlib.suppress(OSError):  # the grader may have been faster
                 folder = os.path.dirname(plan.cache)
                 paths.empty(folder)
@@ -94,14 +94,14 @@ def _words(error: BaseException) -> str:
 
 def _enter(plan: Plan, control: socket.socket) -> confine.Walls:
     """Raise the zygote's own walls. Where workers get namespaces the process forks, and the child goes on as pid 1."""
-    if plan.rung.own_namespaces:
+    if plan.isolation_level.own_namespaces:
         return _enter_full(plan, control)
     version = landlock.abi()
     if not version:
         raise OSError("the kernel has no Landlock")
-    readable, listed = (["/"], []) if plan.rung.own_root else _shown_in_place(plan)
+    readable, listed = (["/"], []) if plan.isolation_level.own_root else _shown_in_place(plan)
     rules = ((scratch, _move_up(landlock.ruleset(version, readable, listed, [scratch]))) for scratch in plan.scratch)
-    return confine.Walls(plan.rung, machine(), version, tuple(rules), _open_proc(), os.getpid())
+    return confine.Walls(plan.isolation_level, machine(), version, tuple(rules), _open_proc(), os.getpid())
 
 
 def _shown_in_place(plan: Plan) -> tuple[list[str], list[str]]:
@@ -137,7 +137,7 @@ def _enter_full(plan: Plan, control: socket.socket) -> confine.Walls:
         with open(f"{rootfs.CACHE}/{name}", "xb") as file:
             file.write(data)
     _become_first(control)
-    return confine.Walls(plan.rung, machine(), landlock.abi(), (), proc, 0)
+    return confine.Walls(plan.isolation_level, machine(), landlock.abi(), (), proc, 0)
 
 
 def _build_root(plan: Plan) -> None:
@@ -199,7 +199,7 @@ def _trial(walls: confine.Walls, plan: Plan) -> int:
 
 
 def _own_pid_namespace(walls: confine.Walls) -> int:
-    return _move_up(os.pidfd_open(os.getpid())) if walls.rung.own_namespaces else -1
+    return _move_up(os.pidfd_open(os.getpid())) if walls.isolation_level.own_namespaces else -1
 
 
 # Imports --------------------------------------------------------------------------------------------------------------
@@ -209,14 +209,14 @@ def _warm_up(plan: Plan) -> Any:
     """Import everything once, freeze it, and return the harness's `answer`."""
     sys.path[:] = plan.search  # packages may lie where only the grader's own environment says
     copies = rootfs.copies(plan)
-    folders = list(copies if plan.rung.own_root else copies.values())
+    folders = list(copies if plan.isolation_level.own_root else copies.values())
     with _to_stay():
         from .imports import import_where_they_are, load_harness  # noqa: PLC0415 - they pull numpy, which must come after the walls
 
         harness = load_harness(folders, plan.search, thorough=plan.thorough)
         import_where_they_are(plan.warm)
     gc.set_threshold(*_COLLECT)
-    if plan.rung.own_namespaces:
+    if plan.isolation_level.own_namespaces:
         rootfs.freeze_cache()
     return harness
 
@@ -313,7 +313,7 @@ class _Zygote:
         return None
 
     def _free_scratch(self) -> str | None:
-        if self._walls.rung.own_namespaces:
+        if self._walls.isolation_level.own_namespaces:
             return rootfs.SCRATCH  # every worker mounts its own there
         taken = {child.scratch for child in self._children.values()}
         return next((folder for folder in self._plan.scratch if folder not in taken), None)
@@ -327,7 +327,7 @@ class _Zygote:
         self._poll.unregister(child.pidfd)
         os.close(child.pidfd)
         _, status, used = os.wait4(child.pid, 0)
-        if not self._walls.rung.own_namespaces:
+        if not self._walls.isolation_level.own_namespaces:
             paths.empty(child.scratch)
         code = os.waitstatus_to_exitcode(status)
         _tell(self._control, ended=child.number, code=code, cpu_s=used.ru_utime + used.ru_stime)

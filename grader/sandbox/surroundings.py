@@ -78,7 +78,7 @@ def search(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def search_by_links(shown: Sequence[str], links: str) -> tuple[str, ...]:
-    """The same with a folder that `link_packages` made: one that is not shown whole cannot be searched on every rung."""
+    """The same with a folder that `link_packages` made: one that is not shown whole cannot be searched on every isolation level."""
     return (*_search_whole(shown), links)
 
 

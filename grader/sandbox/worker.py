@@ -1,6 +1,6 @@
 """The loop of a worker: a question comes over the line, the harness answers it, until the line is closed.
 
-The same on every rung and every system. It runs in one process with the student's code: nothing here is a secret, and
+The same on every isolation level and every system. It runs in one process with the student's code: nothing here is a secret, and
 what it sends is believed by nobody.
 """
 

@@ -136,7 +136,7 @@ class Bench:
     @contextmanager
     def open(self) -> Iterator[Bench]:
         def no_box(box: Box, *args: Any, **kwargs: Any) -> None:
-            box.rung = UNWALLED
+            box.isolation_level = UNWALLED
 
         write_down = Examination.end
 

@@ -1,7 +1,7 @@
 """Run the hostile corpus: ``python -m tests.hostile [--rung R] [--family F] [--only NAME] [--write]``.
 
-Prints a line for each attack that fell, and a table of held and fell for each family and rung. Exit code 1 if one fell on a
-rung that has walls; on the lowest rung falls are counted and listed, for nothing is promised there. With ``--write`` the
+Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on a
+isolation level that has walls; on the lowest isolation level falls are counted and listed, for nothing is promised there. With ``--write`` the
 results of this isolation level, user and family are written to docs/isolation.json.
 """
 
@@ -19,9 +19,9 @@ from tests.hostile.judging import Court, Verdict
 from tests.hostile.program import FAMILIES, Program
 
 
-def run(rung: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]:
+def run(isolation_level: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]:
     verdicts = []
-    with Court(rung) as court:
+    with Court(isolation_level) as court:
         for program in programs:
             verdict = court.try_(program)
             verdicts.append(verdict)
@@ -33,7 +33,7 @@ def run(rung: str, programs: Sequence[Program], *, aloud: bool) -> list[Verdict]
     return verdicts
 
 
-def table(rung: str, verdicts: Iterable[Verdict]) -> str:
+def table(isolation_level: str, verdicts: Iterable[Verdict]) -> str:
     lines = []
     for family in FAMILIES:
         of = [verdict for verdict in verdicts if verdict.program.family == family]
@@ -45,7 +45,7 @@ def table(rung: str, verdicts: Iterable[Verdict]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
-    parser.add_argument("--rung", choices=[rung.name for rung in RUNGS], action="append", help="may be given more than once; all that there are")
+    parser.add_argument("--rung", choices=[isolation_level.name for isolation_level in RUNGS], action="append", help="may be given more than once; all that there are")
     parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--only", default="", help="programs whose name holds this")
     parser.add_argument("--write", action="store_true", help="write the results to docs/isolation.json")
@@ -57,17 +57,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     programs = [p for p in PROGRAMS if p.family in families and options.only in p.name]
     tables, fell = [], 0
     for tried in probe():
-        rung = tried.rung.name
-        if options.rung and rung not in options.rung:
+        isolation_level = tried.isolation_level.name
+        if options.isolation_level and isolation_level not in options.isolation_level:
             continue
         if not tried.usable:
             print(f"{rung}: not here: {tried.reason}")
             continue
-        verdicts = run(rung, programs, aloud=options.verbose)
+        verdicts = run(isolation_level, programs, aloud=options.verbose)
         if options.write:
-            record.keep(rung, verdicts)
-        tables.append(table(rung, verdicts))
-        fell += sum(bool(verdict.troubles) for verdict in verdicts) if tried.rung.walled else 0
+            record.keep(isolation_level, verdicts)
+        tables.append(table(isolation_level, verdicts))
+        fell += sum(bool(verdict.troubles) for verdict in verdicts) if tried.isolation_level.walled else 0
     print("\n".join(tables))
     return int(fell > 0)
 

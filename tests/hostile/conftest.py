@@ -1,4 +1,4 @@
-"""The court that the tests share: on the best rung that this machine allows."""
+"""The court that the tests share: on the best isolation level that this machine allows."""
 
 from __future__ import annotations
 
@@ -16,6 +16,6 @@ def court() -> Iterator[Court]:
     if not sys.platform.startswith("linux"):
         pytest.skip("looks for leftovers in /proc")
     with Court(None) as court:
-        if court.rung == UNWALLED.name:
+        if court.isolation_level == UNWALLED.name:
             pytest.skip("nothing isolates here")
         yield court

@@ -1,4 +1,4 @@
-"""Running one attack on one rung and telling whether it was held."""
+"""Running one attack on one isolation level and telling whether it was held."""
 
 from __future__ import annotations
 
@@ -55,17 +55,17 @@ def _hidden() -> Traces:
 
 
 class Court:
-    """One rung with its markers and decoys; a context manager."""
+    """One isolation level with its markers and decoys; a context manager."""
 
-    def __init__(self, rung: str | None) -> None:
-        self.rung = rung
+    def __init__(self, isolation_level: str | None) -> None:
+        self.isolation_level = isolation_level
         self._scores: dict[tuple[object, ...], float] = {}
         self._markers: dict[bool, Marker] = {}
 
     def __enter__(self) -> Court:
         self._bait = Bait().__enter__()
-        self._markers[False] = Marker(small_rubric(), bundles.shipped(), rung=self.rung)
-        self.rung = self._markers[False].isolation.name
+        self._markers[False] = Marker(small_rubric(), bundles.shipped(), isolation_level=self.isolation_level)
+        self.isolation_level = self._markers[False].isolation.name
         self._neighbour_scores = self._neighbour()
         self._expected = frozenset(below(os.getpid()))
         return self
@@ -79,7 +79,7 @@ class Court:
 
     def _marker(self, hidden: bool) -> Marker:
         if hidden not in self._markers:
-            self._markers[hidden] = Marker(small_rubric(), _hidden(), rung=self.rung)
+            self._markers[hidden] = Marker(small_rubric(), _hidden(), isolation_level=self.isolation_level)
             self._neighbour()
             self._expected = frozenset(below(os.getpid()))
         return self._markers[hidden]
@@ -119,8 +119,8 @@ class Court:
 
     def _of_result(self, result: Result, program: Program, verdict: Verdict) -> list[str]:
         found = outputs.troubles(result)
-        if result.provenance.get("isolation") != self.rung:
-            found.append(f"the result names the rung {result.provenance.get('isolation')}")
+        if result.provenance.get("isolation") != self.isolation_level:
+            found.append(f"the result names the isolation level {result.provenance.get('isolation')}")
         unjudged = [check.id for criterion in result.criteria for check in criterion.checks if check.points is None]
         if unjudged or result.status == "incomplete":
             said = next(c.message for criterion in result.criteria for c in criterion.checks if c.points is None)

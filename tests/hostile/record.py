@@ -16,23 +16,23 @@ from tests.hostile.program import FAMILIES
 RECORD = Path(__file__).resolve().parents[2] / "docs" / "isolation.json"
 
 
-def keep(rung: str, verdicts: Sequence[Verdict]) -> None:
-    """Put the figures of whole families in the place of those of the same rung, user and family."""
+def keep(isolation_level: str, verdicts: Sequence[Verdict]) -> None:
+    """Put the figures of whole families in the place of those of the same isolation level, user and family."""
     kept = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else []
-    new = [_entry(rung, family, verdicts) for family in FAMILIES if any(v.program.family == family for v in verdicts)]
+    new = [_entry(isolation_level, family, verdicts) for family in FAMILIES if any(v.program.family == family for v in verdicts)]
     others = [entry for entry in kept if all(_place(entry) != _place(each) for each in new)]
     text = json.dumps(sorted([*others, *new], key=_place), indent=1, ensure_ascii=False)
     RECORD.write_text(text + "\n", encoding="utf-8")
 
 
 def _place(entry: Mapping[str, Any]) -> tuple[int, bool, int]:
-    return [rung.name for rung in RUNGS].index(entry["rung"]), entry["user"] != "root", FAMILIES.index(entry["family"])
+    return [isolation_level.name for isolation_level in RUNGS].index(entry["isolation_level"]), entry["user"] != "root", FAMILIES.index(entry["family"])
 
 
-def _entry(rung: str, family: str, verdicts: Sequence[Verdict]) -> dict[str, Any]:
+def _entry(isolation_level: str, family: str, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     of = [verdict for verdict in verdicts if verdict.program.family == family]
     return {
-        "rung": rung,
+        "isolation_level": isolation_level,
         "user": "an ordinary user" if os.geteuid() else "root",
         "family": family,
         "programs": len(of),

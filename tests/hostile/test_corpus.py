@@ -1,4 +1,4 @@
-"""The hostile corpus in a reduced form, on the best rung that there is; in full by hand: ``python -m tests.hostile``."""
+"""The hostile corpus in a reduced form, on the best isolation level that there is; in full by hand: ``python -m tests.hostile``."""
 
 from __future__ import annotations
 

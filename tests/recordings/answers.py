@@ -16,7 +16,7 @@ import numpy as np
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.isolation_levels import Rung, named
+from grader.sandbox.isolation_levels import IsolationLevel, named
 from grader.sandbox.wire import Frame
 
 _FAILURES = {kind.__name__: kind for kind in (Crashed, Malformed)}
@@ -52,7 +52,7 @@ class Recording:
     new : whether an answer was added since it was read
     """
 
-    rung: str = ""
+    isolation_level: str = ""
     answers: dict[str, Answer] = field(default_factory=dict)
     new: bool = False
 
@@ -163,11 +163,11 @@ class RecordedBox:
         self.recording = Recording()
 
     @property
-    def rung(self) -> Rung:
-        self.recording.rung = self.recording.rung or self._sandbox().rung.name
-        rung = named(self.recording.rung)
-        assert rung is not None
-        return rung
+    def isolation_level(self) -> IsolationLevel:
+        self.recording.isolation_level = self.recording.isolation_level or self._sandbox().isolation_level.name
+        isolation_level = named(self.recording.isolation_level)
+        assert isolation_level is not None
+        return isolation_level
 
     def worker(self) -> RecordedWorker:
         return RecordedWorker(self.recording, self._real_worker)

@@ -133,7 +133,7 @@ def _encoded(recording: Recording, key: str) -> bytes:
     """SHA-256 of the rest; then compressed: length of the JSON, JSON, the arrays' bytes."""
     arrays: list[np.ndarray] = []
     answers = {history: _row(answer, arrays) for history, answer in recording.answers.items()}
-    head = json.dumps({"key": key, "rung": recording.rung, "answers": answers}).encode()
+    head = json.dumps({"key": key, "isolation_level": recording.isolation_level, "answers": answers}).encode()
     parts = (len(head).to_bytes(_LENGTH_BYTES, "little"), head, *(array.tobytes() for array in arrays))
     body = zlib.compress(b"".join(parts), _LEVEL)
     return hashlib.sha256(body).digest() + body
@@ -167,7 +167,7 @@ def _decoded(data: bytes, key: str) -> Recording:
             frame = Frame(row["fields"], arrays)
         failure = row["failure"] and tuple(row["failure"])
         answers[history] = Answer(row["cpu_s"], frame, failure, row["place"])
-    return Recording(head["rung"], answers)
+    return Recording(head["isolation_level"], answers)
 
 
 def _cut(shapes: dict[str, Any], content: memoryview) -> Iterator[tuple[str, np.ndarray]]:

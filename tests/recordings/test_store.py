@@ -86,7 +86,7 @@ def test_the_name_of_a_submission_changes_no_answer() -> None:
 def test_what_was_written_is_read_again() -> None:
     store.write(KEY, recording())
     read, known = store.read(KEY), recording()
-    assert (read.rung, read.new, list(read.answers)) == ("full", False, ["1", "2", "3"])
+    assert (read.isolation_level, read.new, list(read.answers)) == ("full", False, ["1", "2", "3"])
     assert read.answers["2"] == known.answers["2"]
     for history in ("1", "3"):
         got, wanted = read.answers[history], known.answers[history]

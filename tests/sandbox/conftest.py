@@ -1,4 +1,4 @@
-"""Boxes for the tests: one a rung, shared by all tests, with the tiny harness of `harness/`."""
+"""Boxes for the tests: one a isolation level, shared by all tests, with the tiny harness of `harness/`."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from grader.sandbox.level_choice import Tried, probe
 from grader.sandbox.plan import Contents
 
 HARNESS = Path(__file__).parent / "harness"
-WALLED = [rung.name for rung in RUNGS if rung.walled]
+WALLED = [isolation_level.name for isolation_level in RUNGS if isolation_level.walled]
 
 
 @pytest.fixture(scope="session")
-def rungs() -> dict[str, Tried]:
-    return {tried.rung.name: tried for tried in probe()}
+def isolation_levels() -> dict[str, Tried]:
+    return {tried.isolation_level.name: tried for tried in probe()}
 
 
 @pytest.fixture(scope="session")
-def box_on(rungs: dict[str, Tried]) -> Iterator[Callable[[str], Box]]:
-    """The one box of a rung; skips the test where this machine does not allow the rung."""
+def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Box]]:
+    """The one box of a isolation level; skips the test where this machine does not allow the isolation level."""
     boxes: dict[str, Box] = {}
 
     def get(name: str) -> Box:
-        if not rungs[name].usable:
-            pytest.skip(f"no rung {name} here: {rungs[name].reason}")
+        if not isolation_levels[name].usable:
+            pytest.skip(f"no isolation level {name} here: {rungs[name].reason}")
         if name not in boxes:
-            boxes[name] = Box(Contents(HARNESS), rung=name)
+            boxes[name] = Box(Contents(HARNESS), isolation_level=name)
         return boxes[name]
 
     yield get
@@ -39,7 +39,7 @@ def box_on(rungs: dict[str, Tried]) -> Iterator[Callable[[str], Box]]:
         box.close()
 
 
-@pytest.fixture(params=[rung.name for rung in RUNGS])
+@pytest.fixture(params=[isolation_level.name for isolation_level in RUNGS])
 def box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
     return box_on(request.param)
 
@@ -57,21 +57,21 @@ def worker(box: Box) -> Iterator[Worker]:
 
 @pytest.fixture(scope="session")
 def best() -> Iterator[Box]:
-    """A box on the best rung, for what is the same on all of them."""
+    """A box on the best isolation level, for what is the same on all of them."""
     with Box(Contents(HARNESS)) as box:
         yield box
 
 
 @pytest.fixture
 def anyone(best: Box) -> Iterator[Worker]:
-    """A worker on the best rung."""
+    """A worker on the best isolation level."""
     with best.worker() as worker:
         yield worker
 
 
 @pytest.fixture
 def walled(walled_box: Box) -> Iterator[Worker]:
-    """A worker behind walls, on each rung that has some."""
+    """A worker behind walls, on each isolation level that has some."""
     with walled_box.worker() as worker:
         yield worker
 

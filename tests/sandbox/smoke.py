@@ -1,6 +1,6 @@
-"""A short way through every rung that this machine allows, for users other than the one who runs the tests.
+"""A short way through every isolation level that this machine allows, for users other than the one who runs the tests.
 
-python -m tests.sandbox.smoke: prints one line a rung; with an argument: opens a box on that rung, prints the processes
+python -m tests.sandbox.smoke: prints one line a isolation level; with an argument: opens a box on that isolation level, prints the processes
 behind it, and waits to be killed.
 """
 
@@ -28,16 +28,16 @@ result = [held(socket.socket), held(os.fork), held(open, {os.path.abspath(__file
 
 def survey() -> None:
     for tried in probe():
-        if tried.usable and tried.rung.walled:
-            with Box(Contents(HARNESS), rung=tried.rung.name) as box, box.worker() as worker:
+        if tried.usable and tried.isolation_level.walled:
+            with Box(Contents(HARNESS), isolation_level=tried.isolation_level.name) as box, box.worker() as worker:
                 held = worker.ask("run", {"source": SOURCE}).fields["result"]
-                print(tried.rung.name, os.getuid(), all(held), flush=True)
+                print(tried.isolation_level.name, os.getuid(), all(held), flush=True)
 
 
 def linger(name: str) -> None:
-    with Box(Contents(HARNESS), rung=name) as box, box.worker() as worker:
+    with Box(Contents(HARNESS), isolation_level=name) as box, box.worker() as worker:
         process = worker._process
-        pids = [process._popen.pid] if not box.rung.walled else [box._zygote.pid, process._pid]  # type: ignore
+        pids = [process._popen.pid] if not box.isolation_level.walled else [box._zygote.pid, process._pid]  # type: ignore
         print(*pids, flush=True)
         worker.ask("run", {"source": "while True: pass"}, cpu_s=60)
 

@@ -1,4 +1,4 @@
-"""What every rung must do: ask, answer, and outlive whatever the code in the box does instead of answering."""
+"""What every isolation level must do: ask, answer, and outlive whatever the code in the box does instead of answering."""
 
 from __future__ import annotations
 
@@ -243,7 +243,7 @@ def test_hashes_and_the_environment_are_the_same_every_time(box: Box) -> None:
 
 def test_the_environment_holds_nothing_of_the_graders(box: Box, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IMUGRADE_SEED", "hidden")
-    with Box(Contents(HARNESS), rung=box.rung.name) as fresh, fresh.worker() as worker:
+    with Box(Contents(HARNESS), isolation_level=box.isolation_level.name) as fresh, fresh.worker() as worker:
         found = run(worker, "import os; result = dict(os.environ)")["result"]
     assert "hidden" not in found.values()
     assert found["OPENBLAS_NUM_THREADS"] == "1"
@@ -260,7 +260,7 @@ def test_no_frame_of_the_zygote_is_on_the_stack(anyone: Worker) -> None:
 
 def test_a_closed_worker_is_gone_at_once(box: Box) -> None:
     with box.worker() as worker:
-        pid = worker._process._pid if box.rung.walled else worker._process._popen.pid  # type: ignore[attr-defined]
+        pid = worker._process._pid if box.isolation_level.walled else worker._process._popen.pid  # type: ignore[attr-defined]
         os.kill(pid, 0)
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
@@ -268,13 +268,16 @@ def test_a_closed_worker_is_gone_at_once(box: Box) -> None:
 
 def test_a_harness_that_fails_to_start_is_our_fault_and_says_why(box: Box, tmp_path: Path) -> None:
     (tmp_path / "__init__.py").write_text("def warm_up(thorough):\n    raise LookupError('no such lab')\n")
-    with Box(Contents(tmp_path), rung=box.rung.name) as broken, pytest.raises(GraderError, match="no such lab"):
+    with (
+        Box(Contents(tmp_path), isolation_level=box.isolation_level.name) as broken,
+        pytest.raises(GraderError, match="no such lab"),
+    ):
         broken.worker()
 
 
 def test_a_box_outlives_the_thread_that_opened_it(walled_box: Box) -> None:
     with ThreadPoolExecutor(1) as pool:
-        opened = pool.submit(Box, Contents(HARNESS), rung=walled_box.rung.name).result()
+        opened = pool.submit(Box, Contents(HARNESS), isolation_level=walled_box.isolation_level.name).result()
     with opened, opened.worker() as worker:
         assert run(worker, "result = 1") == {"result": 1}
 
@@ -289,14 +292,14 @@ def test_threads_may_share_a_box(best: Box) -> None:
 
 
 def test_a_closed_box_gives_no_worker(box: Box) -> None:
-    with Box(Contents(HARNESS), rung=box.rung.name) as closed:
+    with Box(Contents(HARNESS), isolation_level=box.isolation_level.name) as closed:
         pass
     with pytest.raises(GraderError, match="closed"):
         closed.worker()
 
 
 def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box) -> None:
-    with Box(Contents(HARNESS), rung=walled_box.rung.name) as fragile:
+    with Box(Contents(HARNESS), isolation_level=walled_box.isolation_level.name) as fragile:
         with fragile.worker() as worker:
             os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
             with pytest.raises(GraderError, match="the box is gone"):
@@ -307,7 +310,7 @@ def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box)
 
 def test_what_is_wanted_later_is_imported_for_all_that_follow(walled_box: Box) -> None:
     there = "import sys; result = 'colorsys' in sys.modules"
-    with Box(Contents(HARNESS), rung=walled_box.rung.name) as box:
+    with Box(Contents(HARNESS), isolation_level=walled_box.isolation_level.name) as box:
         with box.worker() as before:
             assert run(before, there) == {"result": False}
         box.warm(["no_such_module", "colorsys"])
@@ -323,7 +326,7 @@ def test_what_is_wanted_later_is_imported_for_all_that_follow(walled_box: Box) -
 def test_a_zygote_that_is_killed_before_it_is_ready_comes_back(walled_box: Box, tmp_path: Path) -> None:
     slow = "import time\n\n\ndef warm_up(thorough):\n    time.sleep(0.3)\n\n\ndef answer(op, fields, arrays):\n    return {'op': op}, {}\n"
     (tmp_path / "__init__.py").write_text(slow)
-    with Box(Contents(tmp_path), rung=walled_box.rung.name) as fragile:
+    with Box(Contents(tmp_path), isolation_level=walled_box.isolation_level.name) as fragile:
         os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
         with fragile.worker() as worker:
             assert worker.ask("hello").fields == {"op": "hello"}
@@ -331,7 +334,7 @@ def test_a_zygote_that_is_killed_before_it_is_ready_comes_back(walled_box: Box, 
 
 def test_a_zygote_that_dies_whenever_it_starts_is_our_fault_and_each_time_anew(walled_box: Box, tmp_path: Path) -> None:
     (tmp_path / "__init__.py").write_text("def warm_up(thorough):\n    import os\n    os._exit(7)\n")
-    with Box(Contents(tmp_path), rung=walled_box.rung.name) as broken:
+    with Box(Contents(tmp_path), isolation_level=walled_box.isolation_level.name) as broken:
         for _ in range(2):
             with pytest.raises(GraderError, match="the box died twice: it did not start"):
                 broken.worker()

@@ -1,4 +1,4 @@
-"""The ladder: what this machine allows, how a box chooses, and who else can use it."""
+"""The choice of levels: what this machine allows, how a box chooses, and who else can use it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ import pytest
 from grader.base.errors import GraderError
 from grader.sandbox import level_choice
 from grader.sandbox.box import Box
-from grader.sandbox.isolation_levels import PROMISES, RUNGS, Rung
+from grader.sandbox.isolation_levels import PROMISES, RUNGS, IsolationLevel
 from grader.sandbox.launch import Zygote
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
@@ -32,47 +32,51 @@ ROOT = Path(__file__).parents[2]
 PLAIN_UID = 12345
 
 
-def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(rungs: dict[str, Tried]) -> None:
-    assert list(rungs) == ["full", "bubblewrap", "landlock", "none"]
-    assert rungs["none"].usable
-    assert all(rung.usable or rung.reason for rung in rungs.values())
+def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(isolation_levels: dict[str, Tried]) -> None:
+    assert list(isolation_levels) == ["full", "bubblewrap", "landlock", "none"]
+    assert isolation_levels["none"].usable
+    assert all(isolation_level.usable or isolation_level.reason for isolation_level in isolation_levels.values())
 
 
 def test_security_md_promises_what_the_rungs_do() -> None:
     promised = [
-        f"| {each.words} | " + " | ".join("yes" if each.kept_on(rung) else "no" for rung in RUNGS) + " |"
+        f"| {each.words} | "
+        + " | ".join("yes" if each.kept_on(isolation_level) else "no" for isolation_level in RUNGS)
+        + " |"
         for each in PROMISES
     ]
     assert "\n".join(promised) in (ROOT / "SECURITY.md").read_text(encoding="utf-8")
 
 
 def test_a_rung_that_is_better_keeps_all_that_a_lower_one_does() -> None:
-    kept = [{each.words for each in PROMISES if each.kept_on(rung)} for rung in RUNGS]
+    kept = [{each.words for each in PROMISES if each.kept_on(isolation_level)} for isolation_level in RUNGS]
     assert all(better >= lower for better, lower in itertools.pairwise(kept))
-    assert [rung.walled for rung in RUNGS] == [True, True, True, False]
+    assert [isolation_level.walled for isolation_level in RUNGS] == [True, True, True, False]
 
 
-def test_a_box_takes_the_best_rung_that_holds(best: Box, rungs: dict[str, Tried]) -> None:
-    assert best.rung.name == next(name for name, tried in rungs.items() if tried.usable)
+def test_a_box_takes_the_best_rung_that_holds(best: Box, isolation_levels: dict[str, Tried]) -> None:
+    assert best.isolation_level.name == next(name for name, tried in isolation_levels.items() if tried.usable)
 
 
 def refuse(*names: str) -> Callable[..., Any]:
     real = level_choice.raise_walls
 
-    def raise_walls(rung: Rung, *rest: Any) -> Any:
-        if rung.name in names:
+    def raise_walls(isolation_level: IsolationLevel, *rest: Any) -> Any:
+        if isolation_level.name in names:
             raise WallsRefusedError(f"no {rung.name} today")
-        return real(rung, *rest)
+        return real(isolation_level, *rest)
 
     return raise_walls
 
 
-def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Tried]) -> None:
-    if not rungs["landlock"].usable:
-        pytest.skip(rungs["landlock"].reason)
+def test_a_box_says_why_it_is_not_on_a_higher_rung(
+    monkeypatch: pytest.MonkeyPatch, isolation_levels: dict[str, Tried]
+) -> None:
+    if not isolation_levels["landlock"].usable:
+        pytest.skip(isolation_levels["landlock"].reason)
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap"))
     with Box(Contents(HARNESS)) as box, box.worker() as worker:
-        assert box.rung.name == "landlock"
+        assert box.isolation_level.name == "landlock"
         assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
         assert run(worker, "result = 1") == {"result": 1}
 
@@ -80,37 +84,39 @@ def test_a_box_says_why_it_is_not_on_a_higher_rung(monkeypatch: pytest.MonkeyPat
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap", "landlock"))
     with Box(Contents(HARNESS)) as box, box.worker() as worker:
-        assert not box.rung.walled
+        assert not box.isolation_level.walled
         assert box.why.endswith("landlock: no landlock today")
         assert run(worker, "result = 1") == {"result": 1}
 
 
 def test_a_rung_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full"))
-    with pytest.raises(GraderError, match="does not allow the rung 'full': no full today"):
-        Box(Contents(HARNESS), rung="full")
+    with pytest.raises(GraderError, match="does not allow the isolation level 'full': no full today"):
+        Box(Contents(HARNESS), isolation_level="full")
 
 
 def test_an_unknown_rung_is_named(tmp_path: Path) -> None:
     with pytest.raises(GraderError, match="'moat'"):
-        Box(Contents(tmp_path), rung="moat")
+        Box(Contents(tmp_path), isolation_level="moat")
 
 
 def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Box) -> None:
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
-        level_choice.raise_walls(walled_box.rung, Contents(HARNESS))
+        level_choice.raise_walls(walled_box.isolation_level, Contents(HARNESS))
 
 
 @pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize(
-    "rung", [rung for rung in RUNGS if rung.walled and not rung.program], ids=lambda rung: rung.name
+    "isolation_level",
+    [isolation_level for isolation_level in RUNGS if isolation_level.walled and not isolation_level.program],
+    ids=lambda isolation_level: isolation_level.name,
 )  # what bwrap started outlives it, and goes on
 def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
-    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], rung: Rung, times: int
+    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], isolation_level: IsolationLevel, times: int
 ) -> None:
-    box_on(rung.name)
+    box_on(isolation_level.name)
     kills, await_walls = iter(range(times)), Zygote._await_walls
 
     def killed(zygote: Zygote) -> None:
@@ -123,10 +129,10 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     if times == 1:
-        level_choice.raise_walls(rung, Contents(HARNESS)).close()
+        level_choice.raise_walls(isolation_level, Contents(HARNESS)).close()
     else:
         with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
-            level_choice.raise_walls(rung, Contents(HARNESS))
+            level_choice.raise_walls(isolation_level, Contents(HARNESS))
 
 
 def children(pid: int) -> list[int]:
@@ -136,11 +142,11 @@ def children(pid: int) -> list[int]:
 
 
 def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
-    monkeypatch: pytest.MonkeyPatch, rungs: dict[str, Tried]
+    monkeypatch: pytest.MonkeyPatch, isolation_levels: dict[str, Tried]
 ) -> None:
     """As it is by whoever looks for memory; walls that refuse end otherwise."""
-    if not rungs["full"].usable:
-        pytest.skip(rungs["full"].reason)
+    if not isolation_levels["full"].usable:
+        pytest.skip(isolation_levels["full"].reason)
     hit: list[int] = []
     await_walls = Zygote._await_walls
 
@@ -155,11 +161,11 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     for _ in range(20):  # a trial is over in milliseconds, and on a busy machine it is not always seen
         with Box(Contents(HARNESS)) as box:
-            found = box.rung.name, box.why
+            found = box.isolation_level.name, box.why
         if hit:
             break
     assert hit
-    assert found == ("full", rungs["full"].reason)
+    assert found == ("full", isolation_levels["full"].reason)
 
 
 def test_a_plain_user_has_the_same_walls() -> None:
@@ -175,7 +181,7 @@ def test_a_plain_user_has_the_same_walls() -> None:
     assert all(line.endswith(f" {PLAIN_UID} True") for line in lines)
 
 
-def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, rungs: dict[str, Tried]) -> None:
+def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, isolation_levels: dict[str, Tried]) -> None:
     """A Python that has no package of its own, and finds them by PYTHONPATH."""
     import numpy as np
 
@@ -185,7 +191,7 @@ def test_packages_may_lie_where_only_the_environment_says(tmp_path: Path, rungs:
     out = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, env=environment)
     assert out.returncode == 0, out.stderr
     held = [line.split()[0] for line in out.stdout.splitlines() if line.endswith(" True")]
-    assert held == [name for name, tried in rungs.items() if tried.usable and tried.rung.walled]
+    assert held == [name for name, tried in isolation_levels.items() if tried.usable and tried.isolation_level.walled]
 
 
 def _can_be_used_by_all(program: Path) -> bool:
@@ -194,7 +200,7 @@ def _can_be_used_by_all(program: Path) -> bool:
 
 
 def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.sandbox.smoke", box.rung.name]
+    command = [sys.executable, "-m", "tests.sandbox.smoke", box.isolation_level.name]
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=environment) as lingering:
         assert lingering.stdout is not None
@@ -204,5 +210,5 @@ def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path
         ended, _, _ = select.select([pidfd], [], [], 10)
         os.close(pidfd)
         assert ended
-    if box.rung.walled:
+    if box.isolation_level.walled:
         assert list(tmp_path.iterdir()) == []

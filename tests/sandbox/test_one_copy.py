@@ -94,27 +94,27 @@ result = sorted(set(found))
 """
 
 
-@pytest.mark.parametrize("rung", WALLED)
+@pytest.mark.parametrize("isolation_level", WALLED)
 def test_a_submission_that_searches_everything_finds_no_copy(
-    rung: str, checkout: Path, rungs: dict[str, object], box_on: object
+    isolation_level: str, checkout: Path, isolation_levels: dict[str, object], box_on: object
 ) -> None:
-    box_on(rung)  # type: ignore[operator] # skips where there is no such rung
+    box_on(isolation_level)  # type: ignore[operator] # skips where there is no such isolation level
     roots = [str(checkout), str(checkout.parent), "/", *sys.path, *surroundings.visible()]
     phrase = b"get_imu_readings"
     assert phrase in (checkout / "reference/imu_reader.py").read_bytes()
-    with Box(Contents(HARNESS), rung=rung) as box, box.worker() as worker:
+    with Box(Contents(HARNESS), isolation_level=isolation_level) as box, box.worker() as worker:
         source = SEARCH.replace("ROOTS", repr(list(dict.fromkeys(roots)))).replace("PHRASE", repr(phrase))
         assert run(worker, source, cpu_s=120) == {"result": []}
         for name in ("reference", "grader", "stray", "solutions"):
             assert run(worker, f"import {name}")["error"] == "ModuleNotFoundError"
 
 
-@pytest.mark.parametrize("rung", WALLED)
+@pytest.mark.parametrize("isolation_level", WALLED)
 def test_what_was_installed_for_students_works_and_the_graders_own_tools_are_not_there(
-    rung: str, checkout: Path, box_on: object
+    isolation_level: str, checkout: Path, box_on: object
 ) -> None:
-    box_on(rung)  # type: ignore[operator]
-    with Box(Contents(HARNESS), rung=rung) as box, box.worker() as worker:
+    box_on(isolation_level)  # type: ignore[operator]
+    with Box(Contents(HARNESS), isolation_level=isolation_level) as box, box.worker() as worker:
         assert run(worker, "import labtools; result = labtools.ANSWER") == {"result": 42}
         assert run(worker, "import theirtool; result = 1") == {"result": 1}
         assert run(worker, "import ourtool")["error"] == "ModuleNotFoundError"
@@ -139,9 +139,9 @@ def test_the_search_of_the_doctor_finds_a_copy_where_one_is_shown(
             str(folder / "imugrade-0.1.0-py3-none-any.whl"),
         )
 
-    assert one_copy.search(best.rung).found == ()
+    assert one_copy.search(best.isolation_level).found == ()
     monkeypatch.setattr(surroundings, "visible", careless)
-    found = one_copy.search(best.rung).found
+    found = one_copy.search(best.isolation_level).found
     assert str(folder / "grader/__init__.py") in found
     assert str(folder / "stray/filters.py") in found
     assert str(folder / "imugrade-0.1.0-py3-none-any.whl") in found

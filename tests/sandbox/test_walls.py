@@ -1,4 +1,4 @@
-"""Hostile programs on every rung that has walls: each is held, and the worker still answers where it still can."""
+"""Hostile programs on every isolation level that has walls: each is held, and the worker still answers where it still can."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_a_file_outside_cannot_be_read_by_any_way(walled: Worker, tmp_path: Path
 def test_a_root_of_ones_own_does_not_even_tell_that_a_file_exists(
     walled_box: Box, walled: Worker, tmp_path: Path
 ) -> None:
-    if not walled_box.rung.own_root:
+    if not walled_box.isolation_level.own_root:
         pytest.skip("Landlock does not cover stat")
     assert run(walled, f"import os; result = os.path.exists({str(tmp_path)!r})") == {"result": False}
 
@@ -107,7 +107,10 @@ def test_a_grader_among_the_packages_cannot_be_read(
     for folder in (tmp_path.parent, tmp_path, packages, packages / "grader", packages / "neighbour"):
         os.chmod(folder, 0o755)
     monkeypatch.setattr("grader.sandbox.surroundings.hidden", lambda: (str(packages / "grader"),))
-    with Box(Contents(HARNESS, readable=(packages,)), rung=walled_box.rung.name) as shown, shown.worker() as worker:
+    with (
+        Box(Contents(HARNESS, readable=(packages,)), isolation_level=walled_box.isolation_level.name) as shown,
+        shown.worker() as worker,
+    ):
         assert run(worker, f"result = open('{packages}/neighbour/rubric.yaml').read()") == {"result": "points"}
         assert refused(worker, f"open('{packages}/grader/rubric.yaml').read()")
 
@@ -120,7 +123,7 @@ def test_the_kernels_and_the_systems_files_are_shut(walled: Worker, path: str) -
 
 
 def test_proc_is_absent_where_the_box_has_its_own_root(walled_box: Box, walled: Worker) -> None:
-    if not walled_box.rung.own_root:
+    if not walled_box.isolation_level.own_root:
         pytest.skip("the root is the host's")
     found = run(walled, "import os; result = [os.path.exists(p) for p in ('/proc', '/tmp/.', '/dev/shm', '/home')]")
     assert found["result"][0] is found["result"][2] is found["result"][3] is False
@@ -200,7 +203,7 @@ def test_memory_is_bounded(walled: Worker, source: str) -> None:
 
 
 def test_when_memory_runs_out_the_kernel_takes_the_worker_first(walled_box: Box, walled: Worker) -> None:
-    if walled_box.rung.program:
+    if walled_box.isolation_level.program:
         pytest.skip("there is no /proc from the start")
     pid = walled._process._pid  # type: ignore[attr-defined]
     assert Path(f"/proc/{pid}/oom_score_adj").read_text().strip() == "1000"
@@ -226,7 +229,7 @@ def test_a_file_is_bounded(walled: Worker) -> None:
 
 
 def test_the_disk_is_bounded_where_the_box_has_its_own(walled_box: Box, walled: Worker) -> None:
-    if not walled_box.rung.own_root:
+    if not walled_box.isolation_level.own_root:
         pytest.skip("Landlock has no quota")
     source = "result = 0\ntry:\n    for n in range(20):\n        with open(f'f{n}', 'wb', 0) as f:\n"
     source += "            result += f.write(bytes(8 << 20))\nexcept OSError: pass"
