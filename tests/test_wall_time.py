@@ -62,7 +62,7 @@ class Boxes:
 
 def conversation(box: Boxes) -> Conversation:
     return Conversation(
-        box, LAB, {}, above={}, furniture={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
+        box, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
     )  # type: ignore[arg-type] # fmt: skip
 
 

@@ -206,10 +206,10 @@ class Lab:
         part, name = self.part(check_id.partition(".")[0]), self.name_of(check_id)
         return self.calls.get(name, "") if part and name in part.names else ""
 
-    def standin(self, name: str, furniture: Mapping[str, Any]) -> str:
+    def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
         """The text of the sound stand-in for a name, where the box is furnished so: ``FURNITURE_IMU`` is its ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
-        return _FURNITURE.sub(lambda found: repr(furniture[found[1].lower()]), text)
+        return _FURNITURE.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
 
 def lab_of(module: str) -> Lab:

@@ -53,7 +53,7 @@ class Sheet(Protocol):
     @property
     def checked(self) -> Callable[[str, Frame, Mapping[str, Any], Mapping[str, Any]], Frame]: ...
 
-    def standin(self, name: str, furniture: Mapping[str, Any]) -> str: ...
+    def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str: ...
 
 
 class _Session:
@@ -81,7 +81,7 @@ class Asking:
     lab : whose names are asked for, a `Lab`
     files : relative path -> content
     above : how many folders above the others some of them lie
-    furniture : what the harness is given with the files: the lab's own
+    lab_configuration : what the harness is given with the files: the lab's own
     call_cpu_s, submission_cpu_s : limits, from the rubric
     waiting : called with what is waited for, where an answer takes long
     """
@@ -93,14 +93,14 @@ class Asking:
         files: Mapping[str, bytes],
         *,
         above: Mapping[str, int],
-        furniture: Mapping[str, Any],
+        lab_configuration: Mapping[str, Any],
         call_cpu_s: float,
         submission_cpu_s: float,
         waiting: Callable[[str], None] | None = None,
     ) -> None:
         self._box, self._lab, self._above = box, lab, above
         self.files = dict(files)
-        self._furniture = furniture
+        self._furniture = lab_configuration
         self._call_cpu_s, self._share_cpu_s = call_cpu_s, submission_cpu_s / (len(lab.parts) + 1)
         self._waiting = waiting
         self._part = ""
@@ -171,7 +171,7 @@ class Asking:
         files, arrays = self._files_to_send()
         fields = {
             "files": files,
-            "furniture": self._furniture,
+            "lab_configuration": self._furniture,
             "seed": SEED,
             "withheld": sorted(self.deadly),
             "skipped": self._endings.beside(self.broken),

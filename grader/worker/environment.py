@@ -75,15 +75,19 @@ def use_libraries() -> None:
     PIL.Image.preinit()
 
 
-def furnish(furniture: Mapping[str, Any], *, run_magic: desktop_stubs.RunMagic) -> None:
+def furnish(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.RunMagic) -> None:
     """Make the worker's process look like the machine that the lab sheet assumes.
 
     Parameters
     ----------
-    furniture : with ``model`` (MJCF), the name of its file ``model_file``, and where the sheet loads its own from, ``sheet_model``
+    lab_configuration : with ``model`` (MJCF), the name of its file ``model_file``, and where the sheet loads its own from, ``sheet_model``
     """
-    if "model" in furniture:
-        _place_model(pathlib.PurePosixPath(furniture["sheet_model"]), furniture["model_file"], furniture["model"])
+    if "model" in lab_configuration:
+        _place_model(
+            pathlib.PurePosixPath(lab_configuration["sheet_model"]),
+            lab_configuration["model_file"],
+            lab_configuration["model"],
+        )
     _answer_input()
     compat.give_back()
     desktop_stubs.furnish(run_magic)

@@ -48,7 +48,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     STATE.stepper = stepping.Stepper(skipped, tuple(fields["place"]), list(fields["homes"]))
     STATE.homes = {name: file.removesuffix(".py") for name, file in fields["homes"].items()}
     STATE.required = tuple(file.removesuffix(".py") for file in fields["required"])
-    STATE.furniture = fields["furniture"]
+    STATE.lab_configuration = fields["lab_configuration"]
     os.makedirs(_FOLDER, exist_ok=True)
     os.chdir(_FOLDER)
     STATE.folder = os.getcwd()
@@ -61,7 +61,7 @@ def submit(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, An
     sent = len(STATE.paths)
     for path in [path for path in STATE.paths if path.endswith(".ipynb")]:
         _write_cells_to_files(path, fields["withheld"])
-    environment.furnish(STATE.furniture, run_magic=_run_magic)
+    environment.furnish(STATE.lab_configuration, run_magic=_run_magic)
     sources.seed(fields["seed"])
     recorder.watch(read_back=drawing.reads_pictures_back(arrays[key].tobytes() for _, key, _ in fields["files"]))
     _prepare_imports()
@@ -125,7 +125,9 @@ class _Loader(importlib.machinery.SourceFileLoader):
         path = Path(self.path).relative_to(STATE.folder).as_posix()
         STATE.modules[path] = module
         if standins.of_module(module.__name__):
-            vars(module).update(STATE.sheet_names(STATE.furniture))  # what a broken file lacks, others have from it
+            vars(module).update(
+                STATE.sheet_names(STATE.lab_configuration)
+            )  # what a broken file lacks, others have from it
         if not _run_file(path, vars(module)):
             vars(module).setdefault("__getattr__", _absent_names(path))
         standins.fill(path, vars(module))
@@ -149,7 +151,7 @@ class _MissingPartner(importlib.machinery.SourceFileLoader):
         return compile("", self.path, "exec")
 
     def exec_module(self, module: types.ModuleType) -> None:
-        vars(module).update(STATE.sheet_names(STATE.furniture))
+        vars(module).update(STATE.sheet_names(STATE.lab_configuration))
         vars(module).update(standins.of_module(module.__name__))
         vars(module)["__getattr__"] = _absent_names(f"{module.__name__}.py")
 
@@ -237,7 +239,7 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
 def _library_or_partner(name: str) -> Any:
     """Return a library of the sheet, or what a partner file defines; None where there is neither."""
     if name not in STATE.homes:
-        return STATE.sheet_names(STATE.furniture).get(name)
+        return STATE.sheet_names(STATE.lab_configuration).get(name)
     try:
         return vars(importlib.import_module(STATE.homes[name])).get(name)
     except Exception:  # a partner that was not handed in, or cannot be found under its name
@@ -250,7 +252,7 @@ def _unreadable(path: str) -> dict[str, Any] | None:
 
 
 def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], missing: MissingImports) -> None:
-    wanted = STATE.furniture.get("methods", ())
+    wanted = STATE.lab_configuration.get("methods", ())
     meant = dict(fuzzy_names.misspelled_methods([unit.node for unit in units], wanted))
 
     def after(node: ast.stmt) -> None:
@@ -265,7 +267,7 @@ def _run_units(units: list[stepping.Unit], path: str, names: dict[str, Any], mis
 
 
 def _missing_imports(path: str, units: list[stepping.Unit], names: dict[str, Any]) -> MissingImports:
-    libraries = STATE.furniture.get("libraries", ())
+    libraries = STATE.lab_configuration.get("libraries", ())
     missing = MissingImports(units, libraries, STATE.stepper.wanted, _library_or_partner)
     missing.before(names)
     STATE.supplied.setdefault(path, missing.supplied)

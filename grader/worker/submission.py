@@ -19,12 +19,12 @@ class _State:
         self.stepper: stepping.Stepper
         self.homes: dict[str, str] = {}  # every name that is asked for, and the module that it is expected in
         self.required: tuple[str, ...] = ()  # the modules that others import from
-        self.furniture: dict[str, Any] = {}
+        self.lab_configuration: dict[str, Any] = {}
         # by file: required names and methods with the names that they have there; names that the file forgot to import
         self.misspelled: dict[str, list[tuple[str, str]]] = {}
         self.misspelled_methods: dict[str, dict[str, str]] = {}
         self.supplied: dict[str, list[str]] = {}
-        self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda furniture: {}
+        self.sheet_names: Callable[[dict[str, Any]], dict[str, Any]] = lambda lab_configuration: {}
 
     def at_home_in(self, path: str) -> list[str]:
         """The wanted names that a file defines if anything does: those of its own, and those of files that were not handed in."""

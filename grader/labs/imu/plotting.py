@@ -43,16 +43,16 @@ class Plotting(Conversation):
 
     def __init__(self, box: Box, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
         robot = self.robot = robot_of(truth)
-        furniture: dict[str, Any] = {
+        lab_configuration: dict[str, Any] = {
             "model": robot.xml,
             "model_file": robot.file,
             "imu": robot.imu,
             "sheet_model": lab.model,
         }
-        furniture |= {"methods": _METHODS, "libraries": ("mujoco", "np", "numpy", "plt")}
+        lab_configuration |= {"methods": _METHODS, "libraries": ("mujoco", "np", "numpy", "plt")}
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures
-        super().__init__(box, lab, own, furniture=furniture, **limits)
+        super().__init__(box, lab, own, lab_configuration=lab_configuration, **limits)
 
     def drawings(self) -> list[Drawing]:
         """What the submission's files have drawn so far, imported or run."""

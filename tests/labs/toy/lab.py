@@ -21,7 +21,7 @@ class Student(Conversation):
     """The proxy that the checks talk to."""
 
     def __init__(self, *args: Any, truth: Traces, **limits: Any) -> None:
-        super().__init__(*args, furniture={}, **limits)
+        super().__init__(*args, lab_configuration={}, **limits)
 
     def call(self, name: str, values: np.ndarray) -> np.ndarray | None:
         """What the function makes of an array; None where no array of numbers came."""

@@ -23,11 +23,11 @@ HANDLERS = {
 }
 
 
-def sheet_names(furniture: dict[str, Any]) -> dict[str, Any]:
+def sheet_names(lab_configuration: dict[str, Any]) -> dict[str, Any]:
     """What ``from imu_reader import *`` brings along in the sheet's own code."""
     import matplotlib.pyplot as plt
 
-    model = mujoco.MjModel.from_xml_path(furniture["model_file"])
-    ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in furniture["imu"]]
+    model = mujoco.MjModel.from_xml_path(lab_configuration["model_file"])
+    ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in lab_configuration["imu"]]
     names = {"np": np, "numpy": np, "mujoco": mujoco, "plt": plt, "model": model, "data": mujoco.MjData(model)}
     return names | dict(zip(("accel_id", "gyro_id"), ids, strict=True))

@@ -40,7 +40,7 @@ def provide_ids_of(model: Any) -> None:
     """The same for the IMU of the robot, where the model has it."""
     import mujoco
 
-    names = submission.STATE.furniture.get("imu", ())
+    names = submission.STATE.lab_configuration.get("imu", ())
     ids = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name) for name in names]
     if ids and min(ids) >= 0:
         provide_ids(dict(zip(("accel", "gyro"), ids, strict=True)))
