@@ -572,7 +572,7 @@ def test_other_code_never_crowds_out_the_required_files(tmp_path: Path, pack: Pa
 
 
 def test_the_limits_are_the_promised_ones() -> None:
-    rooms = file_budget.Pile()._room.values()
+    rooms = file_budget.FileBudget()._room.values()
     assert sum(room.files for room in rooms) == 2_000
     assert sum(room.bytes for room in rooms) == 64 * file_budget.MB
     assert file_budget.MAX_FILE == 16 * file_budget.MB

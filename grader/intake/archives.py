@@ -1,6 +1,6 @@
 """Zip and tar archives, read as streams into memory. Nothing is unpacked to disk, and no declared size is believed.
 
-`pile` bounds what is kept; the bounds here are on the work that goes into the rest: decompression, tables of contents.
+`budget` bounds what is kept; the bounds here are on the work that goes into the rest: decompression, tables of contents.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from grader.intake.file_budget import (
     METHOD,
     SPECIAL,
     UNSAFE,
-    Pile,
+    FileBudget,
     Unreadable,
 )
 from grader.intake.names import archive_parts, is_code, is_litter
@@ -58,7 +58,7 @@ class _Exhausted(Exception):  # noqa: N818 - an end of reading, not an error of 
     """A bound of this module was reached; what was read before it counts."""
 
 
-def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) -> Pile:
+def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) -> FileBudget:
     """Read the files of an archive; its first bytes tell its kind, as its name may be wrong.
 
     Parameters
@@ -82,19 +82,19 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
     stream.seek(0)
     if magic in _FOREIGN:
         raise Unreadable(foreign(name))
-    pile = Pile(required=required)
+    budget = FileBudget(required=required)
     read = _read_zip if magic[:2] == b"PK" else _read_gzip if magic[:2] == b"\x1f\x8b" else _read_tar
     try:
-        read(stream, pile)
+        read(stream, budget)
     except _Exhausted as end:
-        pile.remarks.append(f"{name} was read in part: {end}.")
-        pile.broken = True
+        budget.remarks.append(f"{name} was read in part: {end}.")
+        budget.broken = True
     except Exception as error:  # the standard library's readers raise whatever their parsing trips over
-        if not pile.files:
+        if not budget.files:
             raise Unreadable(f"{name} is not a readable zip or tar archive; make it again.") from error
-        pile.remarks.append(f"{name} is damaged; the files before the damage were read.")
-        pile.broken = True
-    return pile
+        budget.remarks.append(f"{name} is damaged; the files before the damage were read.")
+        budget.broken = True
+    return budget
 
 
 def foreign(name: str) -> str:
@@ -150,23 +150,23 @@ class _Narrow(io.RawIOBase):
 
 def gather_members(
     archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], name: str, required: Collection[str] = ()
-) -> Pile:
+) -> FileBudget:
     """Read some files of a zip, each under the path that it has in the submission; `name` is how notes call the zip."""
-    pile = Pile(required=required)
+    budget = FileBudget(required=required)
     try:
-        _take_members(archive, members, pile)
+        _take_members(archive, members, budget)
     except _Exhausted as end:
-        pile.remarks.append(f"{name} was read in part: {end}.")
-        pile.broken = True
-    return pile
+        budget.remarks.append(f"{name} was read in part: {end}.")
+        budget.broken = True
+    return budget
 
 
-def _read_zip(stream: BinaryIO, pile: Pile) -> None:
+def _read_zip(stream: BinaryIO, budget: FileBudget) -> None:
     with zipfile.ZipFile(_Narrow(stream)) as archive:
-        _take_members(archive, ((zip_name(entry), entry) for entry in archive.infolist()), pile)
+        _take_members(archive, ((zip_name(entry), entry) for entry in archive.infolist()), budget)
 
 
-def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], pile: Pile) -> None:
+def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile.ZipInfo]], budget: FileBudget) -> None:
     unpacked = 0
 
     def bytes_of(entry: zipfile.ZipInfo) -> bytes:
@@ -179,24 +179,26 @@ def _take_members(archive: zipfile.ZipFile, members: Iterable[tuple[str, zipfile
 
     # Code first, so that no other file takes its share of the work; the sort keeps the order of equal names.
     for name, entry in sorted(members, key=lambda member: not is_code(member[0])):
-        _take_member(name, entry, pile, bytes_of)
+        _take_member(name, entry, budget, bytes_of)
 
 
-def _take_member(name: str, entry: zipfile.ZipInfo, pile: Pile, bytes_of: Callable[[zipfile.ZipInfo], bytes]) -> None:
+def _take_member(
+    name: str, entry: zipfile.ZipInfo, budget: FileBudget, bytes_of: Callable[[zipfile.ZipInfo], bytes]
+) -> None:
     parts = archive_parts(name)
     if parts is None:
-        pile.leave(name, UNSAFE)
+        budget.leave(name, UNSAFE)
     elif name.endswith("/") or stat.S_ISDIR(entry.external_attr >> 16) or is_litter(parts):
         return
     elif why := _zip_objection(entry):
-        pile.leave("/".join(parts), why)
+        budget.leave("/".join(parts), why)
     else:
         try:
-            pile.take(parts, entry.file_size, lambda: bytes_of(entry))
+            budget.take(parts, entry.file_size, lambda: bytes_of(entry))
         except _Exhausted:
             raise
         except Exception:  # a bad checksum, a bad stream, a header that contradicts the table of contents
-            pile.leave("/".join(parts), DAMAGED)
+            budget.leave("/".join(parts), DAMAGED)
 
 
 def zip_name(entry: zipfile.ZipInfo) -> str:
@@ -232,9 +234,9 @@ def _zip_objection(entry: zipfile.ZipInfo) -> str:
     return "" if entry.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) else METHOD
 
 
-def _read_gzip(stream: BinaryIO, pile: Pile) -> None:
+def _read_gzip(stream: BinaryIO, budget: FileBudget) -> None:
     with gzip.GzipFile(fileobj=stream, mode="rb") as unpacked:
-        _read_tar(unpacked, pile)
+        _read_tar(unpacked, budget)
 
 
 def _bounded_headers() -> type[tarfile.TarInfo]:
@@ -255,29 +257,29 @@ def _bounded_headers() -> type[tarfile.TarInfo]:
     return Bounded
 
 
-def _read_tar(stream: _Readable, pile: Pile) -> None:
+def _read_tar(stream: _Readable, budget: FileBudget) -> None:
     counted = _Counted(stream)
     with tarfile.open(fileobj=counted, mode="r|", tarinfo=_bounded_headers()) as archive:
         for number, entry in enumerate(archive):
             if number >= MAX_ENTRIES:
                 raise _Exhausted(f"it holds more than {MAX_ENTRIES:,} files and folders")
-            _take_from_tar(archive, entry, pile)
+            _take_from_tar(archive, entry, budget)
     while counted.read(65_536):  # to the end, where gzip's checksum stands
         pass
 
 
-def _take_from_tar(archive: tarfile.TarFile, entry: tarfile.TarInfo, pile: Pile) -> None:
+def _take_from_tar(archive: tarfile.TarFile, entry: tarfile.TarInfo, budget: FileBudget) -> None:
     parts = archive_parts(entry.name)
     if parts is None:
-        pile.leave(entry.name, UNSAFE)
+        budget.leave(entry.name, UNSAFE)
     elif entry.isdir() or is_litter(parts):
         return
     elif entry.issparse():
-        pile.leave("/".join(parts), GAPS)
+        budget.leave("/".join(parts), GAPS)
     elif not entry.isreg():
-        pile.leave("/".join(parts), LINK if entry.issym() or entry.islnk() else SPECIAL)
+        budget.leave("/".join(parts), LINK if entry.issym() or entry.islnk() else SPECIAL)
     else:
-        pile.take(parts, entry.size, lambda: _tar_bytes(archive, entry))
+        budget.take(parts, entry.size, lambda: _tar_bytes(archive, entry))
 
 
 def _tar_bytes(archive: tarfile.TarFile, entry: tarfile.TarInfo) -> bytes:

@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import gather_members, zip_name
-from grader.intake.file_budget import LINK, UNSAFE, Pile
+from grader.intake.file_budget import LINK, UNSAFE, FileBudget
 from grader.intake.folders import gather_places, is_link, status_of
 from grader.intake.names import archive_parts, is_litter
 
@@ -71,7 +71,7 @@ def open_download(path: Path) -> list[Download]:
     return [download, *(look(path, name) for name in lone)]
 
 
-def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> Pile:
+def gather_sources(path: Path, sources: Sources, required: Collection[str] = ()) -> FileBudget:
     """The files of one submission out of a download."""
     if os.path.isdir(path):
         return gather_places(path, sources, required)

@@ -47,7 +47,7 @@ class Room:
 
 
 @dataclass
-class Pile:
+class FileBudget:
     """What has been read (`files`), what has not (`left`: reason to names), and whether reading broke off somewhere.
 
     `required` are the names that the lab asks for: any number of other files leaves room for these.

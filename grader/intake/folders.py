@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
-from grader.intake.file_budget import LINK, LONG, MAX_FILE, SPECIAL, Pile
+from grader.intake.file_budget import LINK, LONG, MAX_FILE, SPECIAL, FileBudget
 from grader.intake.names import MAX_PARTS, is_litter
 
 MAX_ENTRIES = 50_000
@@ -16,43 +16,43 @@ MAX_ENTRIES = 50_000
 _FLAGS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 
-def gather_folder(root: Path, required: Collection[str] = ()) -> Pile:
+def gather_folder(root: Path, required: Collection[str] = ()) -> FileBudget:
     """Read the files of a folder in the order of their names."""
-    pile = Pile(required=required)
-    for parts, path, size in sorted(_listed(root, pile)):
-        _take(pile, parts, path, size)
-    return pile
+    budget = FileBudget(required=required)
+    for parts, path, size in sorted(_listed(root, budget)):
+        _take(budget, parts, path, size)
+    return budget
 
 
-def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> Pile:
+def gather_places(root: Path, places: Iterable[tuple[str, str]], required: Collection[str] = ()) -> FileBudget:
     """Read some files and folders of a folder, each under the path that it has in the submission."""
-    pile = Pile(required=required)
+    budget = FileBudget(required=required)
     found: list[tuple[tuple[str, ...], str, int]] = []
     for place, name in places:
         above = tuple(filter(None, name.split("/")))
         path = os.path.join(root, place)
         if os.path.isdir(path):
-            found += [((*above, *parts), file, size) for parts, file, size in _listed(Path(path), pile)]
+            found += [((*above, *parts), file, size) for parts, file, size in _listed(Path(path), budget)]
         else:
             found.append((above, path, 0))
     for parts, path, size in sorted(found):
-        _take(pile, parts, path, size)
-    return pile
+        _take(budget, parts, path, size)
+    return budget
 
 
-def gather_file(path: Path) -> Pile:
+def gather_file(path: Path) -> FileBudget:
     """A single program or notebook, as if it lay in a folder of its own."""
-    pile = Pile()
-    _take(pile, (path.name,), os.path.realpath(path), 0)  # the caller's own path may be a link
-    return pile
+    budget = FileBudget()
+    _take(budget, (path.name,), os.path.realpath(path), 0)  # the caller's own path may be a link
+    return budget
 
 
-def _take(pile: Pile, parts: tuple[str, ...], path: str, size: int) -> None:
+def _take(budget: FileBudget, parts: tuple[str, ...], path: str, size: int) -> None:
     try:
-        pile.take(parts, size, lambda: _read(path))
+        budget.take(parts, size, lambda: _read(path))
     except OSError as error:
-        pile.leave("/".join(parts), f"the system refused it ({error.strerror})")
-        pile.broken = True
+        budget.leave("/".join(parts), f"the system refused it ({error.strerror})")
+        budget.broken = True
 
 
 def _read(path: str) -> bytes:
@@ -60,42 +60,42 @@ def _read(path: str) -> bytes:
         return stream.read(MAX_FILE + 1)
 
 
-def _listed(root: Path, pile: Pile) -> Iterator[tuple[tuple[str, ...], str, int]]:
+def _listed(root: Path, budget: FileBudget) -> Iterator[tuple[tuple[str, ...], str, int]]:
     """Path parts, path and size of each plain file; litter is not descended into."""
     waiting: list[tuple[tuple[str, ...], str]] = [((), str(root))]
     seen = 0
     while waiting:
         above, folder = waiting.pop()
-        for entry in _entries(folder, above, pile):
+        for entry in _entries(folder, above, budget):
             seen += 1
             if seen > MAX_ENTRIES:
-                pile.remarks.append(f"The folder holds more than {MAX_ENTRIES:,} names; the rest was not read.")
+                budget.remarks.append(f"The folder holds more than {MAX_ENTRIES:,} names; the rest was not read.")
                 return
             parts = (*above, entry.name)
             if is_litter(parts[-1:]):
                 continue
             status = status_of(entry)
             if status is None:
-                pile.leave("/".join(parts), "the system refused it")
+                budget.leave("/".join(parts), "the system refused it")
             elif is_link(status):
-                pile.leave("/".join(parts), LINK)
+                budget.leave("/".join(parts), LINK)
             elif stat.S_ISREG(status.st_mode):
                 yield parts, entry.path, status.st_size
             elif not stat.S_ISDIR(status.st_mode):
-                pile.leave("/".join(parts), SPECIAL)
+                budget.leave("/".join(parts), SPECIAL)
             elif len(parts) >= MAX_PARTS:
-                pile.leave("/".join(parts), LONG)
+                budget.leave("/".join(parts), LONG)
             else:
                 waiting.append((parts, entry.path))
 
 
-def _entries(folder: str, above: tuple[str, ...], pile: Pile) -> list[os.DirEntry[str]]:
+def _entries(folder: str, above: tuple[str, ...], budget: FileBudget) -> list[os.DirEntry[str]]:
     try:
         with os.scandir(folder) as entries:
             return sorted(islice(entries, MAX_ENTRIES + 1), key=lambda entry: entry.name)
     except OSError as error:
-        pile.leave("/".join(above) or ".", f"the system refused it ({error.strerror})")
-        pile.broken = True
+        budget.leave("/".join(above) or ".", f"the system refused it ({error.strerror})")
+        budget.broken = True
         return []
 
 

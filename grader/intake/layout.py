@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from grader.base.text import printable
-from grader.intake.file_budget import CASE, UNPORTABLE, Pile, listing
+from grader.intake.file_budget import CASE, UNPORTABLE, FileBudget, listing
 from grader.intake.names import folded, is_code, portable
 
 MAX_LEVELS = 4  # how far down the lab's folder may lie
@@ -35,7 +35,7 @@ class Layout:
     notes: tuple[str, ...]
 
 
-def lay_out(pile: Pile, required: Collection[str]) -> Layout | None:
+def lay_out(budget: FileBudget, required: Collection[str]) -> Layout | None:
     """Choose the lab's folder and its files; None where there is no code. What cannot be taken is left with a reason.
 
     Parameters
@@ -43,12 +43,12 @@ def lay_out(pile: Pile, required: Collection[str]) -> Layout | None:
     required
         Names of the files that the lab asks for: they tell which folder is the lab's.
     """
-    found = _choose(pile.files, required)
+    found = _choose(budget.files, required)
     if found is None:
         return None
     folder, others = found
-    elsewhere = [path for path in pile.files if not any(_within(path, f) for f in (folder, *others))]
-    inside = _inside(folder, pile, required)
+    elsewhere = [path for path in budget.files if not any(_within(path, f) for f in (folder, *others))]
+    inside = _inside(folder, budget, required)
     above = _around(folder, elsewhere, inside)
     return Layout(folder, inside, above, tuple(_notes(folder, others, filter(is_code, elsewhere), above)))
 
@@ -91,16 +91,16 @@ def _within(path: str, folder: str) -> bool:
     return not folder or path.startswith(f"{folder}/")
 
 
-def _inside(folder: str, pile: Pile, required: Collection[str]) -> tuple[str, ...]:
+def _inside(folder: str, budget: FileBudget, required: Collection[str]) -> tuple[str, ...]:
     """The paths in the lab's folder, sorted: names that every system can hold, side by side."""
     start = len(folder) + 1 if folder else 0
-    inside = sorted(path[start:] for path in pile.files if _within(path, folder))
+    inside = sorted(path[start:] for path in budget.files if _within(path, folder))
     kept: dict[str, str] = {}
     for path in sorted(inside, key=lambda p: p not in required):
         if not portable(path):
-            pile.leave(path, UNPORTABLE)
+            budget.leave(path, UNPORTABLE)
         elif kept.setdefault(folded(path), path) != path:
-            pile.leave(path, CASE)
+            budget.leave(path, CASE)
     folders = {above for key in kept for above in _folders(key)}  # a file of that name would stand in their way
     return tuple(sorted(path for key, path in kept.items() if key not in folders))
 

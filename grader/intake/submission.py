@@ -15,7 +15,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.archives import foreign, gather_archive
 from grader.intake.downloads import Sources, gather_sources
-from grader.intake.file_budget import MAX_OPENINGS, Pile, Unreadable, listing
+from grader.intake.file_budget import MAX_OPENINGS, FileBudget, Unreadable, listing
 from grader.intake.folders import gather_file, gather_folder
 from grader.intake.layout import MAX_LEVELS, lay_out, outwards
 from grader.intake.names import (
@@ -100,22 +100,22 @@ def read_submission(
     name = original_name(path) if name is None else name
     id = safe_id(name) if id is None else id
     try:
-        pile = _gather(path, sources, required)
+        budget = _gather(path, sources, required)
     except Unreadable as reason:
         return _nothing_to_mark(id, name, "unreadable", (str(reason),), {})
-    in_lower_case(pile, required)
-    as_programs(pile, required)
-    layout = lay_out(pile, required)
+    in_lower_case(budget, required)
+    as_programs(budget, required)
+    layout = lay_out(budget, required)
     if layout is None:
-        return _nothing_to_mark(id, name, *_nothing_found(pile), pile.files)
-    if broken := _broken_notebooks(pile):
-        return _nothing_to_mark(id, name, "empty", (broken, *pile.notes()), pile.files)
+        return _nothing_to_mark(id, name, *_nothing_found(budget), budget.files)
+    if broken := _broken_notebooks(budget):
+        return _nothing_to_mark(id, name, "empty", (broken, *budget.notes()), budget.files)
     levels = {**dict.fromkeys(layout.inside, 0), **layout.above}
-    files = {path: pile.files[outwards(layout.folder, level) + path] for path, level in levels.items()}
+    files = {path: budget.files[outwards(layout.folder, level) + path] for path, level in levels.items()}
     digest = _digest(("../" * levels[path] + path, content) for path, content in files.items())
     empty = sorted(path for path in layout.inside if path in required and is_empty_program(files[path]))
     unwritten = [f"{name} is empty: save it, check its size and hand it in again." for name in empty]
-    notes = (*unwritten, *layout.notes, *pile.notes())
+    notes = (*unwritten, *layout.notes, *budget.notes())
     return Submission(id, name, files, notes, "ready", digest, layout.folder, layout.above)
 
 
@@ -124,24 +124,24 @@ def unread(id: str, name: str, why: str) -> Submission:
     return _nothing_to_mark(id, name, "unreadable", (why,), {})
 
 
-def _gather(path: Path, sources: Sources, required: Collection[str]) -> Pile:
+def _gather(path: Path, sources: Sources, required: Collection[str]) -> FileBudget:
     """All files, through the archives that are alone in their folder."""
     if not os.path.exists(path):  # Path.exists raises where a folder above may not be entered
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
-    pile = gather_sources(path, sources, required) if sources else _gather_outermost(path, required)
+    budget = gather_sources(path, sources, required) if sources else _gather_outermost(path, required)
     notes: list[str] = []
     openings = 0
-    while (inner := pile.lone_archive()) is not None:
+    while (inner := budget.lone_archive()) is not None:
         if openings == MAX_OPENINGS:
             raise Unreadable(f"{printable(inner)} is an archive in an archive in an archive; hand in the files.")
         openings += 1
-        notes += [*pile.notes(), f"The submission is in {printable(inner)}, which was opened."]
-        pile = gather_archive(io.BytesIO(pile.files[inner]), printable(inner), required)
-    pile.remarks[:0] = notes
-    return pile
+        notes += [*budget.notes(), f"The submission is in {printable(inner)}, which was opened."]
+        budget = gather_archive(io.BytesIO(budget.files[inner]), printable(inner), required)
+    budget.remarks[:0] = notes
+    return budget
 
 
-def _gather_outermost(path: Path, required: Collection[str]) -> Pile:
+def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
     if os.path.isdir(path):
         return gather_folder(path, required)
     name = printable(path.name)
@@ -160,25 +160,25 @@ def _gather_outermost(path: Path, required: Collection[str]) -> Pile:
     raise Unreadable(f"{name} is not a folder, a .zip or a .tar.gz; hand in one of these.")
 
 
-def _nothing_found(pile: Pile) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:
+def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:
     """Why there is no lab here: the status and the notes."""
-    archives = pile.unopened()
-    alone = len(pile.files) == 1 and has_suffix(next(iter(pile.files)), FOREIGN_ARCHIVES)
+    archives = budget.unopened()
+    alone = len(budget.files) == 1 and has_suffix(next(iter(budget.files)), FOREIGN_ARCHIVES)
     if alone:
         said = [foreign(listing(archives))]
     else:
         said = [f"No .py or .ipynb file was found up to {MAX_LEVELS} folders down."]
-        if deep := min((path.rpartition("/")[0] for path in filter(is_code, pile.files)), default=""):
+        if deep := min((path.rpartition("/")[0] for path in filter(is_code, budget.files)), default=""):
             said.append(f"There is code further down, in {printable(deep)}; hand in that folder itself.")
         if archives:
             said.append(f"Not opened, because an archive must be alone in its folder: {listing(archives)}.")
-    return ("unreadable" if pile.broken or alone else "empty"), (*said, *pile.notes())
+    return ("unreadable" if budget.broken or alone else "empty"), (*said, *budget.notes())
 
 
-def _broken_notebooks(pile: Pile) -> str:
+def _broken_notebooks(budget: FileBudget) -> str:
     """What is said where all the code is notebooks that nobody can open; empty where there is other code."""
-    code = sorted(filter(is_code, pile.files))
-    if not all(path.endswith(".ipynb") and not _is_notebook(pile.files[path]) for path in code):
+    code = sorted(filter(is_code, budget.files))
+    if not all(path.endswith(".ipynb") and not _is_notebook(budget.files[path]) for path in code):
         return ""
     return f"No program could be read: {listing(code)} is no notebook, or was cut off on the way; hand it in again."
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from grader.intake.file_budget import Pile, listing
+from grader.intake.file_budget import FileBudget, listing
 from grader.intake.names import CODE, folded, has_suffix, is_code
 
 _ADDED = ".txt"
 _LOWERED = (*CODE, ".png")
 
 
-def in_lower_case(pile: Pile, required: Collection[str]) -> None:
+def in_lower_case(budget: FileBudget, required: Collection[str]) -> None:
     """Rename `imu_reader.PY` to `imu_reader.py`: Python imports no other suffix.
 
     A name all in capitals is written in small letters, and so is one that the lab asks for. A file stays as it is where another one
@@ -19,29 +19,29 @@ def in_lower_case(pile: Pile, required: Collection[str]) -> None:
     """
     asked = {folded(name): name for name in required}
     renamed = []
-    for path in sorted(path for path in pile.files if has_suffix(path, _LOWERED) and not path.endswith(_LOWERED)):
+    for path in sorted(path for path in budget.files if has_suffix(path, _LOWERED) and not path.endswith(_LOWERED)):
         folder, slash, name = path.rpartition("/")
         stem, _, suffix = name.rpartition(".")
         plain = asked.get(folded(name)) or f"{stem.lower() if stem.isupper() else stem}.{suffix.lower()}"
-        if folder + slash + plain not in pile.files:
-            pile.files[folder + slash + plain] = pile.files.pop(path)
+        if folder + slash + plain not in budget.files:
+            budget.files[folder + slash + plain] = budget.files.pop(path)
             renamed.append(path)
     if renamed:
-        pile.remarks.append(f"Read under a name in small letters, as Python needs it: {listing(renamed)}.")
+        budget.remarks.append(f"Read under a name in small letters, as Python needs it: {listing(renamed)}.")
 
 
-def as_programs(pile: Pile, required: Collection[str]) -> None:
+def as_programs(budget: FileBudget, required: Collection[str]) -> None:
     """Take `filters.py.txt` for `filters.py`, and where there is no code at all `filters.txt`, if the lab asks for `filters.py`."""
-    there = set(map(folded, pile.files))
-    no_code = not any(map(is_code, pile.files))
+    there = set(map(folded, budget.files))
+    no_code = not any(map(is_code, budget.files))
     taken = []
-    for path in sorted(path for path in pile.files if path.lower().endswith(_ADDED)):
+    for path in sorted(path for path in budget.files if path.lower().endswith(_ADDED)):
         program = path[: -len(_ADDED)]
         if no_code and f"{program.rpartition('/')[2]}.py" in required:
             program += ".py"
         if is_code(program) and folded(program) not in there:
-            pile.files[program] = pile.files.pop(path)
+            budget.files[program] = budget.files.pop(path)
             there.add(folded(program))
             taken.append(path)
     if taken:
-        pile.remarks.append(f"Taken for programs although they are called texts: {listing(taken)}.")
+        budget.remarks.append(f"Taken for programs although they are called texts: {listing(taken)}.")

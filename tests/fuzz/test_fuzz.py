@@ -86,12 +86,12 @@ ARCHIVES = (
 
 def check_archive(data: bytes) -> None:
     try:
-        pile = gather_archive(io.BytesIO(data), "hand-in")
+        budget = gather_archive(io.BytesIO(data), "hand-in")
     except Unreadable:
         return
-    assert len(pile.files) <= 2 * MAX_FILES
-    assert sum(map(len, pile.files.values())) <= 2 * MAX_BYTES
-    for path in pile.files:
+    assert len(budget.files) <= 2 * MAX_FILES
+    assert sum(map(len, budget.files.values())) <= 2 * MAX_BYTES
+    for path in budget.files:
         assert not path.startswith("/")
         assert ".." not in path.split("/")
 
