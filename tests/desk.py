@@ -80,8 +80,8 @@ def make_class(out: Path, students: Sequence[Student], told: Mapping[str, Sequen
             if student.files is not None:
                 store.keep_files(student.id * 3, lambda files=student.files: pack(files))  # type: ignore[misc]
         store.keep_told(told or {})
-        for standing in publish_class(out, store, LAB).values():
-            publish(out, standing, store, LAB)
+        for final_grade in publish_class(out, store, LAB).values():
+            publish(out, final_grade, store, LAB)
     return out
 
 

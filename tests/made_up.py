@@ -16,7 +16,7 @@ from grader.base.errors import GraderError, RequestError
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.sandbox.isolation_levels import RUNGS, IsolationLevel
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
@@ -131,8 +131,8 @@ class Nobody:
 
     def done(self, id_: str, result: Result, *, resumed: bool) -> None: ...
 
-    def pages(self, standings: Sequence[Standing]) -> Sequence[Standing]:
-        return standings
+    def pages(self, final_grades: Sequence[FinalGrade]) -> Sequence[FinalGrade]:
+        return final_grades
 
 
 def without_durations(value: Any) -> Any:

@@ -351,10 +351,10 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
 
 def test_of_those_that_differ_and_end_with_the_same_points_only_the_number_is_told() -> None:
     from grader.course.differences import told
-    from grader.people.final_grade import Standing
+    from grader.people.final_grade import FinalGrade
 
-    old = {"a": Standing("a", result(lost())), "b": Standing("b", result(lost()))}
-    new = {"a": Standing("a", result(check("timeout", 0.0))), "b": Standing("b", result(check()))}
+    old = {"a": FinalGrade("a", result(lost())), "b": FinalGrade("b", result(lost()))}
+    new = {"a": FinalGrade("a", result(check("timeout", 0.0))), "b": FinalGrade("b", result(check()))}
     assert list(told(old, new)) == [
         "b  0 → 6",
         "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6",
@@ -367,11 +367,11 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     from dataclasses import replace
 
     from grader.course.differences import told
-    from grader.people.final_grade import Standing
+    from grader.people.final_grade import FinalGrade
 
     old = result(lost(), name="a")
     new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
-    lines = list(told({"a": Standing("a", old)}, {"a": Standing("a", new)}))
+    lines = list(told({"a": FinalGrade("a", old)}, {"a": FinalGrade("a", new)}))
     assert lines[:2] == ["a  0 → 20", "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6"]
     assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean 0.0 → 20.0"]
 

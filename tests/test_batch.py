@@ -20,7 +20,7 @@ from grader.engine import rubric
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from tests.made_up import FakeMarker, check, fake_marker, no_marker, result, submission
 
 ROOT = Path(__file__).parent.parent
@@ -197,7 +197,10 @@ def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_l
     assert {(row.outcome, row.points) for row in rows} == {("timeout", 0.0)}
     assert [sum(row.max_points for row in criterion.checks) for criterion in stopped.criteria] == [20.0] * 5
     assert "ended twice (no end within 600 s)" in stopped.notes[0]
-    standings = {"alice": Standing("alice", stopped), "bob": Standing("bob", result(check("timeout", 0.0), check()))}
-    assert [line for line in remarks(standings, [], []) if "timed out" in line] == [
+    final_grades = {
+        "alice": FinalGrade("alice", stopped),
+        "bob": FinalGrade("bob", result(check("timeout", 0.0), check())),
+    }
+    assert [line for line in remarks(final_grades, [], []) if "timed out" in line] == [
         "every check timed out (look at what they do; a mark by hand stays): alice"
     ]

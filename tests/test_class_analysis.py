@@ -14,7 +14,7 @@ from grader.engine.fingerprint import fingerprint, of_the_sheet
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report.items import Item, items
 from grader.report.pages import index_page
 from grader.report.similarity import FEWEST, pairs
@@ -109,10 +109,10 @@ def test_a_few_common_lines_or_a_small_share_are_no_pair() -> None:
 
 
 def test_the_class_page_names_the_pair() -> None:
-    standings = {id_: Standing(id_, made_up(name=id_)) for id_ in ("ann", "bob", "eve")}
-    page = index_page(standings, {"ann": tuple(range(60)), "bob": tuple(range(60)), "eve": (1,), "gone": (2,)})
+    final_grades = {id_: FinalGrade(id_, made_up(name=id_)) for id_ in ("ann", "bob", "eve")}
+    page = index_page(final_grades, {"ann": tuple(range(60)), "bob": tuple(range(60)), "eve": (1,), "gone": (2,)})
     assert re.search(r"ann</a></th><td><a href=[^>]*>bob</a></td><td[^>]*>100 %</td><td[^>]*>43</td>", page)
-    assert "Alike beyond" not in index_page(standings)
+    assert "Alike beyond" not in index_page(final_grades)
 
 
 # --- item analysis --------------------------------------------------------------------------------------------------

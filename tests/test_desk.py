@@ -28,7 +28,7 @@ from grader.engine import rubric
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.fingerprint import fingerprint, lines_with, of_the_sheet
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import BONUS, TOTAL, HandIn, Lateness, Person, Standing
+from grader.people.final_grade import BONUS, TOTAL, FinalGrade, HandIn, Lateness, Person
 from grader.report.similarity import Pair
 from tests.desk import FILTER, PNG, Desk, Student, desk_over, make_class, result_of, words
 
@@ -267,15 +267,15 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
 def test_who_handed_in_the_same_files_is_not_listed_as_alike_as_well() -> None:
     made = {id_: result_of(Student(id_)) for id_ in ("ada", "bob", "cyd")}
     shared = made["ada"].provenance
-    standings = {
-        id_: Standing(id_, replace(each, provenance=made["cyd"].provenance if id_ == "cyd" else shared))
+    final_grades = {
+        id_: FinalGrade(id_, replace(each, provenance=made["cyd"].provenance if id_ == "cyd" else shared))
         for id_, each in made.items()
     }
     groups = [
         SimilarityGroup(("ada", "bob"), (1.0, 1.0), (50, 50)),
         SimilarityGroup(("ada", "bob", "cyd"), (0.6, 1.0), (30, 50)),
     ]
-    listed = [(each.reason.kind, each.ids) for each in items(standings, groups, {}, (), {})]
+    listed = [(each.reason.kind, each.ids) for each in items(final_grades, groups, {}, (), {})]
     assert listed == [("same-files", ("ada", "bob")), ("alike", ("ada", "bob", "cyd"))]
 
 
@@ -380,7 +380,7 @@ def test_who_lost_exactly_the_same_is_a_group(tmp_path: Path) -> None:
     both = {ADDRESS: 0.0, TITLES: 0.0}
     out = make_class(tmp_path / "out", [Student("a", both), Student("b", both), Student("c", {ADDRESS: 0.0})])
     with Store(out) as store:
-        found = groups(store.standings())
+        found = groups(store.final_grades())
     assert [(group.kind, group.ids) for group in found] == [
         ("check", ("a", "b", "c")), ("check", ("a", "b")), ("same", ("a", "b"))
     ]  # fmt: skip
@@ -608,7 +608,7 @@ def test_nothing_of_a_hostile_submission_leaves_its_quotation_marks(tmp_path: Pa
         assert "{{ 7 * 7 }}" in text
         assert len(text) < 3_000_000
         assert "and 98501 more lines" in words(text)
-        places = list(desk.book.on_thread(lambda: desk.book.kept(desk.book.standings()["evil"]).files))
+        places = list(desk.book.on_thread(lambda: desk.book.kept(desk.book.final_grades()["evil"]).files))
         served = {name: desk.get(f"/submission/evil/picture/{place}") for place, name in enumerate(places)}
         assert [name for name, answer in served.items() if answer.status == 200] == ["real.png"]
         assert served["real.png"].headers["content-type"] == "image/png"

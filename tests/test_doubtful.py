@@ -136,8 +136,12 @@ def test_a_doubtful_case_is_listed_with_its_reason_and_ticked(desk: Desk, kind: 
 
 
 def test_a_fault_of_ours_takes_no_point_and_the_sound_one_is_not_listed(desk: Desk) -> None:
-    standings = desk.book.on_thread(desk.book.standings)
-    assert (standings["ours"].final, standings["nearly"].final, standings["sound"].final) == (None, 89.5, 100.0)
+    final_grades = desk.book.on_thread(desk.book.final_grades)
+    assert (final_grades["ours"].final, final_grades["nearly"].final, final_grades["sound"].final) == (
+        None,
+        89.5,
+        100.0,
+    )
     found = desk.book.on_thread(lambda: queue(desk.book))
     assert [each.reason.kind for each in found if each.id == "sound"] == []
 

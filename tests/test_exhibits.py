@@ -25,7 +25,7 @@ from grader.labs.imu.answers import Collection, FilterRun, NoiseRun
 from grader.labs.imu.charts import drawn, filtering, motion, noise
 from grader.labs.imu.charts.points import curve, worst_of_each
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing
 from grader.report.pages import report_page
 from tests.boxes import Opened
@@ -98,7 +98,7 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
     assert fed == ["What plot_imu_data draws"]
     legend = [each.name for each in drawing.views(shown[2])[0].legend]
     assert legend == ["Raw Z-acceleration", "Filtered Z-acceleration", "True gravity"]
-    page = report_page(Standing("x", result), shown)
+    page = report_page(FinalGrade("x", result), shown)
     assert (
         page.count('<svg class="plane"') == sum(len(chart.panels) for chart in shown) == 11
     )  # two flat differences are a sentence
@@ -131,7 +131,7 @@ def test_a_picture_that_no_code_draws_is_shown_from_its_pixels_whatever_the_scen
     with Image.open(io.BytesIO(content)) as picture:
         assert (picture.format, picture.mode, picture.size) == ("PNG", "P", (640, 427))
         assert {"Software", "comment"}.isdisjoint(picture.info)
-    assert f'<img src="data:image/png;base64,{shown.png}"' in report_page(Standing("x", result), (shown,))
+    assert f'<img src="data:image/png;base64,{shown.png}"' in report_page(FinalGrade("x", result), (shown,))
 
 
 def test_charts_that_cannot_be_gathered_cost_no_mark(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -227,7 +227,7 @@ def test_odd_numbers_make_a_record_and_a_page(odd: np.ndarray) -> None:
         ]
     known = tuple(chart for chart in found if chart is not None)
     assert unpacked(packed(known)) == known
-    assert "<svg" in report_page(Standing("x", made_up()), tuple(replace(c, part="sensor_access") for c in known))
+    assert "<svg" in report_page(FinalGrade("x", made_up()), tuple(replace(c, part="sensor_access") for c in known))
 
 
 def test_the_histogram_is_a_density_and_its_law_the_normal_one() -> None:

@@ -22,7 +22,7 @@ from grader.course.record import Key, Store
 from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing, beneath
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person, beneath
 from grader.platforms import canvas, moodle, registry
 from grader.platforms.filled import Filled
 from grader.platforms.gradescope import COLUMNS, gradescope_csv
@@ -35,13 +35,13 @@ FORMATS = registry.names("fill", "write")
 Run = Callable[..., object]
 
 
-def standing(id_: str, *people: Person, points: float = 87.5, **more: object) -> Standing:
+def final_grade(id_: str, *people: Person, points: float = 87.5, **more: object) -> FinalGrade:
     made = result(check(points=points, max_points=100.0))
-    return Standing(id_, made, HandIn(people, **more))  # type: ignore[arg-type]
+    return FinalGrade(id_, made, HandIn(people, **more))  # type: ignore[arg-type]
 
 
-def class_of(*standings: Standing) -> dict[str, Standing]:
-    return {each.id: each for each in standings}
+def class_of(*final_grades: FinalGrade) -> dict[str, FinalGrade]:
+    return {each.id: each for each in final_grades}
 
 
 JANE = Person('Doe, Jane "JD"', "101", "canvas", sid="s1")
@@ -109,7 +109,7 @@ def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> No
     template = canvas_file(
         '"Doe, Jane ""JD""",101,s1,jd,"Tue, 10:00",40,,40', "Müller,102,s2,m,A,41,12.0,41", head=HEAD
     )
-    filled = canvas.fill(template, "t.csv", "Lab 04-01", class_of(standing("jd_101", JANE)))
+    filled = canvas.fill(template, "t.csv", "Lab 04-01", class_of(final_grade("jd_101", JANE)))
     assert filled.data.decode() == (
         "Student,ID,SIS User ID,SIS Login ID,Section,Lab 04-01 (4711)\n"
         "    Points Possible,,,,,100.0\n"
@@ -122,7 +122,7 @@ def test_canvas_gets_the_student_columns_verbatim_and_the_one_assignment() -> No
 
 @pytest.mark.parametrize("column", ["Lab 04-01", "4711", "Lab 04-01 (4711)"])
 def test_the_assignment_may_be_called_by_title_number_or_heading(column: str) -> None:
-    assert canvas.fill(canvas_file("D,101,s1,jd,A,,,"), "t.csv", column, class_of(standing("x", JANE))).grades == 1
+    assert canvas.fill(canvas_file("D,101,s1,jd,A,,,"), "t.csv", column, class_of(final_grade("x", JANE))).grades == 1
 
 
 @pytest.mark.parametrize(
@@ -146,18 +146,18 @@ def test_a_gradebook_that_cannot_be_filled_is_refused_in_one_line(
     template: bytes, column: str | None, line: str
 ) -> None:
     with pytest.raises(RequestError) as refusal:
-        canvas.fill(template, "t.csv", column, class_of(standing("x", JANE)))
+        canvas.fill(template, "t.csv", column, class_of(final_grade("x", JANE)))
     assert str(refusal.value) == line
 
 
 def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
-    open_ = Standing(
+    open_ = FinalGrade(
         "li",
         result(check("not_judged", None, max_points=100.0), status="incomplete"),
         HandIn((Person("Li", "102", "canvas"),)),
     )
     template = canvas_file("Doe,101,,,A,,EX,", "Li,102,,,A,,7,")
-    everyone = class_of(standing("jd", JANE), open_)
+    everyone = class_of(final_grade("jd", JANE), open_)
     filled = canvas.fill(template, "t.csv", "4711", everyone)
     assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["EX", "7"]
     assert (filled.kept, unmatched(filled)) == (["Doe"], [])
@@ -165,10 +165,10 @@ def test_who_is_excused_or_not_judged_keeps_what_the_gradebook_has() -> None:
 
 def test_two_students_of_one_name_never_get_each_others_marks() -> None:
     """One of two handed in; the other's row has another number, and so stays as it is."""
-    everyone = class_of(standing("doejane_101", Person("doejane", "101", "canvas")))
+    everyone = class_of(final_grade("doejane_101", Person("doejane", "101", "canvas")))
     filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", everyone)
     assert [line.split(",")[-1] for line in filled.data.decode().splitlines()[2:]] == ["", "87.5"]
-    by_name = class_of(standing("a", Person("Jane Doe")))
+    by_name = class_of(final_grade("a", Person("Jane Doe")))
     filled = canvas.fill(canvas_file('"Doe, Jane",103,s3,x,A,,,', '"Doe, Jane",101,s1,y,A,,,'), "t", "4711", by_name)
     assert filled.grades == 0
     assert filled.without_row(by_name["a"]) == [Person("Jane Doe")]
@@ -177,13 +177,13 @@ def test_two_students_of_one_name_never_get_each_others_marks() -> None:
 
 def test_semicolons_names_in_two_columns_and_a_gradebook_without_a_last_newline() -> None:
     text = "LastName;FirstName;ID;SIS Login ID;Section;Lab (1)\n    Points Possible;;;;;100,0\nDoe;Jane;7;x;A;"
-    filled = canvas.fill(text.encode(), "t.csv", None, class_of(standing("a", Person("Jane Doe"))))
+    filled = canvas.fill(text.encode(), "t.csv", None, class_of(final_grade("a", Person("Jane Doe"))))
     assert filled.data.decode() == text + "87,5"
 
 
 def test_a_grade_that_stands_there_already_is_replaced_with_a_word_on_it() -> None:
     template = canvas_file("Doe,101,,,A,,40,", "Roe,102,,,A,,87.50,")
-    everyone = class_of(standing("jd", JANE), standing("roe", Person("Roe", "102", "canvas")))
+    everyone = class_of(final_grade("jd", JANE), final_grade("roe", Person("Roe", "102", "canvas")))
     filled = canvas.fill(template, "t.csv", "4711", everyone)
     assert filled.replaced == ["Doe (40 → 87.5)"]
 
@@ -194,10 +194,12 @@ def test_canvas_s_own_test_student_is_nobody_whom_anyone_misses() -> None:
 
 
 def test_points_are_scaled_to_what_the_assignment_is_out_of_where_that_is_asked_for() -> None:
-    filled = canvas.fill(canvas_file("D,101,s1,jd,A,,,"), "t.csv", "4700", class_of(standing("x", JANE)), scaled=True)
+    filled = canvas.fill(
+        canvas_file("D,101,s1,jd,A,,,"), "t.csv", "4700", class_of(final_grade("x", JANE)), scaled=True
+    )
     assert filled.data.decode().splitlines()[2] == "D,101,s1,jd,A,43.75"
     rows = ['"Participant 12",J,,,,,20.00,Yes,-,']
-    marked = moodle.fill(worksheet(*rows), "w.csv", None, class_of(standing("a", MOODLE)), scaled=True)
+    marked = moodle.fill(worksheet(*rows), "w.csv", None, class_of(final_grade("a", MOODLE)), scaled=True)
     assert marked.data.decode().splitlines()[1].split(",")[5] == "17.5"
 
 
@@ -215,20 +217,20 @@ MOODLE = Person("Jürgen Müßig", "12", "moodle")
 def test_a_worksheet_comes_back_with_every_other_byte_as_it_was() -> None:
     row = '"Participant 12","Jürgen Müßig", j@example.edu ,"Submitted, late",,{},100.00,Yes,-,{}'
     other = '"Participant 13","=1+1 ""X""",x@example.edu,-,"",55.00,100.00,Yes,"Friday, 1",""'
-    filled = moodle.fill(worksheet(row.format("", ""), other), "w.csv", None, class_of(standing("a", MOODLE)))
+    filled = moodle.fill(worksheet(row.format("", ""), other), "w.csv", None, class_of(final_grade("a", MOODLE)))
     assert filled.data == worksheet(row.format("87.5", '"Marks: Sensor access 87.5 / 100"'), other)
 
 
 def test_a_teachers_own_comment_and_a_locked_grade_stay() -> None:
     rows = ['"Participant 12",J,,,,,100,Yes,-,well done', '"Participant 13",K,,,,1,100,No,-,']
-    everyone = class_of(standing("a", MOODLE), standing("b", Person("K", "13", "moodle")))
+    everyone = class_of(final_grade("a", MOODLE), final_grade("b", Person("K", "13", "moodle")))
     filled = moodle.fill(worksheet(*rows), "w.csv", None, everyone)
     assert filled.data == worksheet('"Participant 12",J,,,,87.5,100,Yes,-,well done', rows[1])
     assert filled.kept == ["K"]
 
 
 def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_of_ours() -> None:
-    one = standing("a", MOODLE, late=Lateness("2026-11-20T23:59+01:00", 90_000, 2, 20.0))
+    one = final_grade("a", MOODLE, late=Lateness("2026-11-20T23:59+01:00", 90_000, 2, 20.0))
     criterion = one.result.criteria[0]
     one = replace(one, adjustments=(Adjustment(criterion.id, 90.0, "seen", "me", "now", beneath(criterion)),))
     filled = moodle.fill(worksheet('"Participant 12",J,,,,87.5,100,Yes,-,"Marks: old"'), "w.csv", None, class_of(one))
@@ -238,12 +240,12 @@ def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_o
 
 
 def test_a_team_is_found_by_its_group_and_a_site_in_another_language_by_its_column() -> None:
-    team = class_of(standing("Team_Red_4", Person("Team Red", "4", "moodle")))
+    team = class_of(final_grade("Team_Red_4", Person("Team Red", "4", "moodle")))
     rows = ['"Participant 12",J,,,"Team Red",,100,Yes,-,', '"Participant 4",K,,,"Team Blue",,100,Yes,-,']
     filled = moodle.fill(worksheet(*rows), "w.csv", None, team)
     assert [line.split(",")[5] for line in filled.data.decode().splitlines()[1:2]] == ["87.5"]
     german = 'ID;"Vollständiger Name";Bewertung;Bestwertung\nTeilnehmer/in12;"Jürgen Müßig";;100,00\n'
-    filled = moodle.fill(german.encode(), "w.csv", "Bewertung", class_of(standing("a", MOODLE)))
+    filled = moodle.fill(german.encode(), "w.csv", "Bewertung", class_of(final_grade("a", MOODLE)))
     assert filled.data.decode() == german.replace('";;', '";87,5;')
     with pytest.raises(RequestError, match=r"^w.csv: has no column Grade; download the grading worksheet, or name the"):
         moodle.fill(german.encode(), "w.csv", None, team)
@@ -260,7 +262,7 @@ GERMAN = (
 @pytest.mark.parametrize("title", ["Feedback als Kommentar", "Kommentare der Lehrenden"])
 def test_a_worksheet_in_another_language_has_its_commas_its_comments_and_its_locked_grades(title: str) -> None:
     template = GERMAN.format(title, "", "")
-    everyone = class_of(standing("a", MOODLE), standing("b", Person("K", "13", "moodle")))
+    everyone = class_of(final_grade("a", MOODLE), final_grade("b", Person("K", "13", "moodle")))
     filled = moodle.fill(template.encode(), "w.csv", "Bewertung", everyone)
     assert filled.data.decode() == GERMAN.format(title, "87,5", '"Marks: Sensor access 87.5 / 100"')
     assert filled.kept == ["Teilnehmer/in13"]
@@ -268,7 +270,7 @@ def test_a_worksheet_in_another_language_has_its_commas_its_comments_and_its_loc
 
 def test_where_a_worksheet_has_no_comments_the_last_column_is_left_alone() -> None:
     template = "".join(";".join(line.split(";")[:-1]) + "\n" for line in GERMAN.format("x", "", "").splitlines())
-    filled = moodle.fill(template.encode(), "w.csv", "Bewertung", class_of(standing("a", MOODLE)))
+    filled = moodle.fill(template.encode(), "w.csv", "Bewertung", class_of(final_grade("a", MOODLE)))
     assert filled.data.decode() == template.replace(";;100,00", ";87,5;100,00")
 
 
@@ -277,7 +279,7 @@ def test_where_a_worksheet_has_no_comments_the_last_column_is_left_alone() -> No
 
 def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
     ann = Person("Lee, Ann", sid="s1", email="ann@example.edu", section="B")
-    group = standing(
+    group = final_grade(
         "g",
         ann,
         Person('=CMD("x")', sid="s2"),
@@ -332,7 +334,7 @@ def test_every_member_of_a_group_has_a_row_with_the_groups_points() -> None:
     ],
 )
 def test_a_name_is_split_where_it_says_so(name: str, first: str, last: str) -> None:
-    row = next(csv.DictReader(io.StringIO(gradescope_csv(class_of(standing("a", Person(name)))))))
+    row = next(csv.DictReader(io.StringIO(gradescope_csv(class_of(final_grade("a", Person(name)))))))
     assert (row["First Name"], row["Last Name"]) == (first, last)
 
 

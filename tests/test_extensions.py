@@ -24,7 +24,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.diagnosis import allan as allan_diagnosis
 from grader.labs.imu.diagnosis import liveplot, tilting
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import words
 from grader.report.pages import report_page
 from reference.allan_variance import allan_deviation, cluster_sizes, noise_density
@@ -226,7 +226,7 @@ def test_the_cap_and_the_part_that_is_shown_are_told(truth: traces.Traces, mark:
     with opened(truth, granted("2")) as marker:
         earning = mark(files, by=marker)
     assert (words.extension_points(earning.extensions[1]), words.extra_credit(earning)) == ("2.86 / 5", "2 / 2")
-    assert "extra credit 2 / 2" in report_page(Standing("x", earning))
+    assert "extra credit 2 / 2" in report_page(FinalGrade("x", earning))
     assert (words.extension_points(mark(files).extensions[1]), words.extra_credit(mark(files))) == ("4 of 5 shown", "")
 
 

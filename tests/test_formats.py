@@ -5,13 +5,13 @@ import io
 from dataclasses import replace
 
 from grader.engine.results import Result
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.platforms.gradebook import gradebook
 from tests.made_up import check, lost, result
 
 
 def book(results: dict[str, Result]) -> str:
-    return gradebook({id_: Standing(id_, each) for id_, each in results.items()})
+    return gradebook({id_: FinalGrade(id_, each) for id_, each in results.items()})
 
 
 def rows(results: dict[str, Result]) -> list[list[str]]:

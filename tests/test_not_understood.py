@@ -12,7 +12,7 @@ from grader.engine.grader import Marker
 from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.student import Student
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from tests.boxes import Opened
 from tests.corpus.pieces import edit, verbatim
 from tests.scoreboard import Case, handed_in
@@ -53,7 +53,7 @@ def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
     assert result.status == "graded"
     assert {check.outcome for check in result.criteria[0].checks} == {"failed"}
     assert "its answer could not be understood" in result.notes[0]
-    (told,) = remarks({"a": Standing("a", result)}, (), ())
+    (told,) = remarks({"a": FinalGrade("a", result)}, (), ())
     assert told == "an answer that could not be understood (look at what the code returns): a"
 
 

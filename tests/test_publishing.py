@@ -18,7 +18,7 @@ from grader.course.publishing import Publisher, publish_all
 from grader.course.record import Key, Store
 from grader.engine.chart_data import Chart, Curve, Evidence, Panel, packed, unpacked
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from tests.made_up import result
 
 MANY = 120
@@ -31,20 +31,20 @@ def store(tmp_path: Path) -> Iterator[Store]:
     with Store(tmp_path / "out") as opened:
         for number in range(MANY):
             id_ = f"s{number:03}"
-            keep(opened, Standing(id_, replace(result(), submission=id_)))
+            keep(opened, FinalGrade(id_, replace(result(), submission=id_)))
         yield opened
 
 
-def keep(store: Store, standing: Standing, charts: bytes = CHARTS) -> None:
-    own = replace(standing.result, evidence=Evidence(charts))
-    store.keep(Key(standing.id, standing.id, "rubric", "traces", __version__), own)
+def keep(store: Store, final_grade: FinalGrade, charts: bytes = CHARTS) -> None:
+    own = replace(final_grade.result, evidence=Evidence(charts))
+    store.keep(Key(final_grade.id, final_grade.id, "rubric", "traces", __version__), own)
 
 
 def write_beside(out: Path, store: Store) -> bool:
     """Write all in processes of their own; whether there were any."""
     with Publisher(out, store, LAB, processes=2) as publisher:
-        for standing in store.standings().values():
-            publisher.put(standing)
+        for final_grade in store.final_grades().values():
+            publisher.put(final_grade)
     return publisher._writers is not None
 
 
@@ -53,43 +53,43 @@ def files(out: Path) -> dict[str, bytes]:
 
 
 def test_many_files_are_the_same_whoever_writes_them(store: Store, tmp_path: Path) -> None:
-    standings, beside, here = store.standings().values(), tmp_path / "beside", tmp_path / "here"
+    final_grades, beside, here = store.final_grades().values(), tmp_path / "beside", tmp_path / "here"
     assert write_beside(beside, store)
-    kept = {each.id: store.page_digest(each.id) for each in standings}
+    kept = {each.id: store.page_digest(each.id) for each in final_grades}
     store.keep_page_digests(dict.fromkeys(kept, ""))
-    publish_all(here, standings, store, LAB)
+    publish_all(here, final_grades, store, LAB)
     assert len(files(here)) == 2 * MANY
     assert files(beside) == files(here)
-    assert kept == {each.id: store.page_digest(each.id) for each in standings}
+    assert kept == {each.id: store.page_digest(each.id) for each in final_grades}
 
 
 def test_charts_that_come_drawn_are_not_drawn_again(
     store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    standing = store.standings()["s000"]
+    final_grade = store.final_grades()["s000"]
     figures = publishing.drawn(unpacked(CHARTS))
-    publishing.publish(tmp_path / "own", standing, store, LAB)
+    publishing.publish(tmp_path / "own", final_grade, store, LAB)
     kept = store.page_digest("s000")
     store.keep_page_digests({"s000": ""})
     monkeypatch.setattr(publishing, "drawn", None)
-    publishing.publish(tmp_path / "given", standing, store, LAB, figures)
+    publishing.publish(tmp_path / "given", final_grade, store, LAB, figures)
     assert files(tmp_path / "given") == files(tmp_path / "own")
     assert store.page_digest("s000") == kept
 
 
 def test_what_is_current_is_left_alone_and_no_process_starts(store: Store, tmp_path: Path) -> None:
-    publish_all(tmp_path, store.standings().values(), store, LAB)
+    publish_all(tmp_path, store.final_grades().values(), store, LAB)
     before = {path: path.stat().st_mtime_ns for path in tmp_path.glob("submissions/*/*")}
     assert not write_beside(tmp_path, store)
     assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("submissions/*/*")} == before
 
 
 def test_of_several_standings_of_one_submission_the_last_one_counts(store: Store, tmp_path: Path) -> None:
-    standings = list(store.standings().values())
-    last = replace(standings[0], result=replace(standings[0].result, notes=("the last",)))
+    final_grades = list(store.final_grades().values())
+    last = replace(final_grades[0], result=replace(final_grades[0].result, notes=("the last",)))
     with Publisher(tmp_path, store, LAB, processes=2) as publisher:
-        for standing in standings:
-            publisher.put(standing)
+        for final_grade in final_grades:
+            publisher.put(final_grade)
         keep(store, last)
         publisher.put(last)
     assert b"the last" in (tmp_path / "submissions" / last.id / "report.html").read_bytes()
@@ -107,7 +107,7 @@ def test_where_a_writer_is_killed_its_files_are_written_all_the_same(
         return executor
 
     monkeypatch.setattr(publishing, "_writers", short_lived)
-    publish_all(tmp_path / "here", store.standings().values(), store, LAB)
+    publish_all(tmp_path / "here", store.final_grades().values(), store, LAB)
     store.keep_page_digests(dict.fromkeys(store.present(), ""))
     assert write_beside(tmp_path / "beside", store)
     assert files(tmp_path / "beside") == files(tmp_path / "here")
@@ -120,7 +120,7 @@ def test_what_the_disk_refuses_a_writer_is_told_in_one_line(store: Store, tmp_pa
 
 
 def test_charts_of_foreign_contents_are_refused_by_a_writer_as_well(store: Store, tmp_path: Path) -> None:
-    for standing in store.standings().values():
-        keep(store, standing, b"no charts")
+    for final_grade in store.final_grades().values():
+        keep(store, final_grade, b"no charts")
     with pytest.raises(RequestError, match="holds what this imugrade does not write"):
         write_beside(tmp_path, store)

@@ -23,7 +23,7 @@ from grader.engine.rubric import Rubric, RubricError
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Adjustment, HandIn, Person, Standing, beneath
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Person, beneath
 from grader.people.late_policy import judged
 from grader.report import charts
 from grader.report.pages import drawn_in
@@ -102,9 +102,9 @@ def keep(out: Path, by: Rubric, names: tuple[str, ...] = ("s02-vectorised", "s06
 def test_what_a_rubric_would_cost_is_told_and_nothing_is_changed(tmp_path: Path) -> None:
     keep(tmp_path, changed())
     with Store(tmp_path) as store:
-        before = store.standings()
+        before = store.final_grades()
         after = regrade.under(before, changed(PRICES, text=SHIPPED + LATE))
-        assert store.standings() == before
+        assert store.final_grades() == before
     moved = {id_: (before[id_].final, each.final) for id_, each in after.items()}
     assert moved == {
         "s02-vectorised": (100.0, 80.0),
@@ -119,15 +119,15 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
     with Store(tmp_path / "anew") as store:
         written(tmp_path / "anew", store)
         after = regrade.remark(tmp_path / "anew", store, by)
-        for standing in after.values():
-            publish(tmp_path / "anew", standing, store, LAB)
-        assert {each.result.provenance["rubric_sha256"] for each in store.standings().values()} == {by.sha256}
-        assert store.standings() == after
+        for final_grade in after.values():
+            publish(tmp_path / "anew", final_grade, store, LAB)
+        assert {each.result.provenance["rubric_sha256"] for each in store.final_grades().values()} == {by.sha256}
+        assert store.final_grades() == after
     keep(tmp_path / "again", by)
     with Store(tmp_path / "again") as store:
         assert publish_class(tmp_path / "again", store, LAB) == after
-        for standing in after.values():
-            publish(tmp_path / "again", standing, store, LAB)
+        for final_grade in after.values():
+            publish(tmp_path / "again", final_grade, store, LAB)
     names = [
         path.relative_to(tmp_path / "again") for path in (tmp_path / "again").rglob("*.*") if path.suffix != ".sqlite"
     ]
@@ -138,8 +138,8 @@ def test_a_class_that_is_marked_by_another_rubric_has_the_files_that_grading_it_
 
 def written(out: Path, store: Store) -> dict[str, bytes]:
     """Every report, up to date."""
-    for standing in publish_class(out, store, LAB).values():
-        publish(out, standing, store, LAB)
+    for final_grade in publish_class(out, store, LAB).values():
+        publish(out, final_grade, store, LAB)
     return {path.parent.name: path.read_bytes() for path in sorted(out.glob("submissions/*/report.html"))}
 
 
@@ -184,23 +184,23 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
 ) -> None:
     keep(tmp_path, changed())
     with Store(tmp_path) as store:
-        before = store.standings()
+        before = store.final_grades()
         with pytest.raises(
             RequestError, match=r"rubric\.yaml: asks other things than were asked of s02-vectorised, s06"
         ):
             regrade.remark(tmp_path, store, changed(edit))
-        assert store.standings() == before
+        assert store.final_grades() == before
 
 
 def test_a_record_of_before_says_that_it_has_to_be_graded_again(tmp_path: Path) -> None:
     with pytest.raises(RequestError, match="the record is older"):
-        regrade.under({"alice": Standing("alice", result())}, changed())
+        regrade.under({"alice": FinalGrade("alice", result())}, changed())
 
 
 def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None:
     graded = marked(found("s06-id-as-address"), changed())
     by_hand = Adjustment("sensor_access", 20.0, "seen", "me", "now", beneath(graded.criteria[0]))
-    before = {"a": Standing("a", graded, adjustments=(by_hand,))}
+    before = {"a": FinalGrade("a", graded, adjustments=(by_hand,))}
     assert before["a"].outdated() == []
     after = regrade.under(before, changed(PRICES))["a"]
     assert (after.final, after.outdated()) == (100.0, [by_hand])
@@ -209,7 +209,7 @@ def test_points_by_hand_stay_and_are_told_as_out_of_date(tmp_path: Path) -> None
 def test_a_date_of_the_rosters_own_holds_under_another_policy() -> None:
     graded = marked(found("s02-vectorised"), changed())
     hand_in = HandIn((Person("a"),), "2026-11-22T00:00:00+00:00", due="2026-11-22T00:00:00+00:00")
-    after = regrade.under({"a": Standing("a", graded, hand_in)}, changed(text=SHIPPED + LATE))["a"]
+    after = regrade.under({"a": FinalGrade("a", graded, hand_in)}, changed(text=SHIPPED + LATE))["a"]
     assert (after.late, after.final) == (None, 100.0)
 
 

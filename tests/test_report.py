@@ -19,7 +19,7 @@ from grader.engine.results import CheckResult, CriterionResult, LabName, Outcome
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.charts import drawn
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.report import words
 from grader.report.pages import index_page, report_page
 from grader.report.progress import Lines
@@ -71,11 +71,11 @@ class Tags(HTMLParser):
 
 
 def report(made: Result, *charts: Chart) -> str:
-    return report_page(Standing("x", made), charts)
+    return report_page(FinalGrade("x", made), charts)
 
 
 def index(results: Mapping[str, Result]) -> str:
-    return index_page({id_: Standing(id_, made) for id_, made in results.items()})
+    return index_page({id_: FinalGrade(id_, made) for id_, made in results.items()})
 
 
 def hostile_charts() -> list[Chart]:
@@ -103,15 +103,15 @@ def hostile_charts() -> list[Chart]:
     return [replace(chart, part="sensor_access") for chart in drawn.charts(Drawing((figure,)), [])]
 
 
-def hostile_standing(id_: str) -> Standing:
+def hostile_standing(id_: str) -> FinalGrade:
     person = Person(name=HOSTILE, section=HOSTILE)
     given = Adjustment("sensor_access", 1.0, HOSTILE, HOSTILE, "2026-11-21T21:00:00+00:00", {})
-    return Standing(id_, HOSTILE_RESULT, HandIn((person,), late=Lateness("", 3600, 1, 2.0)), (given,))
+    return FinalGrade(id_, HOSTILE_RESULT, HandIn((person,), late=Lateness("", 3600, 1, 2.0)), (given,))
 
 
 PAGES = [
     report_page(hostile_standing("x"), tuple(hostile_charts())),
-    index_page({"x": hostile_standing("x"), "y": Standing("y", result())}),
+    index_page({"x": hostile_standing("x"), "y": FinalGrade("y", result())}),
 ]
 
 
@@ -485,7 +485,7 @@ def test_names_are_sorted_without_case_and_accents_and_by_their_numbers() -> Non
 
 def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() -> None:
     given = Adjustment("sensor_access", 5.0, "", "Ada", "2026-11-21T21:00:00+00:00", {})
-    page = Tags(index_page({"x": Standing("x", result(lost()), HandIn(), (given,))})).text
+    page = Tags(index_page({"x": FinalGrade("x", result(lost()), HandIn(), (given,))})).text
     assert "Final: the grade, with overrides." in page
     assert "Bonus" not in page
     credit = replace(result(), extra_credit_cap=4.0)
@@ -494,7 +494,7 @@ def test_columns_that_people_and_dates_add_are_explained_where_they_are_shown() 
 
 
 def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself() -> None:
-    page = report_page(Standing("a <b>", result(check(), lost())))
+    page = report_page(FinalGrade("a <b>", result(check(), lost())))
     form = next(attributes for tag, attributes in Tags(page).tags if tag == "form")
     assert form == {
         "id": "regrade",
@@ -505,7 +505,7 @@ def test_a_report_has_a_form_for_a_regrade_request_and_sends_nothing_by_itself()
     }
     options = [attributes["value"] for tag, attributes in Tags(page).tags if tag == "option"]
     assert options == ["", "sensor_access.follows_address", "sensor_access.follows_address"]
-    assert "Request a regrade" not in report_page(Standing("", result()))
+    assert "Request a regrade" not in report_page(FinalGrade("", result()))
 
 
 def test_an_empty_class_has_an_index() -> None:
@@ -522,7 +522,7 @@ def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
         max_points=2.0, title="A small loss", id="sensor_access.a", misconceptions=(), hint="", message="Got  x"
     )
     large = [lost(title=f"A large loss {name}", id=f"sensor_access.{name}") for name in "bc"]
-    told = losses(report_page(Standing("x", result(check(), small, *large)), (), catalogue(LAB)))
+    told = losses(report_page(FinalGrade("x", result(check(), small, *large)), (), catalogue(LAB)))
     assert re.search(
         r"−12\s*Indexes sensordata with the sensor's id; the place is sensor_adr\[id\]\s*data\.sensordata is one flat row[^−]*"
         r"A large loss b\s*0 / 6\s*Expected[^−]*A large loss c\s*0 / 6\s*Try\s*data\.sensordata is flat: sensor i starts[^−]*"
@@ -540,7 +540,7 @@ def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_
         lost(**missing),
         *(check("skipped", 0.0, id=f"sensor_access.{name}", message="Not reached") for name in "bc"),
     )
-    told = losses(report_page(Standing("x", result(*rows)), (), catalogue(LAB)))
+    told = losses(report_page(FinalGrade("x", result(*rows)), (), catalogue(LAB)))
     assert re.search(r"−18\s*filters\.py was not handed in", told)
     assert told.count("filters.py was not handed in") == 1
     assert "2 checks, 12 points not graded until this is fixed." in told
@@ -552,7 +552,7 @@ def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_
 
 def test_where_nothing_came_the_mistake_says_what_it_was() -> None:
     late = lost(misconceptions=("never-returns",), message="Expected  an answer within the time limit\nGot       none")
-    told = losses(report_page(Standing("x", result(late)), (), catalogue(LAB)))
+    told = losses(report_page(FinalGrade("x", result(late)), (), catalogue(LAB)))
     assert re.search(r"−6\s*The code does not come back within its time\s*The limit is many times", told)
 
 
@@ -576,8 +576,8 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
     given = Adjustment("sensor_access", 5.0, "Shown in the lab.", "Ada", "2026-11-21T21:00:00+00:00", {})
     late = Lateness("2026-11-20T20:00:00+00:00", 90000, 2, 1.5)
     hand_in = HandIn((Person("Bob", section="Tue"),), submitted="2026-11-21T21:00:00+00:00", late=late)
-    standing = Standing("x", result(lost()), hand_in, (given,))
-    page = report_page(standing)
+    final_grade = FinalGrade("x", result(lost()), hand_in, (given,))
+    page = report_page(final_grade)
     text = Tags(page).text
     assert re.search(r"Bob\s*3\.5 / 6 · automatic 0 / 6", text)
     assert re.search(r"Sensor access\s*5 / 6 override by Ada, automatic 0: Shown in the lab\.", text)
@@ -586,7 +586,7 @@ def test_points_by_hand_and_lateness_stand_beside_the_automatic_marks_and_the_fi
         losses(page),
     )
     assert 'class="fill" width="83.3"' in page  # the bar shows the points that count
-    row = Tags(index_page({"x": standing})).text
+    row = Tags(index_page({"x": final_grade})).text
     assert re.search(r"Bob\s*Tue\s*5\s*0\s*1 d 1 h\s*3\.5\s*graded, adjusted", row)
     assert "Overrides whose automatic points have changed since: Bob." in row
 

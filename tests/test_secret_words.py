@@ -19,7 +19,7 @@ from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.platforms import registry
 from grader.platforms.platform import Handed
 from grader.report.pages import report_page
@@ -121,7 +121,7 @@ def outputs(result: Result, files: dict[str, str]) -> dict[str, str]:
     told["provenance"] = {k: v for k, v in told["provenance"].items() if k != "traces_sha256"}
     told["duration_s"] = 0
     handed = Handed(LAB, handed_in(Case("sound", "x", files)), Path("x"), {}, hidden=True)
-    found = {"result.json": json.dumps(told), "report.html": _DIGEST.sub("", report_page(Standing("x", result)))}
+    found = {"result.json": json.dumps(told), "report.html": _DIGEST.sub("", report_page(FinalGrade("x", result)))}
     for name in ("json", "gradescope"):
         respond = registry.platform(name).respond
         assert respond is not None

@@ -16,10 +16,10 @@ from grader.engine.rubric import LatePolicy
 from grader.people import roster
 from grader.people.final_grade import (
     Adjustment,
+    FinalGrade,
     HandIn,
     Lateness,
     Person,
-    Standing,
     beneath,
     hand_in_from_dict,
     hand_in_to_dict,
@@ -72,7 +72,7 @@ def test_without_a_policy_only_the_platforms_own_word_stands() -> None:
 
 def test_late_without_a_time_takes_nothing_off_and_is_told() -> None:
     hand_in = judged(HandIn((Person("Jane"),), marked_late=True), POLICY, ())
-    one = Standing("jane", result(), hand_in)
+    one = FinalGrade("jane", result(), hand_in)
     assert (one.deduction, one.final) == (0.0, 20.0)
     assert list(remarks({"jane": one}, (), ())) == [
         "late, but no time says how late (give a `submitted` column in the roster): jane"
@@ -94,10 +94,10 @@ def test_a_date_of_the_roster_goes_before_every_other() -> None:
 
 def test_lateness_takes_no_more_than_there_is_and_nothing_that_is_open() -> None:
     late = HandIn(late=Lateness("x", 90_000, 2, 30.0))
-    assert (Standing("a", result(), late).deduction, Standing("a", result(), late).final) == (20.0, 0.0)
+    assert (FinalGrade("a", result(), late).deduction, FinalGrade("a", result(), late).final) == (20.0, 0.0)
     refused = HandIn(late=Lateness("x", 900_000, 11, 0.0, refused=True))
-    assert Standing("a", result(), refused).final == 0.0
-    still_open = Standing("a", result(check("not_judged", None), status="incomplete"), late)
+    assert FinalGrade("a", result(), refused).final == 0.0
+    still_open = FinalGrade("a", result(check("not_judged", None), status="incomplete"), late)
     assert (still_open.adjusted, still_open.deduction, still_open.final) == (None, 0.0, None)
 
 
@@ -105,7 +105,7 @@ def test_nothing_beside_the_marks_is_in_result_json() -> None:
     plain = result(lost())
     criterion = plain.criteria[0]
     by_hand = Adjustment(criterion.id, 6.0, "seen", "me", "now", beneath(criterion))
-    one = Standing("a", plain, HandIn(late=Lateness("x", 90_000, 2, 4.0)), (by_hand,))
+    one = FinalGrade("a", plain, HandIn(late=Lateness("x", 90_000, 2, 4.0)), (by_hand,))
     assert (one.result.score, one.adjusted, one.final) == (0.0, 6.0, 2.0)
     assert to_json(one.result) == to_json(plain)
 
@@ -117,15 +117,15 @@ def test_points_by_hand_take_the_place_of_a_criterions_and_can_close_an_open_one
     still_open = result(check("not_judged", None, max_points=20.0), status="incomplete")
     criterion = still_open.criteria[0]
     by_hand = Adjustment(criterion.id, 15.0, "by eye", "me", "now", beneath(criterion))
-    one = Standing("a", still_open, adjustments=(by_hand,))
+    one = FinalGrade("a", still_open, adjustments=(by_hand,))
     assert (one.adjusted, one.final) == (15.0, 15.0)
 
 
 def test_an_adjustment_is_out_of_date_when_a_check_beneath_it_moved_although_the_sum_is_the_same() -> None:
     first = result(lost(id="x.a"), check(id="x.b"))
     then = Adjustment("sensor_access", 11.0, "why", "me", "now", beneath(first.criteria[0]))
-    assert Standing("a", first, adjustments=(then,)).outdated() == []
-    second = Standing("a", result(check(id="x.a"), lost(id="x.b")), adjustments=(then,))
+    assert FinalGrade("a", first, adjustments=(then,)).outdated() == []
+    second = FinalGrade("a", result(check(id="x.a"), lost(id="x.b")), adjustments=(then,))
     assert second.outdated() == [then]
     assert list(outdated({"a": second})) == [
         "a: sensor_access was overridden with 11 when it had 6; the automatic points are now 6 / 12. Adjust it again or withdraw it"
@@ -139,7 +139,7 @@ def test_what_stands_beside_has_columns_after_the_total() -> None:
     made = result()
     by_hand = Adjustment("sensor_access", 18.0, "why", "me", "now", beneath(made.criteria[0]))
     late = HandIn((Person("Müller, J.", section="=B"),), "2026-11-21T23:00:01+00:00", Lateness("x", 86_401, 2, 4.0))
-    table = gradebook({"a": Standing("a", made, late, (by_hand,)), "b": Standing("b", made)})
+    table = gradebook({"a": FinalGrade("a", made, late, (by_hand,)), "b": FinalGrade("b", made)})
     assert table == (
         "id,name,section,sensor_access,total,adjusted,submitted,late,late_deduction,final,status\n"
         'a,"Müller, J.",\'=B,20,20,18,2026-11-21T23:00:01+00:00,2,4,14,graded\n'
@@ -332,8 +332,8 @@ def test_a_time_without_an_offset_is_no_time(text: str, utc: str) -> None:
 
 
 def test_equal_hand_ins_are_told_and_empty_ones_as_what_they_are() -> None:
-    def made(id_: str, sha: str, status: str = "graded") -> Standing:
-        return Standing(id_, replace(result(), status=status, provenance={"submission_sha256": sha}))  # type: ignore[arg-type]
+    def made(id_: str, sha: str, status: str = "graded") -> FinalGrade:
+        return FinalGrade(id_, replace(result(), status=status, provenance={"submission_sha256": sha}))  # type: ignore[arg-type]
 
     everyone = [made("a", "1"), made("b", "2"), made("c", "1"), made("d", "3", "empty"), made("e", "3", "empty")]
     assert list(remarks({s.id: s for s in everyone}, (), ())) == [
@@ -347,7 +347,7 @@ def test_what_a_late_policy_cannot_be_held_against_is_told() -> None:
         HandIn((Person("Jane Doe", "a"),), "2026-11-20T22:00:00+00:00"),
         HandIn((Person("Joe", email="joe@uni.edu"),)),
     )
-    now = {"a": Standing("a", result(), came), "b": Standing("b", result(), never)}
+    now = {"a": FinalGrade("a", result(), came), "b": FinalGrade("b", result(), never)}
     granted = replace(POLICY, extensions={"jane doe": DUE, "JOE@uni.edu": DUE, "b": DUE, "jim": DUE})
     assert list(of_policy(now, None)) == []
     assert list(of_policy(now, granted)) == [
@@ -358,7 +358,7 @@ def test_what_a_late_policy_cannot_be_held_against_is_told() -> None:
 
 
 def test_who_is_on_record_alone_is_told() -> None:
-    now = {id_: Standing(id_, result()) for id_ in "abcdefgh"}
+    now = {id_: FinalGrade(id_, result()) for id_ in "abcdefgh"}
     told = "on record and in the gradebook, and not among what was handed in now: "
     assert list(gone(now, "abcdefgh")) == []
     assert list(gone(now, "abcdefg")) == [f"{told}h"]

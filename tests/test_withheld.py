@@ -15,7 +15,7 @@ from grader.engine.results import Result, to_dict
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
 from tests.boxes import Opened
@@ -108,7 +108,7 @@ def test_no_output_holds_a_number_or_a_name_that_the_spy_made(results: list[Resu
             *result.notes,
             json.dumps([told["criteria"], told["extensions"], told["misconceptions"]]),
             gradescope(result, hidden=True).split('"extra_data"')[0],
-            report_page(Standing("spy", result)).split("<main", 1)[1].split("Provenance")[0],
+            report_page(FinalGrade("spy", result)).split("<main", 1)[1].split("Provenance")[0],
         ]
         for text in outputs:
             assert "Error" not in re.sub(r"\b(Value|Type|Key|Index|Name|Attribute)Error\b", "", text)

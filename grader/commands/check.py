@@ -204,10 +204,10 @@ def _write(result: Result, wanted: _Wanted) -> None:
         from grader.engine.chart_data import unpacked  # noqa: PLC0415
         from grader.engine.faults import catalogue  # noqa: PLC0415
         from grader.labs.imu.lab import LAB  # noqa: PLC0415
-        from grader.people.final_grade import Standing  # noqa: PLC0415
+        from grader.people.final_grade import FinalGrade  # noqa: PLC0415
         from grader.report.pages import report_page  # noqa: PLC0415
 
-        write_whole(wanted.html, report_page(Standing("", result), unpacked(result.evidence.charts), catalogue(LAB)))
+        write_whole(wanted.html, report_page(FinalGrade("", result), unpacked(result.evidence.charts), catalogue(LAB)))
     if wanted.json is not None:
         from grader.engine.results import to_json  # noqa: PLC0415
 

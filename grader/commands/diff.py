@@ -30,9 +30,9 @@ def diff(
     from grader.course.record import Store  # noqa: PLC0415
 
     with Store.existing(first) as old, Store.existing(second or first) as new:
-        before = old.standings() if second is not None else old.former()
+        before = old.final_grades() if second is not None else old.former()
         if second is None and not before:
             raise RequestError(f"{near(first)}: its settings never changed a score; give two gradings to compare")
-        for line in differences.told(before, new.standings()):
+        for line in differences.told(before, new.final_grades()):
             print(line)
     return 0

@@ -15,7 +15,7 @@ from grader.course.publishing import publish_all, write_class
 from grader.course.record import Store
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import guess_at
-from grader.people.final_grade import BONUS, TOTAL, Adjustment, Standing, under, worth, worths
+from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, under, worth, worths
 from grader.people.identity import Meant
 from grader.report import words
 
@@ -89,7 +89,7 @@ def adjust(lab: Lab, out: Path, wishes: Sequence[Wish], author: str, what: str =
         With a line for each wish that cannot be met.
     """
     with Store.existing(out) as store:
-        before = store.standings()
+        before = store.final_grades()
         made = decide(store, before, wishes, author, what=what)
         said = store.adjustments()
         after = {id_: replace(each, adjustments=said.get(id_, ())) for id_, each in before.items()}
@@ -110,7 +110,7 @@ class Made:
 
 def decide(
     store: Store,
-    standings: Mapping[str, Standing],
+    final_grades: Mapping[str, FinalGrade],
     wishes: Sequence[Wish],
     author: str,
     *,
@@ -125,12 +125,12 @@ def decide(
         With a line for each wish that cannot be met.
     """
     said = {(id_, each.criterion, each.alone) for id_, each in store.history()}
-    problems = [problem for wish in wishes if (problem := _problem(wish, standings, said))]
+    problems = [problem for wish in wishes if (problem := _problem(wish, final_grades, said))]
     if problems:
         raise RequestError("\n".join(problems))
     now = datetime.now(timezone.utc).isoformat(timespec="seconds")
-    made = [(wish.id, _adjustment(wish, standings[wish.id], author, now)) for wish in wishes]
-    told = [Made(id_, each, not _stands(each, standings[id_])) for id_, each in made]
+    made = [(wish.id, _adjustment(wish, final_grades[wish.id], author, now)) for wish in wishes]
+    told = [Made(id_, each, not _stands(each, final_grades[id_])) for id_, each in made]
     store.adjust([(each.id, each.adjustment) for each in told if each.fresh], seen, what)
     return told
 
@@ -220,14 +220,14 @@ def said(adjustment: Adjustment) -> str:
     return ALONE if adjustment.points is None else words.number(adjustment.points)
 
 
-def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str, str, bool]]) -> str:
+def _problem(wish: Wish, final_grades: Mapping[str, FinalGrade], said: Set[tuple[str, str, bool]]) -> str:
     """Why a wish cannot be met, or ""; `said` holds what was ever adjusted, withdrawn since or not."""
-    if wish.id not in standings:
+    if wish.id not in final_grades:
         return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, standings)}"
-    standing = standings[wish.id]
-    most = worth(standing.result, wish.criterion)
+    final_grade = final_grades[wish.id]
+    most = worth(final_grade.result, wish.criterion)
     if not wish.criterion:
-        criteria = ", ".join(each.id for each in standing.result.criteria)
+        criteria = ", ".join(each.id for each in final_grade.result.criteria)
         return f"{wish.place}: say for what with --criterion: {criteria}, one of their checks, total or bonus"
     if most is None:
         return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, targets(standing))}"
@@ -237,24 +237,24 @@ def _problem(wish: Wish, standings: Mapping[str, Standing], said: Set[tuple[str,
     withdraws = not (wish.comment.strip() if wish.alone else wish.points)
     if withdraws and (wish.id, wish.criterion, wish.alone) not in said:
         return f"{wish.place}: {printable(wish.id)} has no adjustment of {wish.criterion} to withdraw"
-    if points is not None and not wish.alone and (over := covering(standing, wish.criterion)):
+    if points is not None and not wish.alone and (over := covering(final_grade, wish.criterion)):
         return f"{wish.place}: {printable(wish.id)} has its {over} by hand, in place of {wish.criterion}; withdraw that first"
     if not (wish.comment.strip() or wish.alone) or len(wish.comment) > MAX_COMMENT:
         return f"{wish.place}: say why in a comment of at most {MAX_COMMENT} characters"
     return ""
 
 
-def targets(standing: Standing) -> list[str]:
+def targets(final_grade: FinalGrade) -> list[str]:
     """Everything that points by hand can be given for: criteria, their checks, the total and a bonus."""
-    criteria = standing.result.criteria
+    criteria = final_grade.result.criteria
     return [*(c.id for c in criteria), *(check.id for c in criteria for check in c.checks), TOTAL, BONUS]
 
 
-def covering(standing: Standing, target: str) -> str:
+def covering(final_grade: FinalGrade, target: str) -> str:
     """What has points by hand that stand in place of those of `target`; "" if nothing has."""
-    holders = [c.id for c in standing.result.criteria if any(check.id == target for check in c.checks)]
+    holders = [c.id for c in final_grade.result.criteria if any(check.id == target for check in c.checks)]
     above = [*holders, TOTAL] if target not in (TOTAL, BONUS) else []
-    return next((each for each in above if standing.adjustment(each)), "")
+    return next((each for each in above if final_grade.adjustment(each)), "")
 
 
 def _number(text: str) -> float | None:
@@ -264,18 +264,18 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _adjustment(wish: Wish, standing: Standing, author: str, now: str) -> Adjustment:
+def _adjustment(wish: Wish, final_grade: FinalGrade, author: str, now: str) -> Adjustment:
     comment = wish.comment.strip().encode("utf-8", "replace").decode()
     if wish.alone:
         return Adjustment(wish.criterion, None, comment, author, now, alone=True)
-    stands_for = under(standing.result, wish.criterion) or {}
-    out_of = worths(standing.result, stands_for)
+    stands_for = under(final_grade.result, wish.criterion) or {}
+    out_of = worths(final_grade.result, stands_for)
     return Adjustment(wish.criterion, _number(wish.points), comment, author, now, stands_for, out_of)
 
 
-def _stands(wish: Adjustment, standing: Standing) -> bool:
+def _stands(wish: Adjustment, final_grade: FinalGrade) -> bool:
     """Whether it is in force already, on the same marks; or withdrawn already."""
-    same = (each for each in standing.adjustments if (each.criterion, each.alone) == (wish.criterion, wish.alone))
+    same = (each for each in final_grade.adjustments if (each.criterion, each.alone) == (wish.criterion, wish.alone))
     now = next(same, None)
     if now is None:
         return wish.withdraws
@@ -283,7 +283,7 @@ def _stands(wish: Adjustment, standing: Standing) -> bool:
     return same_points and now.out_of in ({}, wish.out_of)
 
 
-def _told(made: Made, standing: Standing) -> str:
-    final = "open" if standing.final is None else words.number(standing.final)
+def _told(made: Made, final_grade: FinalGrade) -> str:
+    final = "open" if final_grade.final is None else words.number(final_grade.final)
     before = "" if made.fresh else " (as before)"
     return f"{printable(made.id, 80)} {made.adjustment.criterion} {said(made.adjustment)}{before}, final {final}"

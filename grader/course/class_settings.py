@@ -20,7 +20,7 @@ from grader.engine.marks import fits, marked
 from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
 from grader.people import late_policy, roster
-from grader.people.final_grade import HandIn, Standing
+from grader.people.final_grade import FinalGrade, HandIn
 from grader.people.roster import NO_ROSTER, Roster
 
 _SCENARIOS = "other scenarios (another secret, model or version of MuJoCo)"
@@ -105,11 +105,12 @@ def from_json(text: str) -> ClassSettings:
     return ClassSettings(**{**{name: value for name, value in record.items() if name in known}, "own_checks": own})
 
 
-def derived(standings: Mapping[str, Standing], now: ClassSettings) -> ClassSettings | None:
+def derived(final_grades: Mapping[str, FinalGrade], now: ClassSettings) -> ClassSettings | None:
     """Return what the results of a record without settings tell of them, for the rest `now`; None where there are no results."""
-    for standing in standings.values():
+    for final_grade in final_grades.values():
         was = {
-            name: str(standing.result.provenance.get(name, "")) for name in ("rubric_sha256", "traces_sha256", "grader")
+            name: str(final_grade.result.provenance.get(name, ""))
+            for name in ("rubric_sha256", "traces_sha256", "grader")
         }
         return replace(now, **was, rubric="", hidden=was["traces_sha256"] != now.traces_sha256)  # type: ignore[arg-type] # three of its texts
     return None
@@ -196,7 +197,7 @@ def change(
     old: ClassSettings,
     new: ClassSettings,
     rubric: Rubric,
-    everyone: Mapping[str, Standing],
+    everyone: Mapping[str, FinalGrade],
     hand_ins: Mapping[str, HandIn | None],
 ) -> Change | None:
     """Compare settings and compute what the new ones do to the scores; None where they mean the same.
@@ -213,10 +214,10 @@ def change(
     differences = causes(old, new)
     if not differences:
         return None
-    standings = {id_: each for id_, each in everyone.items() if id_ in hand_ins}
+    final_grades = {id_: each for id_, each in everyone.items() if id_ in hand_ins}
     again = (old.traces_sha256, old.grader) != (new.traces_sha256, new.grader)
     same = old.rubric_sha256 == new.rubric_sha256
-    kept = {} if again else {id_: each for id_, each in standings.items() if same or fits(each.result, rubric)}
+    kept = {} if again else {id_: each for id_, each in final_grades.items() if same or fits(each.result, rubric)}
     known_of = hand_ins if old.roster != new.roster else {}
     after = {
         id_: _judged(each if same else replace(each, result=marked(each.result, rubric)), rubric, known_of.get(id_))
@@ -227,9 +228,15 @@ def change(
     means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
     moved = sum(was != now for was, now in finals)
     several = new.attempts == "latest" or None in hand_ins.values()
-    chosen_anew = old.attempts != new.attempts and several and bool(standings)
+    chosen_anew = old.attempts != new.attempts and several and bool(final_grades)
     return Change(
-        differences, moved, len(finals), means, len(standings) - len(kept), chosen_anew, len(everyone) - len(standings)
+        differences,
+        moved,
+        len(finals),
+        means,
+        len(final_grades) - len(kept),
+        chosen_anew,
+        len(everyone) - len(final_grades),
     )
 
 
@@ -246,19 +253,19 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
     return tuple(words for words, differs in found.items() if differs)
 
 
-def _judged(standing: Standing, rubric: Rubric, found: HandIn | None) -> Standing:
+def _judged(final_grade: FinalGrade, rubric: Rubric, found: HandIn | None) -> FinalGrade:
     """Return the standing by the late policy of a rubric, with another hand-in than on record where one is given."""
-    names = (standing.id, standing.result.submission)
-    return replace(standing, hand_in=late_policy.judged(found or standing.hand_in, rubric.late, names))
+    names = (final_grade.id, final_grade.result.submission)
+    return replace(final_grade, hand_in=late_policy.judged(found or final_grade.hand_in, rubric.late, names))
 
 
-def others(settings: ClassSettings, standings: Mapping[str, Standing]) -> list[str]:
+def others(settings: ClassSettings, final_grades: Mapping[str, FinalGrade]) -> list[str]:
     """Return the ids of results that were made by another rubric or other scenarios: a change was interrupted, or left them out."""
     mine = {"rubric_sha256": settings.rubric_sha256, "traces_sha256": settings.traces_sha256}
     return [
         id_
-        for id_, standing in standings.items()
-        if any(standing.result.provenance.get(name) != digest for name, digest in mine.items())
+        for id_, final_grade in final_grades.items()
+        if any(final_grade.result.provenance.get(name) != digest for name, digest in mine.items())
     ]
 
 

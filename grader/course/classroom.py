@@ -34,7 +34,7 @@ from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.people import late_policy, roster
-from grader.people.final_grade import HandIn, Person, Standing
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
 from grader.platforms.classes import Entry, read_class
@@ -223,15 +223,15 @@ def change(order: Order, found: Class) -> Change | None:
         old = store.settings()
         if old is not None and not class_settings.causes(old, new):
             return None
-        standings = store.standings()
-        old = old or class_settings.derived(standings, new)
+        final_grades = store.final_grades()
+        old = old or class_settings.derived(final_grades, new)
     if old is None:
         return None
     if old.hidden and not new.hidden:
         class_settings.refuse_without_secret(old, None)
     several = Counter(entry.id for entry in found.entries)
     hand_ins = {entry.id: entry.hand_in if several[entry.id] == 1 else None for entry in found.entries}
-    changed = class_settings.change(old, new, order.rubric, standings, hand_ins)
+    changed = class_settings.change(old, new, order.rubric, final_grades, hand_ins)
     if changed is not None and changed.moves_scores and order.only:
         raise RequestError(f"--only grades a part of a class by the settings of all; leave it out ({changed.told()})")
     return changed
@@ -285,18 +285,18 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
                 run.renew_repairs()
                 _keep_people(store, publisher, found.others)
             finally:
-                standings = publish_class(order.out, store, order.rubric.lab)
-                _keep_isolation(store, standings)
+                final_grades = publish_class(order.out, store, order.rubric.lab)
+                _keep_isolation(store, final_grades)
         now = (
-            *remarks(standings, found.absent, found.unknown),
+            *remarks(final_grades, found.absent, found.unknown),
             *found.doubtful,
-            *of_policy(standings, order.rubric.late),
-            *(() if order.only else gone(standings, {entry.id for entry in found.entries})),
+            *of_policy(final_grades, order.rubric.late),
+            *(() if order.only else gone(final_grades, {entry.id for entry in found.entries})),
             *run.lost_repairs,
         )
         store.keep_told({**told, "remark": now})
     new = [line for line in now if line not in remarked]
-    outcome.remarks, outcome.known = (*outdated(standings), *new), len(now) - len(new)
+    outcome.remarks, outcome.known = (*outdated(final_grades), *new), len(now) - len(new)
     return outcome
 
 
@@ -305,15 +305,15 @@ def _keep_people(store: Store, publisher: Publisher, named: Mapping[str, HandIn]
     for id_, hand_in in named.items():
         store.keep_hand_in(id_, hand_in)
     if named:
-        standings = store.standings()
+        final_grades = store.final_grades()
         for id_ in named:
-            publisher.put(standings[id_])
+            publisher.put(final_grades[id_])
 
 
-def _keep_isolation(store: Store, standings: Mapping[str, Standing]) -> None:
+def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> None:
     """Record the weakest isolation level of the class."""
     levels = [isolation_level.name for isolation_level in RUNGS]
-    used = [name for each in standings.values() if (name := each.result.provenance.get("isolation")) in levels]
+    used = [name for each in final_grades.values() if (name := each.result.provenance.get("isolation")) in levels]
     settings = store.settings()
     if settings is not None and used:
         store.keep_settings(replace(settings, isolation=max(used, key=levels.index)))
@@ -342,9 +342,9 @@ class _Run:
                 if isinstance(found, str):
                     self.lost_repairs.append(found)
                 else:
-                    standing = self._store.standings()[id_]
-                    self._count(standing)
-                    self._publisher.put(standing)
+                    final_grade = self._store.final_grades()[id_]
+                    self._count(final_grade)
+                    self._publisher.put(final_grade)
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -357,15 +357,15 @@ class _Run:
 
     def _settle(self) -> None:
         """Of several attempts the best one counts, after lateness; of equal ones the first. One that is open decides nothing."""
-        own: dict[str, list[tuple[Key, Standing]]] = {}
+        own: dict[str, list[tuple[Key, FinalGrade]]] = {}
         for key, attempt in self._attempts.items():
             own.setdefault(key.id, []).append((key, self._standing(key, attempt)))
         for attempts in (each for each in own.values() if len(each) > 1):
             still_open = [each for each in attempts if each[1].final is None]
-            key, standing = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
+            key, final_grade = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
             self._store.point_at(key)
-            self._count(standing)
-            self._publisher.put(standing)
+            self._count(final_grade)
+            self._publisher.put(final_grade)
 
     def _marked(self, entries: Sequence[Entry], reader: Reader) -> Iterator[tuple[Submission, Marked]]:
         order, submissions = self._order, self._unrecorded(entries, reader)
@@ -397,22 +397,22 @@ class _Run:
         """`figures`, drawn already, come with a result of this run; None with one that was on record."""
         attempt = self._attempts[key]
         attempt.result = result
-        standing = self._standing(key, attempt)
-        self._count(standing)
+        final_grade = self._standing(key, attempt)
+        self._count(final_grade)
         if figures is None:
-            self._publisher.put(standing)
+            self._publisher.put(final_grade)
         else:
-            publish(self._order.out, standing, self._store, self._order.rubric.lab, figures)
+            publish(self._order.out, final_grade, self._store, self._order.rubric.lab, figures)
         self._audience.done(key.id, result, resumed=figures is None)
 
-    def _standing(self, key: Key, attempt: _Attempt) -> Standing:
+    def _standing(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:
             raise GraderError(f"{key.id}: one of its attempts has no result")
-        return Standing(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
+        return FinalGrade(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))
 
-    def _count(self, standing: Standing) -> None:
-        self._store.keep_hand_in(standing.id, standing.hand_in)
-        self._outcome.results[standing.id] = standing.result
+    def _count(self, final_grade: FinalGrade) -> None:
+        self._store.keep_hand_in(final_grade.id, final_grade.hand_in)
+        self._outcome.results[final_grade.id] = final_grade.result
 
 
 @dataclass

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from grader.base.text import printable
 from grader.engine.results import CheckResult, Result
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import words
 
 _CAUSES = {
@@ -20,7 +20,7 @@ _CAUSES = {
 }
 
 
-def told(old: Mapping[str, Standing], new: Mapping[str, Standing]) -> Iterator[str]:
+def told(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterator[str]:
     """Yield lines for a terminal: what checks are worth now, a block for each submission whose points moved, and the means."""
     both = [id_ for id_ in old if id_ in new]
     causes = {id_: _changed(old[id_], new[id_]) for id_ in both}
@@ -48,21 +48,21 @@ def told(old: Mapping[str, Standing], new: Mapping[str, Standing]) -> Iterator[s
     yield f"{len(moved)} of {len(both)} moved; mean {means[0]} → {means[1]}"
 
 
-def _final(standing: Standing) -> str:
-    return "not judged" if standing.final is None else words.number(standing.final)
+def _final(final_grade: FinalGrade) -> str:
+    return "not judged" if final_grade.final is None else words.number(final_grade.final)
 
 
-def _mean(standings: list[Standing]) -> str:
-    finals = [standing.final for standing in standings if standing.final is not None]
+def _mean(final_grades: list[FinalGrade]) -> str:
+    finals = [final_grade.final for final_grade in final_grades if final_grade.final is not None]
     return f"{statistics.fmean(finals):.1f}" if finals else "–"
 
 
-def _changed(old: Standing, new: Standing) -> list[str]:
+def _changed(old: FinalGrade, new: FinalGrade) -> list[str]:
     was, now = old.result.provenance, new.result.provenance
     return [cause for key, cause in _CAUSES.items() if was.get(key) != now.get(key)]
 
 
-def _block(old: Standing, new: Standing, changed: list[str]) -> list[str]:
+def _block(old: FinalGrade, new: FinalGrade, changed: list[str]) -> list[str]:
     """Return the lines on what changed for this submission alone; none if neither its checks nor its other facts differ."""
     lines = [*_checks(old.result, new.result), *_beside(old, new)]
     return [*lines, f"changed: {', '.join(changed)}"] if lines and changed else lines
@@ -76,7 +76,7 @@ def _checks(old: Result, new: Result) -> Iterator[str]:
             yield f"{id_}  {_told(before)} → {_told(after)}"
 
 
-def _worths(old: Mapping[str, Standing], new: Mapping[str, Standing], both: list[str]) -> Iterator[str]:
+def _worths(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade], both: list[str]) -> Iterator[str]:
     """Yield a line on each check that is worth other points than before, once for the class."""
     changed: dict[tuple[str, float, float], None] = {}
     for id_ in both:
@@ -108,7 +108,7 @@ def _told(check: CheckResult | None) -> str:
     )
 
 
-def _beside(old: Standing, new: Standing) -> Iterator[str]:
+def _beside(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
     """Adjustments and lateness."""
     for criterion in dict.fromkeys(a.criterion for a in (*old.adjustments, *new.adjustments)):
         before, after = (_by_hand(side, criterion) for side in (old, new))
@@ -118,6 +118,6 @@ def _beside(old: Standing, new: Standing) -> Iterator[str]:
         yield f"lateness  −{words.number(old.deduction)} → −{words.number(new.deduction)}"
 
 
-def _by_hand(standing: Standing, criterion: str) -> str:
-    adjustment = standing.adjustment(criterion)
+def _by_hand(final_grade: FinalGrade, criterion: str) -> str:
+    adjustment = final_grade.adjustment(criterion)
     return "none" if adjustment is None or adjustment.points is None else words.number(adjustment.points)

@@ -15,7 +15,7 @@ from grader.course import class_settings
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
 from grader.people import roster
-from grader.people.final_grade import Person, Standing
+from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
 from grader.platforms.filled import directory
 from grader.platforms.gradebook import NO_SUBMISSION
@@ -87,7 +87,7 @@ class Plan:
 
     order: Export
     draft: Draft
-    standings: Mapping[str, Standing]
+    final_grades: Mapping[str, FinalGrade]
     other_settings: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
@@ -104,7 +104,7 @@ class Plan:
         told = [f"{target}  {self.draft.graded} grade{'s' * (self.draft.graded != 1)}"]
         if order.feedback is None:
             return told, []
-        reports, absent = _feedback(order.out, self.standings)
+        reports, absent = _feedback(order.out, self.final_grades)
         write_whole(order.feedback, reports)
         told.append(f"{order.feedback}  {len(self.standings) - len(absent)} reports")
         return told, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
@@ -121,10 +121,10 @@ def plan(order: Export) -> Plan:
     """
     make = _way(order)
     with Store.existing(order.out) as store:
-        standings = store.standings()
-        given = store.given_out(standings) if order.unreadable == "blank" else standings
+        final_grades = store.final_grades()
+        given = store.given_out(final_grades) if order.unreadable == "blank" else final_grades
         settings = store.settings()
-        sent = [each for each in standings.values() if order.feedback and each.hand_in.reply]
+        sent = [each for each in final_grades.values() if order.feedback and each.hand_in.reply]
         outdated = outdated_pages(order.out, sent, store)
     if outdated:
         named = ", ".join(printable(id_, 80) for id_ in outdated[:5]) + ", …" * (len(outdated) > 5)
@@ -133,25 +133,25 @@ def plan(order: Export) -> Plan:
             "give the `imugrade grade` command again: it writes them anew"
         )
     people = class_settings.roster_of(settings).people
-    placed = roster.place(people, {id_: each.hand_in for id_, each in standings.items()})
+    placed = roster.place(people, {id_: each.hand_in for id_, each in final_grades.items()})
     absent = [listed.person for listed in placed.absent]
-    others = () if settings is None else class_settings.others(settings, standings)
+    others = () if settings is None else class_settings.others(settings, final_grades)
     return Plan(order, make(given, absent), given, tuple(printable(id_, 80) for id_ in others))
 
 
-Make = Callable[[Mapping[str, Standing], Sequence[Person]], Draft]
+Make = Callable[[Mapping[str, FinalGrade], Sequence[Person]], Draft]
 
 
 def _way(order: Export) -> Make:
     """Return how the platform gets the marks: its own file filled in, or one that is written."""
     fill, write, template = order.platform.fill, order.platform.write, order.template
     if fill is not None and template is not None:
-        return lambda standings, absent: _filled(fill, template, order, standings, absent)
+        return lambda final_grades, absent: _filled(fill, template, order, final_grades, absent)
     if write is not None and template is None:
-        return lambda standings, absent: Draft(
-            write(standings, absent),
-            sum(each.final is not None for each in standings.values()),
-            tuple(_blank(standings, absent)),
+        return lambda final_grades, absent: Draft(
+            write(final_grades, absent),
+            sum(each.final is not None for each in final_grades.values()),
+            tuple(_blank(final_grades, absent)),
         )
     if fill is None and write is None:
         raise RequestError(f"--format {order.platform.name}: {order.platform.title} takes no grades")
@@ -159,33 +159,33 @@ def _way(order: Export) -> Make:
     raise RequestError(f"--format {order.platform.name} {needs}")
 
 
-def _blank(standings: Mapping[str, Standing], absent: Sequence[Person]) -> Iterator[str]:
+def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Iterator[str]:
     """Yield those of the class who have no grade, with the reason."""
-    for standing in standings.values():
-        if standing.final is None:
+    for final_grade in final_grades.values():
+        if final_grade.final is None:
             empty = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
             yield f"{standing.name or standing.id}: {empty if standing.unseen else 'not judged, through a fault of the grader'}"
     yield from (f"{person.name}: {NO_SUBMISSION}" for person in absent)
 
 
 def _filled(
-    fill: Fill, template: Path, order: Export, standings: Mapping[str, Standing], absent: Sequence[Person]
+    fill: Fill, template: Path, order: Export, final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]
 ) -> Draft:
     source = printable(str(template), 500)
-    filled = fill(_bytes(template, source), source, order.column, standings, scaled=order.scaled)
-    known = directory(standings)
+    filled = fill(_bytes(template, source), source, order.column, final_grades, scaled=order.scaled)
+    known = directory(final_grades)
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
     missing = (
         f"{person.name or standing.id}: not in the file"
-        for standing in standings.values()
-        if standing.final is not None
-        for person in filled.without_row(standing)
+        for final_grade in final_grades.values()
+        if final_grade.final is not None
+        for person in filled.without_row(final_grade)
     )
     return Draft(
         filled.data,
         filled.grades,
-        (*_blank(standings, absent), *missing),
+        (*_blank(final_grades, absent), *missing),
         tuple(filled.replaced),
         tuple(filled.kept),
         tuple(f"{name}: {why}" if why else name for name, why in strangers),
@@ -207,14 +207,14 @@ def _bytes(path: Path, source: str) -> bytes:
     return data
 
 
-def _feedback(out: Path, standings: Mapping[str, Standing]) -> tuple[bytes, list[str]]:
+def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes, list[str]]:
     """The reports under the names that the platform gave, and those of whom it gave none."""
     buffer = io.BytesIO()
     absent: list[str] = []
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for id_, standing in standings.items():
+        for id_, final_grade in final_grades.items():
             report = out / "submissions" / id_ / "report.html"
-            if not standing.hand_in.reply or not report.is_file():
+            if not final_grade.hand_in.reply or not report.is_file():
                 absent.append(printable(id_, 80))
                 continue
             entry = zipfile.ZipInfo(f"{standing.hand_in.reply}report.html", _STAMP)

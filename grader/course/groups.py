@@ -13,7 +13,7 @@ from grader.course.adjusting import Wish, said, undone_decision
 from grader.course.record import Store
 from grader.engine.results import CheckResult, Result
 from grader.engine.rubric_nodes import guess_at
-from grader.people.final_grade import Adjustment, Standing
+from grader.people.final_grade import Adjustment, FinalGrade
 from grader.report import words
 
 MISTAKE, CHECK, SAME, ALIKE = "mistake", "check", "same", "alike"
@@ -50,13 +50,13 @@ class Decision:
     in_force: int
 
 
-def groups(standings: Mapping[str, Standing]) -> list[Group]:
+def groups(final_grades: Mapping[str, FinalGrade]) -> list[Group]:
     """Mistakes by how many made them, then checks, then those who lost exactly the same ones; each with two members or more."""
     mistakes: dict[str, dict[str, list[CheckResult]]] = {}
     checks: dict[str, dict[str, list[CheckResult]]] = {}
     same: dict[tuple[str, ...], dict[str, list[CheckResult]]] = {}
-    for id_, standing in standings.items():
-        lost = _lost(standing.result)
+    for id_, final_grade in final_grades.items():
+        lost = _lost(final_grade.result)
         for check in lost:
             checks.setdefault(check.id, {})[id_] = [check]
             for mistake in check.misconceptions:
@@ -87,7 +87,7 @@ def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
         If nobody did, or one alone.
     """
     with Store.existing(out) as store:
-        found = groups(store.standings())
+        found = groups(store.final_grades())
     named = {group.key: group for group in found if group.kind in (MISTAKE, CHECK)}
     if name not in named:
         raise RequestError(f"--having {printable(name)}: no two submissions have that in common{guess_at(name, named)}")
@@ -100,13 +100,13 @@ def taken_back(out: Path, number: int) -> list[Wish]:
         return undone_decision(store, number)
 
 
-def decisions(store: Store, standings: Mapping[str, Standing]) -> list[Decision]:
+def decisions(store: Store, final_grades: Mapping[str, FinalGrade]) -> list[Decision]:
     """Every one that was made, the latest first."""
     made: dict[int, list[Adjustment]] = {}
     for _, each in store.history():
         if each.decision:
             made.setdefault(each.decision, []).append(each)
-    in_force = [each.decision for standing in standings.values() for each in standing.adjustments]
+    in_force = [each.decision for final_grade in final_grades.values() for each in final_grade.adjustments]
     what = store.decisions()
     found = [
         Decision(

@@ -20,7 +20,7 @@ from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.processes import context, starting_ours
 from grader.engine.results import to_json
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.platforms.gradebook import gradebook
 from grader.report.pages import Drawn, drawn, drawn_in, index_page, report_around
 
@@ -31,35 +31,35 @@ _AHEAD = 8
 """Batches that each process is given before any comes back: some ten megabytes."""
 
 
-def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, Standing]:
+def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, FinalGrade]:
     """Write the gradebook and the index of everything on record, and return that."""
-    standings = store.standings()
-    write_class(out, standings, store, lab)
-    return standings
+    final_grades = store.final_grades()
+    write_class(out, final_grades, store, lab)
+    return final_grades
 
 
-def write_class(out: Path, standings: Mapping[str, Standing], store: Store, lab: Lab) -> None:
+def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store, lab: Lab) -> None:
     """Write the gradebook and the index of these, which are everything on record; what held nothing is blank in the gradebook."""
-    write_whole(out / "gradebook.csv", gradebook(store.given_out(standings)))
-    write_whole(out / "index.html", index_page(standings, store.fingerprints(), of_the_sheet(lab)))
+    write_whole(out / "gradebook.csv", gradebook(store.given_out(final_grades)))
+    write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab)))
 
 
-def publish(out: Path, standing: Standing, store: Store, lab: Lab, figures: Drawn | None = None) -> None:
+def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures: Drawn | None = None) -> None:
     """Write the two files of one submission, unless they are current; with its charts, where they are drawn already."""
     with Publisher(out, store, lab) as publisher:
-        publisher.put(standing, figures)
+        publisher.put(final_grade, figures)
 
 
-def publish_all(out: Path, standings: Iterable[Standing], store: Store, lab: Lab) -> None:
+def publish_all(out: Path, final_grades: Iterable[FinalGrade], store: Store, lab: Lab) -> None:
     """Write the two files of each submission, unless they are current."""
     with Publisher(out, store, lab) as publisher:
-        for standing in standings:
-            publisher.put(standing)
+        for final_grade in final_grades:
+            publisher.put(final_grade)
 
 
-def outdated_pages(out: Path, standings: Iterable[Standing], store: Store) -> list[str]:
+def outdated_pages(out: Path, final_grades: Iterable[FinalGrade], store: Store) -> list[str]:
     """Return the ids of the submissions whose `result.json` or `report.html` is missing, changed or older than the record."""
-    return [each.id for each in standings if not _Source.of(each, store).is_current(out)]
+    return [each.id for each in final_grades if not _Source.of(each, store).is_current(out)]
 
 
 class Publisher:
@@ -94,13 +94,13 @@ class Publisher:
             if self._writers is not None:
                 self._writers.shutdown(cancel_futures=True)
 
-    def put(self, standing: Standing, figures: Drawn | None = None) -> None:
-        if standing.id in self._ids:  # its files are those of whoever comes last
+    def put(self, final_grade: FinalGrade, figures: Drawn | None = None) -> None:
+        if final_grade.id in self._ids:  # its files are those of whoever comes last
             self._finish()
-        source = _Source.of(standing, self._store, figures)
+        source = _Source.of(final_grade, self._store, figures)
         if source.is_current(self._out):
             return
-        self._ids.add(standing.id)
+        self._ids.add(final_grade.id)
         self._waiting.append(source)
         if len(self._waiting) >= (_BATCH if self._writers else _ALONE):
             self._write()
@@ -154,20 +154,20 @@ class _Source:
     `figures` are the charts, where they are drawn already.
     """
 
-    standing: Standing
+    final_grade: FinalGrade
     known: _Known
     result: str
     charts: bytes
     figures: Drawn | None
 
     @classmethod
-    def of(cls, standing: Standing, store: Store, figures: Drawn | None = None) -> _Source:
+    def of(cls, final_grade: FinalGrade, store: Store, figures: Drawn | None = None) -> _Source:
         """`result` is a digest of the result on record."""
-        id_ = standing.id
-        return cls(standing, _Known.of(store.page_digest(id_)), store.digest(id_), store.packed_charts(id_), figures)
+        id_ = final_grade.id
+        return cls(final_grade, _Known.of(store.page_digest(id_)), store.digest(id_), store.packed_charts(id_), figures)
 
     def paths(self, out: Path) -> tuple[Path, Path]:
-        folder = out / "submissions" / self.standing.id
+        folder = out / "submissions" / self.final_grade.id
         return folder / "result.json", folder / "report.html"
 
     def is_current(self, out: Path) -> bool:
@@ -178,8 +178,8 @@ class _Source:
 
     def facts(self, made_from: str, page: bytes) -> str:
         """Return a digest of the report and of all that it is made from."""
-        standing = self.standing
-        return _digest(made_from, page, repr((standing.hand_in, standing.adjustments, standing.unseen)))
+        final_grade = self.final_grade
+        return _digest(made_from, page, repr((final_grade.hand_in, final_grade.adjustments, final_grade.unseen)))
 
 
 Digests = dict[str, str]
@@ -190,7 +190,7 @@ def _written(out: Path, sources: Sequence[_Source], lab: Lab) -> Digests:
     """Write files, and return what they were made from."""
     digests = {}
     for source in sources:
-        files, digests[source.standing.id] = _made(out, source, lab)
+        files, digests[source.final_grade.id] = _made(out, source, lab)
         for path, content in files.items():
             write_whole(path, content)
     return digests
@@ -198,16 +198,16 @@ def _written(out: Path, sources: Sequence[_Source], lab: Lab) -> Digests:
 
 def _made(out: Path, source: _Source, lab: Lab) -> tuple[dict[Path, bytes], str]:
     """The files of a submission that are not current, and the digests to keep once they are written."""
-    (record, report), standing, known = source.paths(out), source.standing, source.known
+    (record, report), final_grade, known = source.paths(out), source.final_grade, source.known
     files, made_from = {}, _digest(source.result, _bytes(record))
     if made_from != known.record:
-        files[record] = to_json(standing.result).encode()
+        files[record] = to_json(final_grade.result).encode()
         made_from = _digest(source.result, files[record])
     figures, of_figures = drawn_in(_bytes(report).decode("utf-8", "replace")), known.figures
     drawn_anew = _of_figures(figures, source) != of_figures
     if drawn_anew:  # takes ten times as long as all the rest of a page
         figures = source.figures or drawn(charts(source.charts, out / FILE_NAME))
-    page = report_around(figures, standing, catalogue(lab))
+    page = report_around(figures, final_grade, catalogue(lab))
     if drawn_anew:
         of_figures = _of_figures(drawn_in(page), source)
     files[report] = page.encode("utf-8", "replace")
@@ -230,7 +230,7 @@ class _Known:
 
 def _of_figures(figures: Drawn, source: _Source) -> str:
     """What they were drawn from, by which program, for which parts; and how they came out."""
-    parts = [part.id for part in source.standing.result.parts if part.checks]
+    parts = [part.id for part in source.final_grade.result.parts if part.checks]
     return _digest(__version__, repr(parts), source.charts, *(figures[part] for part in parts if part in figures))
 
 

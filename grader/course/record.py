@@ -28,8 +28,8 @@ from grader.engine.rubric import Rubric
 from grader.people.final_grade import (
     NOTHING_KNOWN,
     Adjustment,
+    FinalGrade,
     HandIn,
-    Standing,
     given_out,
     hand_in_from_dict,
     hand_in_to_dict,
@@ -184,7 +184,7 @@ class Store(Database):
     def _last_version(self) -> int:
         return int(self._db.execute("SELECT coalesce(max(number), 0) FROM settings").fetchone()[0])
 
-    def former(self) -> dict[str, Standing]:
+    def former(self) -> dict[str, FinalGrade]:
         """Return the standings of the version before, with the overrides of now; empty where there is none."""
         query = (
             "SELECT former.id, record, hand_in FROM former JOIN results USING (seq) "
@@ -193,7 +193,7 @@ class Store(Database):
         adjustments = self.adjustments()
         with self._told():
             return {
-                id_: Standing(
+                id_: FinalGrade(
                     id_,
                     _result(record),
                     read(_hand_in, hand_in) if hand_in else NOTHING_KNOWN,
@@ -209,15 +209,15 @@ class Store(Database):
             return self._db.execute(query, astuple(key)).fetchone() is not None
 
     def remark_class(
-        self, mark: Callable[[dict[str, Standing]], dict[str, Standing]], rubric: Rubric
-    ) -> dict[str, Standing]:
+        self, mark: Callable[[dict[str, FinalGrade]], dict[str, FinalGrade]], rubric: Rubric
+    ) -> dict[str, FinalGrade]:
         """Record what `mark` makes of the whole class by another rubric, all of it or nothing, and return that.
 
         Nobody else writes in the meantime: each present result is parsed once, and what is kept was made of it.
         """
         query = "SELECT class.id, submission_sha256, traces_sha256, grader, seq FROM class JOIN results USING (seq)"
         with self._told(), self._transaction():
-            after = mark(self.standings())
+            after = mark(self.final_grades())
             settings = self.settings()
             if settings is not None:
                 self._keep_settings(settings.with_rubric(rubric), keep_before=True)
@@ -265,11 +265,11 @@ class Store(Database):
         with self._told():
             return {id_: read(_hashes, record) for id_, record in self._db.execute(query)}
 
-    def standings(self) -> dict[str, Standing]:
+    def final_grades(self) -> dict[str, FinalGrade]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
         present, hand_ins, adjustments = self.present(), self.hand_ins(), self.adjustments()
         return {
-            id_: Standing(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
+            id_: FinalGrade(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
             for id_, result in present.items()
         }
 
@@ -417,12 +417,14 @@ class Store(Database):
         }
         return {key: tick for key, tick in last.items() if tick.done}
 
-    def given_out(self, standings: Mapping[str, Standing]) -> dict[str, Standing]:
+    def given_out(self, final_grades: Mapping[str, FinalGrade]) -> dict[str, FinalGrade]:
         """Return the standings as files have them: empty submissions are blank unless they were marked as reviewed."""
         ticks = self.ticks()
-        empty = {id_: each.result for id_, each in standings.items() if each.result.status in ("empty", "unreadable")}
+        empty = {
+            id_: each.result for id_, each in final_grades.items() if each.result.status in ("empty", "unreadable")
+        }
         reviewed = [id_ for id_, each in empty.items() if (id_, each.status, about(why_empty(each))) in ticks]
-        return given_out(standings, reviewed)
+        return given_out(final_grades, reviewed)
 
     def keep_appeals(self, appeals: Iterable[Appeal]) -> int:
         """Record appeals; one that is there already stays as it is. How many are new."""

@@ -13,12 +13,12 @@ from grader.course.record import Store
 from grader.engine.marks import fits, marked
 from grader.engine.rubric import Rubric
 from grader.people import late_policy
-from grader.people.final_grade import HandIn, Standing
+from grader.people.final_grade import FinalGrade, HandIn
 
 _A_LINE = 10  # names
 
 
-def under(standings: Mapping[str, Standing], rubric: Rubric) -> dict[str, Standing]:
+def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, FinalGrade]:
     """The class as it would stand by this rubric. Nothing is written; adjustments stand as they are.
 
     Raises
@@ -26,16 +26,16 @@ def under(standings: Mapping[str, Standing], rubric: Rubric) -> dict[str, Standi
     RequestError
         If it takes a box: the rubric asks something else (its limits, its model, its checks), or the record is of an older version.
     """
-    others = [id_ for id_, standing in standings.items() if not fits(standing.result, rubric)]
+    others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:
         raise RequestError(
             f"{rubric.source}: asks other things than were asked of {_told(others)} (limits, model or checks differ, or "
             "the record is older); grade the class again"
         )
-    return {id_: _under(standing, rubric) for id_, standing in standings.items()}
+    return {id_: _under(final_grade, rubric) for id_, final_grade in final_grades.items()}
 
 
-def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, Standing]:
+def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, FinalGrade]:
     """Mark the class of a record by this rubric, keep that, and write what there is of the class; `publish` writes the rest.
 
     Raises
@@ -48,12 +48,12 @@ def remark(out: Path, store: Store, rubric: Rubric) -> dict[str, Standing]:
     return after
 
 
-def _under(standing: Standing, rubric: Rubric) -> Standing:
-    return replace(standing, result=marked(standing.result, rubric), hand_in=_judged(standing, rubric))
+def _under(final_grade: FinalGrade, rubric: Rubric) -> FinalGrade:
+    return replace(final_grade, result=marked(final_grade.result, rubric), hand_in=_judged(final_grade, rubric))
 
 
-def _judged(standing: Standing, rubric: Rubric) -> HandIn:
-    return late_policy.judged(standing.hand_in, rubric.late, (standing.id, standing.result.submission))
+def _judged(final_grade: FinalGrade, rubric: Rubric) -> HandIn:
+    return late_policy.judged(final_grade.hand_in, rubric.late, (final_grade.id, final_grade.result.submission))
 
 
 def _told(ids: list[str]) -> str:

@@ -28,7 +28,7 @@ from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.intake.names import is_code
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.people.identity import Meant
 from grader.report import words
 
@@ -166,19 +166,19 @@ def repair(out: Path, wish: Wish, author: str, grading: Grading) -> str:
         If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        standing = _standing(store, wish.id)
-        handed_in = _handed_in(store, standing)
-        before = _of_these_files(log.in_force(standing.id), handed_in)
-        made = _made(wish, standing, _patched(handed_in, before), handed_in, author)
-        result = repaired(handed_in, standing, [*before, made], grading, log)
+        final_grade = _standing(store, wish.id)
+        handed_in = _handed_in(store, final_grade)
+        before = _of_these_files(log.in_force(final_grade.id), handed_in)
+        made = _made(wish, final_grade, _patched(handed_in, before), handed_in, author)
+        result = repaired(handed_in, final_grade, [*before, made], grading, log)
         log.add(made)
-        store.keep(grading.key(standing.id, repaired_sha256(handed_in, [*before, made])), result)
-        after = _published(out, store, standing.id, grading)
-    was = _final(standing)
+        store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
+        after = _published(out, store, final_grade.id, grading)
+    was = _final(final_grade)
     return f"{printable(standing.id, 80)}: {printable(made.file, 80)} repaired, {was} before, {_final(after)} now"
 
 
-def preview(out: Path, wish: Wish, grading: Grading) -> tuple[Standing, Standing]:
+def preview(out: Path, wish: Wish, grading: Grading) -> tuple[FinalGrade, FinalGrade]:
     """Return where the submission stands now, and where it would stand with a repair; nothing is recorded.
 
     Raises
@@ -187,21 +187,21 @@ def preview(out: Path, wish: Wish, grading: Grading) -> tuple[Standing, Standing
         As `repair` does.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        standing = _standing(store, wish.id)
-        handed_in = _handed_in(store, standing)
-        before = _of_these_files(log.in_force(standing.id), handed_in)
+        final_grade = _standing(store, wish.id)
+        handed_in = _handed_in(store, final_grade)
+        before = _of_these_files(log.in_force(final_grade.id), handed_in)
         made = _made(
-            replace(wish, comment=wish.comment or "preview"), standing, _patched(handed_in, before), handed_in, ""
+            replace(wish, comment=wish.comment or "preview"), final_grade, _patched(handed_in, before), handed_in, ""
         )
-        return standing, replace(standing, result=repaired(handed_in, standing, [*before, made], grading, log))
+        return final_grade, replace(final_grade, result=repaired(handed_in, final_grade, [*before, made], grading, log))
 
 
 def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
     """Yield the diff of a suggested repair with a line on what it earns; one line where there is none. Nothing is recorded."""
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        standing = _standing(store, who)
-        handed_in = _handed_in(store, standing)
-        original = log.result(grading.key(standing.id, handed_in.sha256)) or standing.result
+        final_grade = _standing(store, who)
+        handed_in = _handed_in(store, final_grade)
+        original = log.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
     found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
     if found is None:
         yield f"{printable(standing.id, 80)}: no repair to suggest"
@@ -214,9 +214,11 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
     yield from (printable(line, 200) for line in diff.splitlines())
 
 
-def _made(wish: Wish, standing: Standing, now: Mapping[str, bytes], handed_in: Submission, author: str) -> LoggedRepair:
+def _made(
+    wish: Wish, final_grade: FinalGrade, now: Mapping[str, bytes], handed_in: Submission, author: str
+) -> LoggedRepair:
     """The repair that a wish asks for; `now` holds the files with the repairs that are in force already."""
-    most = standing.result.max_score
+    most = final_grade.result.max_score
     if wish.file not in now:
         raise RequestError(
             f"repair: {printable(standing.id, 80)} has no file {printable(wish.file, 120)}{guess_at(wish.file, now)}"
@@ -235,11 +237,11 @@ def _made(wish: Wish, standing: Standing, now: Mapping[str, bytes], handed_in: S
         raise RequestError(f"repair: nothing in {printable(wish.file, 120)} changes")
     sha256, diff = _sha256(handed_in.files[wish.file]), diff_of(wish.file, content, fixed)
     comment = wish.comment.strip().encode("utf-8", "replace").decode()
-    return LoggedRepair(0, standing.id, wish.file, sha256, diff, wish.deduction, comment, author, _now())
+    return LoggedRepair(0, final_grade.id, wish.file, sha256, diff, wish.deduction, comment, author, _now())
 
 
 def repaired(
-    handed_in: Submission, standing: Standing, repairs: Sequence[LoggedRepair], grading: Grading, log: RepairLog
+    handed_in: Submission, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading, log: RepairLog
 ) -> Result:
     """Return the result of a submission with these repairs.
 
@@ -248,7 +250,7 @@ def repaired(
     RequestError
         If the original was not graded by these settings, or earns more than the repaired copy.
     """
-    original = log.result(grading.key(standing.id, handed_in.sha256))
+    original = log.result(grading.key(final_grade.id, handed_in.sha256))
     if original is None:
         raise RequestError(
             f"repair: {printable(standing.id, 80)} was graded by other settings or another version; run `imugrade grade` first"
@@ -304,34 +306,34 @@ def _patched(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> dict[str
     return files
 
 
-def _standing(store: Store, who: str) -> Standing:
-    standings = store.standings()
-    id_ = Meant({id_: each.hand_in.people for id_, each in standings.items() if each.hand_in.people}).by(who)
-    if id_ not in standings:
+def _standing(store: Store, who: str) -> FinalGrade:
+    final_grades = store.final_grades()
+    id_ = Meant({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
+    if id_ not in final_grades:
         raise RequestError(f"repair: there is no submission {printable(who)}{guess_at(who, standings)}")
-    return standings[id_]
+    return final_grades[id_]
 
 
-def _handed_in(store: Store, standing: Standing) -> Submission:
+def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
     """What was handed in, as the record keeps it."""
-    sha256 = str(standing.result.provenance.get("submission_sha256", ""))
+    sha256 = str(final_grade.result.provenance.get("submission_sha256", ""))
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
         raise RequestError(
             f"repair: the record does not hold all files of {printable(standing.id, 80)}; grade the class again"
         )
-    return Submission(standing.id, standing.result.submission, kept.files, (), "ready", sha256)
+    return Submission(final_grade.id, final_grade.result.submission, kept.files, (), "ready", sha256)
 
 
-def _published(out: Path, store: Store, id_: str, grading: Grading) -> Standing:
-    standings = store.standings()
-    write_class(out, standings, store, grading.rubric.lab)
-    publish_all(out, [standings[id_]], store, grading.rubric.lab)
-    return standings[id_]
+def _published(out: Path, store: Store, id_: str, grading: Grading) -> FinalGrade:
+    final_grades = store.final_grades()
+    write_class(out, final_grades, store, grading.rubric.lab)
+    publish_all(out, [final_grades[id_]], store, grading.rubric.lab)
+    return final_grades[id_]
 
 
-def _final(standing: Standing) -> str:
-    return "open" if standing.final is None else f"{words.number(standing.final)} points"
+def _final(final_grade: FinalGrade) -> str:
+    return "open" if final_grade.final is None else f"{words.number(standing.final)} points"
 
 
 # --- taking back, listing ------------------------------------------------------------------------------------------------
@@ -346,19 +348,19 @@ def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
         If there is none.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        standing = _standing(store, who)
-        handed_in = _handed_in(store, standing)
-        made = _of_these_files(log.in_force(standing.id), handed_in)
-        old = [each for each in log.in_force(standing.id) if each not in made]
+        final_grade = _standing(store, who)
+        handed_in = _handed_in(store, final_grade)
+        made = _of_these_files(log.in_force(final_grade.id), handed_in)
+        old = [each for each in log.in_force(final_grade.id) if each not in made]
         last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
         if last is None:
             where = f" of {printable(file, 120)}" if file else ""
             raise RequestError(f"repair: {printable(standing.id, 80)} has no repair{where} to take back")
         rest = [each for each in made if each != last]
-        key = grading.key(standing.id, handed_in.sha256)
+        key = grading.key(final_grade.id, handed_in.sha256)
         if rest:
-            result = repaired(handed_in, standing, rest, grading, log)
-            store.keep(grading.key(standing.id, repaired_sha256(handed_in, rest)), result)
+            result = repaired(handed_in, final_grade, rest, grading, log)
+            store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, rest)), result)
         elif log.result(key) is not None:
             store.point_at(key)
         else:
@@ -366,7 +368,7 @@ def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
                 f"repair: {printable(standing.id, 80)} was graded by other settings; run `imugrade grade` first"
             )
         log.undo(last.number, author)
-        after = _published(out, store, standing.id, grading)
+        after = _published(out, store, final_grade.id, grading)
     return f"{printable(standing.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
 
 
@@ -399,18 +401,18 @@ def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iter
             by_id.setdefault(each.id, []).append(each)
         if not by_id:
             return
-        standings = store.standings()
-        for id_ in sorted(by_id.keys() & set(ids) & standings.keys()):
-            for found in _renewed(store, log, standings[id_], by_id[id_], grading):
+        final_grades = store.final_grades()
+        for id_ in sorted(by_id.keys() & set(ids) & final_grades.keys()):
+            for found in _renewed(store, log, final_grades[id_], by_id[id_], grading):
                 yield id_, found
 
 
 def _renewed(
-    store: Store, log: RepairLog, standing: Standing, repairs: Sequence[LoggedRepair], grading: Grading
+    store: Store, log: RepairLog, final_grade: FinalGrade, repairs: Sequence[LoggedRepair], grading: Grading
 ) -> Iterator[Result | str]:
-    name = printable(standing.id, 80)
+    name = printable(final_grade.id, 80)
     try:
-        handed_in = _handed_in(store, standing)
+        handed_in = _handed_in(store, final_grade)
         current = _of_these_files(repairs, handed_in)
         for each in [each for each in repairs if each not in current]:
             yield (
@@ -419,10 +421,10 @@ def _renewed(
             )
         if not current:
             return
-        key = grading.key(standing.id, repaired_sha256(handed_in, current))
+        key = grading.key(final_grade.id, repaired_sha256(handed_in, current))
         result = store.recall(key) or store.remark(key, grading.rubric)
         if result is None:
-            result = repaired(handed_in, standing, current, grading, log)
+            result = repaired(handed_in, final_grade, current, grading, log)
             store.keep(key, result)
     except RequestError as problem:
         yield f"{name}: its repairs do not count: {problem}"

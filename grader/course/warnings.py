@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from grader.base.text import printable
 from grader.engine.results import Result
 from grader.engine.rubric import LatePolicy
-from grader.people.final_grade import Adjustment, Standing, summed, under, worth
+from grader.people.final_grade import Adjustment, FinalGrade, summed, under, worth
 from grader.report import words
 
 A_LINE = 20  # names
@@ -16,55 +16,59 @@ OUTDATED = 5  # lines
 _A_FEW = 5  # names
 
 
-def remarks(standings: Mapping[str, Standing], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
+def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
     """Lines about equal and empty hand-ins, lateness without a time, and the roster."""
-    for ids in equal(standings.values()):
+    for ids in equal(final_grades.values()):
         yield from _lines("the same files were handed in by", ids)
-    nothing = [s.id for s in standings.values() if s.result.status in ("empty", "unreadable")]
+    nothing = [s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable")]
     yield from _lines("no gradable files (review what was handed in)", nothing)
-    odd = [s.id for s in standings.values() if not_understood(s.result)]
+    odd = [s.id for s in final_grades.values() if not_understood(s.result)]
     yield from _lines("an answer that could not be understood (look at what the code returns)", odd)
-    stopped = [s.id for s in standings.values() if timed_out(s.result)]
+    stopped = [s.id for s in final_grades.values() if timed_out(s.result)]
     yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
-    untimed = [s.id for s in standings.values() if s.late and s.late.due and s.late.seconds is None]
+    untimed = [s.id for s in final_grades.values() if s.late and s.late.due and s.late.seconds is None]
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, no submission", absent)
     yield from _lines("not in the roster, or not to be told apart there", unknown)
 
 
-def of_policy(standings: Mapping[str, Standing], policy: LatePolicy | None) -> Iterator[str]:
+def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
     """Lines about what a late policy cannot be held against."""
     if policy is None:
         return
-    untimed = [each.id for each in standings.values() if not each.hand_in.submitted and each.late is None]
+    untimed = [each.id for each in final_grades.values() if not each.hand_in.submitted and each.late is None]
     if untimed:
         many = f"{len(untimed)} of {len(standings)} hand-ins"
         yield f"the late policy takes nothing off {many}: nothing tells when they came (give a `submitted` column in the roster)"
-    in_time = [each.id for each in standings.values() if each.hand_in.marked_late and each.late is None]
+    in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
     yield from _lines("marked late by the platform, and in time by the roster and the late policy", in_time)
-    people = [person for each in standings.values() for person in each.hand_in.people]
+    people = [person for each in final_grades.values() for person in each.hand_in.people]
     known = {text.casefold() for person in people for text in person.called}
-    known |= {id_.casefold() for id_ in standings}
+    known |= {id_.casefold() for id_ in final_grades}
     yield from _lines(
         "with an extension in the rubric, and nobody's name who handed in",
         [who for who in policy.extensions if who.casefold() not in known],
     )
 
 
-def gone(standings: Mapping[str, Standing], found: Collection[str]) -> Iterator[str]:
+def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iterator[str]:
     """Yield a line about those on record who are not in the download; none where it holds less than half of the class.
 
     Such a download holds resubmissions, and nobody is missing from it.
     """
-    left = [printable(id_, 80) for id_ in standings if id_ not in found]
-    if left and 2 * len(left) <= len(standings):
+    left = [printable(id_, 80) for id_ in final_grades if id_ not in found]
+    if left and 2 * len(left) <= len(final_grades):
         more = f"; and {len(left) - _A_FEW} more" if len(left) > _A_FEW else ""
         yield f"on record and in the gradebook, and not among what was handed in now: {'; '.join(left[:_A_FEW])}{more}"
 
 
-def outdated(standings: Mapping[str, Standing]) -> Iterator[str]:
+def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
     """Lines about points by hand whose automatic marks have moved since: they stand in the way of those until somebody decides."""
-    lines = [_outdated(standing, adjustment) for standing in standings.values() for adjustment in standing.outdated()]
+    lines = [
+        _outdated(final_grade, adjustment)
+        for final_grade in final_grades.values()
+        for adjustment in final_grade.outdated()
+    ]
     yield from lines[:OUTDATED]
     if len(lines) > OUTDATED:
         yield f"and {len(lines) - OUTDATED} more adjustments of marks that have moved since; the class page lists whose"
@@ -75,12 +79,12 @@ def timed_out(result: Result) -> bool:
     return outcomes == {"timeout"}
 
 
-def _outdated(standing: Standing, adjustment: Adjustment) -> str:
-    now = under(standing.result, adjustment.criterion)
+def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
+    now = under(final_grade.result, adjustment.criterion)
     then = [points for points in adjustment.beneath.values() if points is not None]
     worth_then = sum(adjustment.out_of.values())
     had = words.fraction(round(sum(then), 2), round(worth_then, 2)) if worth_then else words.number(round(sum(then), 2))
-    new = "gone" if now is None else words.fraction(summed(now), worth(standing.result, adjustment.criterion) or 0.0)
+    new = "gone" if now is None else words.fraction(summed(now), worth(final_grade.result, adjustment.criterion) or 0.0)
     return (
         f"{printable(standing.id)}: {adjustment.criterion} was overridden with {words.number(adjustment.points or 0.0)} "
         f"when it had {had}; the automatic points are now {new}. Adjust it again or withdraw it"
@@ -91,11 +95,11 @@ def not_understood(result: Result) -> bool:
     return any(check.not_understood for part in result.parts for check in part.checks)
 
 
-def equal(standings: Iterable[Standing]) -> Iterator[list[str]]:
+def equal(final_grades: Iterable[FinalGrade]) -> Iterator[list[str]]:
     same: defaultdict[str, list[str]] = defaultdict(list)
-    for standing in standings:
-        if standing.result.status in ("graded", "incomplete"):
-            same[str(standing.result.provenance.get("submission_sha256", standing.id))].append(standing.id)
+    for final_grade in final_grades:
+        if final_grade.result.status in ("graded", "incomplete"):
+            same[str(final_grade.result.provenance.get("submission_sha256", final_grade.id))].append(final_grade.id)
     yield from (ids for ids in same.values() if len(ids) > 1)
 
 

@@ -21,7 +21,7 @@ from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
 from grader.engine.rubric import Rubric
-from grader.people.final_grade import Adjustment, Standing
+from grader.people.final_grade import Adjustment, FinalGrade
 from grader.report.similarity import Pair, own_hashes, pairs
 
 T = TypeVar("T")
@@ -60,7 +60,7 @@ class Classbook:
             self.thread.shutdown()
             raise
         self._seen = self._last = -1
-        self._marked: dict[str, Standing] = {}
+        self._marked: dict[str, FinalGrade] = {}
         self._made: dict[str, tuple[object, Any]] = {}
         self._similar: Similar | None = None
         self._publisher = _Publisher(lab, out, self._keep_digests)
@@ -77,11 +77,11 @@ class Classbook:
         self.on_thread(self._store.close)
         self.thread.shutdown()
 
-    def standings(self) -> dict[str, Standing]:
+    def final_grades(self) -> dict[str, FinalGrade]:
         """Return all submissions by id. Results are read again only after another process wrote; overrides after any change."""
         seen = self._store.changes()
         if seen != self._seen:
-            self._marked, self._seen, self._similar = self._store.standings(), seen, None
+            self._marked, self._seen, self._similar = self._store.final_grades(), seen, None
             self._last = self.last_number()
         elif self._last != (last := self.last_number()):
             adjustments, self._last = self._store.adjustments(), last
@@ -97,7 +97,7 @@ class Classbook:
         return made
 
     def similar(self) -> Similar:
-        self.standings()
+        self.final_grades()
         if self._similar is None:
             prints = {id_: hashes for id_, hashes in self._store.fingerprints().items() if id_ in self._marked}
             found = pairs(prints, of_the_sheet(self.lab), _MOST_PAIRS)
@@ -109,8 +109,8 @@ class Classbook:
         own = own_hashes(self._store.fingerprints(), of_the_sheet(self.lab))
         return own.get(first, frozenset()) & own.get(second, frozenset())
 
-    def kept(self, standing: Standing) -> Kept:
-        return unpack(self._store.files(str(standing.result.provenance.get("submission_sha256", ""))))
+    def kept(self, final_grade: FinalGrade) -> Kept:
+        return unpack(self._store.files(str(final_grade.result.provenance.get("submission_sha256", ""))))
 
     @property
     def store(self) -> Store:
@@ -125,7 +125,7 @@ class Classbook:
 
     def decide(self, wishes: Sequence[Wish], author: str, seen: int | None, what: str = "") -> list[Made]:
         """Record overrides as `adjusting.decide` does, and update the files of OUT."""
-        made = decide(self._store, self.standings(), wishes, author, seen=seen, what=what)
+        made = decide(self._store, self.final_grades(), wishes, author, seen=seen, what=what)
         self._publisher.changed(each.id for each in made if each.fresh)
         return made
 
@@ -213,5 +213,5 @@ class _Publisher:
 
     def _publish(self, ids: set[str]) -> None:
         with _Beside(self._out, self._keep) as store:
-            standings = publish_class(self._out, store, self._lab)
-            publish_all(self._out, (standings[id_] for id_ in sorted(ids)), store, self._lab)
+            final_grades = publish_class(self._out, store, self._lab)
+            publish_all(self._out, (final_grades[id_] for id_ in sorted(ids)), store, self._lab)

@@ -17,7 +17,7 @@ from grader.desk.code import Line, coloured, source
 from grader.desk.overviews import framed
 from grader.desk.review_queue import address
 from grader.engine.fingerprint import lines_with
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report.similarity import Pair
 
 _AROUND = 2  # context lines above and below shared lines
@@ -47,8 +47,8 @@ def show_all(book: Classbook, ask: Ask) -> Response:
 
 
 def show(book: Classbook, ask: Ask) -> Response:
-    standings = book.standings()
-    two = [standings.get(ask.path[place]) for place in ("first", "second")]
+    final_grades = book.final_grades()
+    two = [final_grades.get(ask.path[place]) for place in ("first", "second")]
     first, second = two
     if first is None or second is None or first is second:
         raise RequestError("This pair does not exist")
@@ -60,7 +60,7 @@ def show(book: Classbook, ask: Ask) -> Response:
     return framed(book, ask, "pair.html.j2", sides=sides, pair=pair, same=same, others=_others(book, first, second))
 
 
-def _others(book: Classbook, first: Standing, second: Standing) -> list[Pair]:
+def _others(book: Classbook, first: FinalGrade, second: FinalGrade) -> list[Pair]:
     """Return the other pairs that contain one of the two."""
     ids = {first.id, second.id}
     return [each for each in book.similar().pairs if len({each.first, each.second} & ids) == 1]

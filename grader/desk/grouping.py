@@ -18,18 +18,23 @@ from grader.people.final_grade import BONUS, TOTAL
 
 
 def show_all(book: Classbook, ask: Ask) -> Response:
-    found = groups(book.standings())
+    found = groups(book.final_grades())
     kinds = {MISTAKE: "Same fault", CHECK: "Same failed check", SAME: "Same set of failed checks"}
     listed = {title: [group for group in found if group.kind == kind] for kind, title in kinds.items()}
     return framed(
-        book, ask, "groups.html.j2", address=address, listed=listed, decisions=decisions(book.store, book.standings())
+        book,
+        ask,
+        "groups.html.j2",
+        address=address,
+        listed=listed,
+        decisions=decisions(book.store, book.final_grades()),
     )
 
 
 def show(book: Classbook, ask: Ask) -> Response:
     group = _one(book, ask)
-    standings = book.standings()
-    members = [standings[id_] for id_ in group.ids]
+    final_grades = book.final_grades()
+    members = [final_grades[id_] for id_ in group.ids]
     criteria = dict.fromkeys(c.id for s in members for c in s.result.criteria)
     targets = [*group.checks, *criteria, TOTAL, BONUS] if group.checks else [TOTAL, BONUS, *criteria]
     return framed(
@@ -41,9 +46,9 @@ def show(book: Classbook, ask: Ask) -> Response:
         members=members,
         targets=targets,
         covering=adjusting.covering,
-        checks_of=lambda standing: {c.id: c for part in standing.result.criteria for c in part.checks},
+        checks_of=lambda final_grade: {c.id: c for part in final_grade.result.criteria for c in part.checks},
         seen=book.last_number(),
-        decisions=[each for each in decisions(book.store, standings) if each.what == group.what],
+        decisions=[each for each in decisions(book.store, final_grades) if each.what == group.what],
     )
 
 
@@ -69,7 +74,7 @@ def take_back(book: Classbook, ask: Ask) -> Response:
 def _one(book: Classbook, ask: Ask) -> Group:
     wanted = (ask.path["kind"], ask.path["key"])
     together = (alike(each.ids) for each in queue(book) if each.others)
-    every = itertools.chain(groups(book.standings()), together)
+    every = itertools.chain(groups(book.final_grades()), together)
     found = next((group for group in every if (group.kind, group.key) == wanted), None)
     if found is None:
         raise RequestError("This group does not exist: the record has changed, or it has only one member left")

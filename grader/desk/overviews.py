@@ -19,7 +19,7 @@ from grader.report import overview
 
 def queue(book: Classbook) -> list[Item]:
     """Return the review queue. It is computed again only after the record has changed."""
-    facts = (book.standings(), book.similar().groups, book.store.told(), book.requests(), book.store.ticks())
+    facts = (book.final_grades(), book.similar().groups, book.store.told(), book.requests(), book.store.ticks())
     return book.once("queue", facts, lambda: queue_of.items(*facts))
 
 
@@ -43,7 +43,7 @@ def review_queue(book: Classbook, ask: Ask) -> Response:
 
 def class_page(book: Classbook, ask: Ask) -> Response:
     waiting = Counter(id_ for each in queue(book) if each.tick is None for id_ in each.ids)
-    everybody = sorted(book.standings().values(), key=lambda each: (overview.by_name(each.name), each.id))
+    everybody = sorted(book.final_grades().values(), key=lambda each: (overview.by_name(each.name), each.id))
     results = [each.result for each in everybody]
     top = max((result.max_score for result in results), default=100.0)
     rows = [(each, overview.entry(each, (), top)) for each in everybody]
@@ -64,7 +64,7 @@ def class_page(book: Classbook, ask: Ask) -> Response:
 def find(book: Classbook, ask: Ask) -> Response:
     """Open the submission with this id, or the class page with the rows that match."""
     who = ask.text("who")
-    if who in book.standings():
+    if who in book.final_grades():
         return RedirectResponse(f"/submission/{quote(who, safe='')}", 303)
     return RedirectResponse(f"/class?find={quote(who, safe='')}", 303)
 
@@ -77,14 +77,14 @@ def mark_reviewed(book: Classbook, ask: Ask) -> Response:
     if not found or len(found) < len(looked):
         raise RequestError("This item is no longer in the queue because the record has changed. Reload the page")
     book.mark_reviewed(found, ask.author, done=ask.text("done") == "yes")
-    if ask.text("back") in book.standings():
+    if ask.text("back") in book.final_grades():
         return RedirectResponse(f"/submission/{quote(ask.text('back'), safe='')}", 303)
     return RedirectResponse(f"/?kind={ask.text('kind')}" if ask.text("kind") in KINDS else "/", 303)
 
 
 def framed(book: Classbook, ask: Ask, template: str, **values: object) -> Response:
     """Render a page inside the frame that all pages share."""
-    standings = book.standings()
-    lab = next((each.result.lab for each in standings.values()), None)
-    frame = {"standings": standings, "lab": lab.label if lab else "", "author": ask.author, "trouble": book.trouble}
+    final_grades = book.final_grades()
+    lab = next((each.result.lab for each in final_grades.values()), None)
+    frame = {"standings": final_grades, "lab": lab.label if lab else "", "author": ask.author, "trouble": book.trouble}
     return page(template, 200, **(frame | values))

@@ -20,7 +20,7 @@ from grader.desk.asking import MOST_BYTES, Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
 from grader.engine.rubric_nodes import guess_at
-from grader.people.final_grade import TOTAL, Standing
+from grader.people.final_grade import TOTAL, FinalGrade
 from grader.people.identity import Directory, Row
 
 LONGEST = 8000
@@ -55,14 +55,14 @@ class Dropped:
 
 def show(book: Classbook, ask: Ask) -> Response:
     requests = book.requests()
-    standings = book.standings()
-    about = dict.fromkeys(target for standing in standings.values() for target in targets(standing))
+    final_grades = book.final_grades()
+    about = dict.fromkeys(target for final_grade in final_grades.values() for target in targets(final_grade))
     return framed(
         book,
         ask,
         "regrade_requests.html.j2",
-        open=[each for each in requests if not each.answered and each.id in standings],
-        answered=[each for each in reversed(requests) if each.answered and each.id in standings],
+        open=[each for each in requests if not each.answered and each.id in final_grades],
+        answered=[each for each in reversed(requests) if each.answered and each.id in final_grades],
         about=about,
         told=ask.text("told"),
     )
@@ -71,7 +71,7 @@ def show(book: Classbook, ask: Ask) -> Response:
 def add(book: Classbook, ask: Ask) -> Response:
     """Record the requests in a form: one student's text, a JSON file, or a table of many."""
     dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
-    new = book.store.keep_appeals(placed(dropped, book.standings()))
+    new = book.store.keep_appeals(placed(dropped, book.final_grades()))
     return RedirectResponse(f"/regrade-requests?told={quote(added(new, len(dropped)))}", 303)
 
 
@@ -90,7 +90,7 @@ def read_in(book: Classbook, path: Path) -> str:
     if not files:
         raise RequestError(f"--appeals {printable(str(path), 500)}: contains no {', '.join(_FILES)} file")
     dropped = [each for file in files for each in _read_file(file)]
-    new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.standings())))
+    new = book.on_thread(lambda: book.store.keep_appeals(placed(dropped, book.final_grades())))
     return added(new, len(dropped))
 
 
@@ -137,7 +137,7 @@ def read(text: str, who: str, about: str) -> Iterator[Dropped]:
             yield _bounded(Dropped(_first(said, _WHO) or who, _first(said, _ABOUT) or about, found, place))
 
 
-def placed(dropped: Sequence[Dropped], standings: Mapping[str, Standing]) -> list[Appeal]:
+def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -> list[Appeal]:
     """Match each request to a submission and a check.
 
     Raises
@@ -145,16 +145,16 @@ def placed(dropped: Sequence[Dropped], standings: Mapping[str, Standing]) -> lis
     RequestError
         With a line for each request without a match.
     """
-    directory = Directory({id_: standing.people for id_, standing in standings.items()})
+    directory = Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
     requests, problems = [], []
     for each in dropped:
         asked = (Row(numbers=(each.who,)), Row(email=each.who), Row(name=each.who))
         match = next(filter(None, map(directory.find, asked)), None) if each.who else None
-        if match is None or match.id not in standings:
+        if match is None or match.id not in final_grades:
             problems.append(
                 f"{each.place}: no student {printable(each.who) or 'is named'}{guess_at(each.who, standings)}"
             )
-        elif each.about and each.about not in (known := targets(standings[match.id])):
+        elif each.about and each.about not in (known := targets(final_grades[match.id])):
             problems.append(f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")
         else:
             requests.append(Appeal(match.id, each.about, each.text, now()))

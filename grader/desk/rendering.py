@@ -10,7 +10,7 @@ from starlette.responses import HTMLResponse
 
 from grader.base.package_data import beside
 from grader.base.text import printable
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import words
 
 STATIC = {
@@ -48,6 +48,6 @@ def safe_text(value: str, limit: int = 2000) -> str:
     return printable(value, limit, newlines=True)
 
 
-def address(value: Standing | str) -> str:
+def address(value: FinalGrade | str) -> str:
     """Return the address of a submission's page."""
     return f"/submission/{quote(value if isinstance(value, str) else value.id, safe='')}"

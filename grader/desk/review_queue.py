@@ -13,7 +13,7 @@ from grader.course.warnings import equal, not_understood, timed_out
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.results import Result
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import words
 
 KINDS = {
@@ -88,7 +88,7 @@ class Item:
 
 
 def items(
-    standings: Mapping[str, Standing],
+    final_grades: Mapping[str, FinalGrade],
     groups: Sequence[SimilarityGroup],
     told: Mapping[str, Sequence[str]],
     requests: Iterable[Appeal],
@@ -97,22 +97,22 @@ def items(
     """Return the queue: in the order of `KINDS`, then in the order of the class."""
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in told.get("leftover", ())]
-    found += [((id_,), reason) for id_, each in standings.items() for reason in _own(each)]
-    found += _of_several(standings, groups)
+    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each)]
+    found += _of_several(final_grades, groups)
     unknown = Reason("unknown-person", "Not in the roster, or the roster has several people who match.")
-    found += [((id_,), unknown) for id_ in told.get("unknown", ()) if id_ in standings]
-    found += [((each.id,), _request(each)) for each in requests if not each.answered and each.id in standings]
+    found += [((id_,), unknown) for id_ in told.get("unknown", ()) if id_ in final_grades]
+    found += [((each.id,), _request(each)) for each in requests if not each.answered and each.id in final_grades]
     rank = {kind: place for place, kind in enumerate(KINDS)}
-    order = {id_: place for place, id_ in enumerate(standings)}
+    order = {id_: place for place, id_ in enumerate(final_grades)}
     found.sort(key=lambda item: (rank[item[1].kind], order.get(item[0][0], -1)))
     return [Item(ids[0], each, ticks.get((ids[0], each.kind, each.about)), tuple(ids[1:])) for ids, each in found]
 
 
-def _own(standing: Standing) -> Iterator[Reason]:
-    result = standing.result
-    if standing.final is None:
+def _own(final_grade: FinalGrade) -> Iterator[Reason]:
+    result = final_grade.result
+    if final_grade.final is None:
         open_ = [
-            check.title for part in result.criteria for check in part.checks if standing.check_points(check) is None
+            check.title for part in result.criteria for check in part.checks if final_grade.check_points(check) is None
         ]
         yield Reason("not-judged", f"The grader failed on these checks, so their points are open: {_some(open_)}")
     if result.status in ("empty", "unreadable"):
@@ -127,13 +127,13 @@ def _own(standing: Standing) -> Iterator[Reason]:
         yield Reason(
             "tampering", "The code changes its environment. Check what it does. This deducts nothing by itself."
         )
-    if standing.late is not None and standing.late.seconds is None:
+    if final_grade.late is not None and final_grade.late.seconds is None:
         yield Reason(
             "lateness",
             "Marked late without a time, so nothing is deducted. Add a column `submitted` to the roster and grade again, or "
             "override the total.",
         )
-    for each in standing.outdated():
+    for each in final_grade.outdated():
         points = words.number(each.points or 0.0)
         yield Reason(
             "outdated",
@@ -141,20 +141,20 @@ def _own(standing: Standing) -> Iterator[Reason]:
         )
     yield from (Reason("picture", note) for note in words.notes(result) if A_PERSON_MAY in note)
     yield from (Reason("other-picture", note) for note in words.notes(result) if ANOTHER_VERSION in note)
-    yield from _near_a_boundary(standing, result)
+    yield from _near_a_boundary(final_grade, result)
 
 
-def _near_a_boundary(standing: Standing, result: Result) -> Iterator[Reason]:
+def _near_a_boundary(final_grade: FinalGrade, result: Result) -> Iterator[Reason]:
     """Yield a reason if partial checks could lift the grade over a boundary less than a point above it."""
     rows = [check for part in result.criteria for check in part.checks if check.outcome == "partial"]
-    partial = [check for check in rows if standing.check_points(check) == check.points]
+    partial = [check for check in rows if final_grade.check_points(check) == check.points]
     room = round(sum(check.max_points - (check.points or 0.0) for check in partial), 2)
-    if standing.final is None or not partial or not result.max_score:
+    if final_grade.final is None or not partial or not result.max_score:
         return
     step = result.max_score / _STEP
-    below = round(-standing.final % step, 2)
+    below = round(-final_grade.final % step, 2)
     if 0 < below <= min(_NEAR, room):
-        boundary = words.number(round(standing.final + below, 2))
+        boundary = words.number(round(final_grade.final + below, 2))
         yield Reason(
             "boundary",
             f"{words.number(below)} below {boundary}, and {words.number(room)} points were lost on partial checks: "
@@ -163,9 +163,9 @@ def _near_a_boundary(standing: Standing, result: Result) -> Iterator[Reason]:
 
 
 def _of_several(
-    standings: Mapping[str, Standing], groups: Sequence[SimilarityGroup]
+    final_grades: Mapping[str, FinalGrade], groups: Sequence[SimilarityGroup]
 ) -> Iterator[tuple[tuple[str, ...], Reason]]:
-    same = [tuple(ids) for ids in equal(standings.values())]
+    same = [tuple(ids) for ids in equal(final_grades.values())]
     for ids in same:
         yield ids, Reason("same-files", f"{len(ids)} submissions contain the same files.", ids)
     for group in groups:

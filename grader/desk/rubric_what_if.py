@@ -21,7 +21,7 @@ from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import overview, words
 
 _SHOWN = 50
@@ -32,7 +32,7 @@ _HEAD = "# Made at the review desk on {when} from {source}, which holds the reas
 class Move:
     """A submission whose grade would change."""
 
-    standing: Standing
+    final_grade: FinalGrade
     before: float | None
     after: float | None
 
@@ -69,24 +69,24 @@ def save(book: Classbook, ask: Ask) -> Response:
 
 
 def _page(book: Classbook, ask: Ask, told: str) -> Response:
-    standings = book.standings()
+    final_grades = book.final_grades()
     base = book.rubric
     problem, outlook, changed = "", None, base
     try:
         changed, _ = _changed(book, ask)
         if changed.sha256 != base.sha256:
-            outlook = _outlook(standings, regrade.under(standings, changed))
+            outlook = _outlook(final_grades, regrade.under(final_grades, changed))
     except RequestError as error:
         problem = str(error)
-    made = Counter(id_ for each in standings.values() for id_ in each.result.misconceptions)
-    digests = {str(each.result.provenance.get("rubric_sha256")) for each in standings.values()}
+    made = Counter(id_ for each in final_grades.values() for id_ in each.result.misconceptions)
+    digests = {str(each.result.provenance.get("rubric_sha256")) for each in final_grades.values()}
     return framed(
         book,
         ask,
         "what_if.html.j2",
         rubric=base,
         shown={part.id: part for part in changed.criteria},
-        titles={c.id: c.title for s in standings.values() for part in s.result.criteria for c in part.checks},
+        titles={c.id: c.title for s in final_grades.values() for part in s.result.criteria for c in part.checks},
         given=lambda name, value: ask.text(name) or value,
         mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
         prices=base.mistakes,
@@ -139,11 +139,11 @@ def _number(text: str) -> float | int | str:
     return int(value) if value.is_integer() else value
 
 
-def _outlook(before: Mapping[str, Standing], after: Mapping[str, Standing]) -> Outlook:
+def _outlook(before: Mapping[str, FinalGrade], after: Mapping[str, FinalGrade]) -> Outlook:
     moves = [
         Move(each, before[id_].final, each.final) for id_, each in after.items() if before[id_].final != each.final
     ]
-    moves.sort(key=lambda move: (-abs(move.by), move.standing.id))
+    moves.sort(key=lambda move: (-abs(move.by), move.final_grade.id))
     top = max((each.result.max_score for side in (before, after) for each in side.values()), default=100.0)
     scores = [[each.final for each in side.values() if each.final is not None] for side in (before, after)]
     means = [words.number(round(statistics.fmean(side), 1)) if side else "–" for side in scores]

@@ -21,7 +21,7 @@ from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import Item
 from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
-from grader.people.final_grade import BONUS, TOTAL, Adjustment, Standing, summed, under, worth
+from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, summed, under, worth
 from grader.report import charts, words
 from grader.report.pages import Figure
 
@@ -84,55 +84,55 @@ class Part:
 
 
 def show(book: Classbook, ask: Ask) -> Response:
-    standing = one(book, ask)
+    final_grade = one(book, ask)
     items = queue(book)
-    history = book.history(standing.id)
-    requests = [each for each in book.requests() if each.id == standing.id]
-    kept = book.kept(standing)
-    result = standing.result
+    history = book.history(final_grade.id)
+    requests = [each for each in book.requests() if each.id == final_grade.id]
+    kept = book.kept(final_grade)
+    result = final_grade.result
     marked = result.status not in ("empty", "unreadable")
     parts: Sequence[CriterionResult | ExtensionResult] = [*result.criteria, *(e for e in result.extensions if e.checks)]
     named = named_lines((check for part in parts for check in part.checks), kept.files)
     files = shelf(kept, named)
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
-    shown = book.store.charts(standing.id)
-    shown_parts = [_part(standing, part, code, shown, requests) for part in parts]
+    shown = book.store.charts(final_grade.id)
+    shown_parts = [_part(final_grade, part, code, shown, requests) for part in parts]
     shown_parts.sort(key=lambda part: all(row.folded for row in part.rows))  # criteria with deductions first
     return framed(
         book,
         ask,
         "submission.html.j2",
-        standing=standing,
+        final_grade=final_grade,
         status=words.STATUS[result.status],
-        late=words.late(standing),
+        late=words.late(final_grade),
         notes=words.notes(result),
         mistakes=[words.misconception(id_) for id_ in result.misconceptions],
         parts=shown_parts,
         comments=_comments(book),
         keys=_keys(shown_parts if marked else (), requests),
         marked=marked,
-        whole=[_said(standing, target, requests) for target in (TOTAL, BONUS)],
+        whole=[_said(final_grade, target, requests) for target in (TOTAL, BONUS)],
         files=files,
-        items=[each for each in items if standing.id in each.ids],
+        items=[each for each in items if final_grade.id in each.ids],
         history=list(reversed(history)),
         told=adjusting.said,
         decisions=book.store.decisions(),
         seen=max((each.number for each in history), default=0),
-        way=_way(list(book.standings()), standing.id, items),
+        way=_way(list(book.final_grades()), final_grade.id, items),
     )
 
 
 def override(book: Classbook, ask: Ask) -> Response:
     """Record an override or a comment, or undo the last one."""
-    standing = one(book, ask)
+    final_grade = one(book, ask)
     target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
     if ask.text("do") in ("undo", "undo-comment"):
-        wish = adjusting.undone(book.store, standing.id, target, alone=ask.text("do") == "undo-comment")
+        wish = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
     elif ask.text("do") == "withdraw":
-        wish = Wish(standing.id, target, "", comment or "withdrawn", place=standing.id)
+        wish = Wish(final_grade.id, target, "", comment or "withdrawn", place=final_grade.id)
     else:
-        wish = Wish(standing.id, target, points or ALONE, comment, place=standing.id, alone=not points)
+        wish = Wish(final_grade.id, target, points or ALONE, comment, place=final_grade.id, alone=not points)
         if not comment:
             raise RequestError("Enter a comment. Nothing was saved")
     book.decide([wish], ask.author, ask.number("seen"))
@@ -157,11 +157,11 @@ def _comments(book: Classbook) -> list[str]:
     return [printable(comment, 300) for comment, _ in used.most_common(_MOST_COMMENTS)]
 
 
-def one(book: Classbook, ask: Ask) -> Standing:
-    standing = book.standings().get(ask.path["id"])
-    if standing is None:
+def one(book: Classbook, ask: Ask) -> FinalGrade:
+    final_grade = book.final_grades().get(ask.path["id"])
+    if final_grade is None:
         raise RequestError("This submission does not exist")
-    return standing
+    return final_grade
 
 
 @dataclass(frozen=True)
@@ -183,13 +183,13 @@ class _Code:
 
 
 def _part(
-    standing: Standing,
+    final_grade: FinalGrade,
     part: CriterionResult | ExtensionResult,
     code: _Code,
     shown: Sequence[Chart],
     requests: Sequence[Appeal],
 ) -> Part:
-    lab = standing.result.lab
+    lab = final_grade.result.lab
     figures = tuple(
         Figure(chart.title, chart.caption, charts.WIDTH, charts.HEIGHT, views, chart.png)
         for chart in shown
@@ -199,27 +199,27 @@ def _part(
     rows = tuple(
         Row(
             words.row(each, part.id, lab),
-            _said(standing, each.id, requests) if by_hand else None,
+            _said(final_grade, each.id, requests) if by_hand else None,
             code.places(each, part.id),
         )
         for each in part.checks
     )
     if isinstance(part, CriterionResult):
-        points = words.fraction(standing.points(part), part.max_points)
-        return Part(part.id, part.title, points, _said(standing, part.id, requests), rows, figures)
+        points = words.fraction(final_grade.points(part), part.max_points)
+        return Part(part.id, part.title, points, _said(final_grade, part.id, requests), rows, figures)
     title = f"Extension: {part.id.replace('_', ' ')}"
     return Part(part.id, title, words.extension_points(part), None, rows, figures)
 
 
-def _said(standing: Standing, target: str, requests: Sequence[Appeal]) -> Overrides:
-    comments = (each for each in standing.adjustments if each.alone and each.criterion == target)
+def _said(final_grade: FinalGrade, target: str, requests: Sequence[Appeal]) -> Overrides:
+    comments = (each for each in final_grade.adjustments if each.alone and each.criterion == target)
     return Overrides(
         target,
-        worth(standing.result, target) or 0.0,
-        None if target == BONUS else summed(under(standing.result, target) or {}),
-        standing.adjustment(target),
+        worth(final_grade.result, target) or 0.0,
+        None if target == BONUS else summed(under(final_grade.result, target) or {}),
+        final_grade.adjustment(target),
         next(comments, None),
-        adjusting.covering(standing, target),
+        adjusting.covering(final_grade, target),
         tuple(each for each in requests if (each.about or TOTAL) == target),
     )
 

@@ -137,7 +137,7 @@ class Adjustment:
 
 
 @dataclass(frozen=True)
-class Standing:
+class FinalGrade:
     """Everything that a gradebook or a page tells of one submission: what it is handed in place of a bare `Result`.
 
     `result` is what was marked, and stays as it is. `adjusted` is its total with the adjustments, `final` what is left of that
@@ -226,17 +226,17 @@ class Standing:
         return self.result.extra_credit_cap is not None and any(check.points is None for check in rows)
 
 
-def given_out(standings: Mapping[str, Standing], reviewed: Collection[str] = ()) -> dict[str, Standing]:
+def given_out(final_grades: Mapping[str, FinalGrade], reviewed: Collection[str] = ()) -> dict[str, FinalGrade]:
     """Return the standings as files have them: an empty or unreadable submission is blank until a person has looked.
 
     A person has looked where there are points by hand, or where the submission is among those that were marked as reviewed.
     """
 
-    def nothing(standing: Standing) -> bool:
-        empty = standing.result.status in ("empty", "unreadable")
-        return empty and standing.id not in reviewed and all(each.alone for each in standing.adjustments)
+    def nothing(final_grade: FinalGrade) -> bool:
+        empty = final_grade.result.status in ("empty", "unreadable")
+        return empty and final_grade.id not in reviewed and all(each.alone for each in final_grade.adjustments)
 
-    return {id_: replace(standing, unseen=nothing(standing)) for id_, standing in standings.items()}
+    return {id_: replace(final_grade, unseen=nothing(final_grade)) for id_, final_grade in final_grades.items()}
 
 
 def beneath(criterion: CriterionResult) -> dict[str, float | None]:

@@ -11,7 +11,7 @@ from grader.base.errors import RequestError
 from grader.base.text import printable
 from grader.intake.downloads import Download, Sources
 from grader.intake.names import ARCHIVES, has_suffix, original
-from grader.people.final_grade import HandIn, Person, Standing
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Row as Who
 from grader.people.identity import spellings
 from grader.platforms.filled import Filled, Form, fill_in
@@ -30,7 +30,7 @@ TEST_STUDENT = ("Student, Test", "Test Student")
 
 
 def fill(
-    template: bytes, source: str, column: str | None, standings: Mapping[str, Standing], *, scaled: bool = False
+    template: bytes, source: str, column: str | None, final_grades: Mapping[str, FinalGrade], *, scaled: bool = False
 ) -> Filled:
     """The student columns as they were, and the assignment's with the final points; `column` is its title, number or heading.
 
@@ -46,8 +46,8 @@ def fill(
         raise RequestError(f"{source}: is no gradebook of Canvas; export it there with Grades > Export")
     grade = _assignment(titles, section, column, source)
     form = _form(sheet, grade, source)
-    matches = form.matches(standings)
-    filled = fill_in(form, matches, standings, scaled=scaled)
+    matches = form.matches(final_grades)
+    filled = fill_in(form, matches, final_grades, scaled=scaled)
     filled.unmatched = [(who, name) for who, name in filled.unmatched if name.strip() not in TEST_STUDENT]
     sheet.keep([*range(section + 1), grade])
     filled.data = sheet.data()

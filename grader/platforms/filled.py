@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from grader.base.errors import RequestError
-from grader.people.final_grade import Person, Standing
+from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory, Match
 from grader.people.identity import Row as Who
 from grader.platforms.sheet import Row, Sheet
@@ -41,11 +41,11 @@ class Filled:
     kept: list[str] = field(default_factory=list)
     replaced: list[str] = field(default_factory=list)
 
-    def without_row(self, standing: Standing) -> list[Person]:
+    def without_row(self, final_grade: FinalGrade) -> list[Person]:
         """Return those who handed in together and have no row in the file."""
-        if Match(standing.id, None) in self.placed:
+        if Match(final_grade.id, None) in self.placed:
             return []
-        return [person for person in standing.people if Match(standing.id, person) not in self.placed]
+        return [person for person in final_grade.people if Match(final_grade.id, person) not in self.placed]
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,12 @@ class Form:
     out_of: Callable[[Row], str]
     locked: Callable[[Row], bool]
 
-    def matches(self, standings: Mapping[str, Standing]) -> dict[int, Match | None]:
-        return matched(((number, self.who(row)) for number, row in self.rows.items()), directory(standings))
+    def matches(self, final_grades: Mapping[str, FinalGrade]) -> dict[int, Match | None]:
+        return matched(((number, self.who(row)) for number, row in self.rows.items()), directory(final_grades))
 
 
 def fill_in(
-    form: Form, matches: Mapping[int, Match | None], standings: Mapping[str, Standing], *, scaled: bool
+    form: Form, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade], *, scaled: bool
 ) -> Filled:
     """Set the final points of everyone who has some.
 
@@ -92,7 +92,7 @@ def fill_in(
         The file; its sheet is changed.
     matches
         Whose each row is.
-    standings
+    final_grades
         By id of the submission.
     scaled
         Whether points are scaled where the file is out of others than the rubric.
@@ -109,12 +109,12 @@ def fill_in(
         if match is None:
             filled.unmatched.append((form.who(row), form.name(row)))
             continue
-        standing = standings[match.id]
+        final_grade = final_grades[match.id]
         filled.placed.add(match)
         if form.locked(row):
             filled.kept.append(form.name(row))
-        elif standing.final is not None:
-            points = words.number(standing.final * _scale(form, row, standing, scaled=scaled))
+        elif final_grade.final is not None:
+            points = words.number(final_grade.final * _scale(form, row, final_grade, scaled=scaled))
             _set(form, row, points.replace(".", ",") if comma else points, filled)
     return filled
 
@@ -132,9 +132,9 @@ def _set(form: Form, row: Row, points: str, filled: Filled) -> None:
     filled.grades += 1
 
 
-def _scale(form: Form, row: Row, standing: Standing, *, scaled: bool) -> float:
+def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> float:
     """A mark out of 100 in a column out of 10 would be a wrong mark for everyone."""
-    most, ours = _number(form.out_of(row)), standing.result.max_score
+    most, ours = _number(form.out_of(row)), final_grade.result.max_score
     if most is None or most == ours:
         return 1.0  # no number there: the platform knows
     if not scaled:
@@ -152,8 +152,8 @@ def _number(cell: str) -> float | None:
         return None
 
 
-def directory(standings: Mapping[str, Standing]) -> Directory:
-    return Directory({id_: standing.people for id_, standing in standings.items()})
+def directory(final_grades: Mapping[str, FinalGrade]) -> Directory:
+    return Directory({id_: final_grade.people for id_, final_grade in final_grades.items()})
 
 
 def matched(rows: Iterable[tuple[int, Who]], known: Directory) -> dict[int, Match | None]:

@@ -8,16 +8,16 @@ from collections.abc import Callable, Mapping, Sequence
 
 from grader.base.text import csv_cell, printable
 from grader.engine.results import CriterionResult
-from grader.people.final_grade import Person, Standing
+from grader.people.final_grade import FinalGrade, Person
 from grader.platforms.platform import Help, Platform
 from grader.report import words
 
 NO_SUBMISSION = "no submission"
-Cell = Callable[[Standing], str]
+Cell = Callable[[FinalGrade], str]
 
 
-def gradebook(standings: Mapping[str, Standing]) -> str:
-    """The class as CSV, in the order of `standings`.
+def gradebook(final_grades: Mapping[str, FinalGrade]) -> str:
+    """The class as CSV, in the order of `final_grades`.
 
     What could not be judged is a blank cell, and so is the total above it: a fault of the grader is never a zero. Criteria and
     total are the automatic marks, those of the repaired copy where there is one. Columns for extra credit, sections, repairs,
@@ -25,57 +25,57 @@ def gradebook(standings: Mapping[str, Standing]) -> str:
 
     Parameters
     ----------
-    standings
+    final_grades
         The present standing of each submission, by its id.
     """
-    return _written(_columns(list(standings.values())), standings)
+    return _written(_columns(list(final_grades.values())), final_grades)
 
 
-def exported(standings: Mapping[str, Standing], absent: Sequence[Person] = ()) -> str:
+def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
     """Return the same with the final points in every case, the column to take grades from, and a row for each who is absent."""
-    columns = _columns(list(standings.values()), any(person.section for person in absent))
+    columns = _columns(list(final_grades.values()), any(person.section for person in absent))
     status = columns.pop("status")
     columns |= {"final": lambda s: _points(s.final), "status": status}
-    return _written(columns, standings, absent)
+    return _written(columns, final_grades, absent)
 
 
-def _written(columns: Mapping[str, Cell], standings: Mapping[str, Standing], absent: Sequence[Person] = ()) -> str:
+def _written(columns: Mapping[str, Cell], final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
-    table.writerows([cell(standing) for cell in columns.values()] for standing in standings.values())
+    table.writerows([cell(final_grade) for cell in columns.values()] for final_grade in final_grades.values())
     for person in absent:
         known = {"name": _text(person.name), "section": _text(person.section), "status": NO_SUBMISSION}
         table.writerow([known.get(column, "") for column in columns])
     return text.getvalue()
 
 
-def _columns(standings: list[Standing], sections: bool = False) -> dict[str, Cell]:
+def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str, Cell]:
     """What each column is called and holds; criteria in the order in which they are first met."""
     columns: dict[str, Cell] = {"id": lambda s: csv_cell(s.id), "name": lambda s: _text(s.name)}
-    if sections or any(s.section for s in standings):
+    if sections or any(s.section for s in final_grades):
         columns["section"] = lambda s: _text(s.section)
-    for criterion in dict.fromkeys(c.id for s in standings for c in s.result.criteria):
+    for criterion in dict.fromkeys(c.id for s in final_grades for c in s.result.criteria):
         columns[criterion] = lambda s, id_=criterion: "" if s.unseen else _criterion(s, id_)  # type: ignore[misc] # a default binds the id
-    if any(s.result.extra_credit_cap is not None for s in standings):
+    if any(s.result.extra_credit_cap is not None for s in final_grades):
         columns["extra_credit"] = lambda s: words.number(s.result.extra_credit)
-    if any(s.result.repairs for s in standings):
+    if any(s.result.repairs for s in final_grades):
         columns["repair_deduction"] = lambda s: words.number(s.result.repair_deduction)
     columns["total"] = lambda s: "" if s.unseen or s.result.status == "incomplete" else words.number(s.result.total)
-    return columns | _beside(standings) | {"status": lambda s: s.result.status}
+    return columns | _beside(final_grades) | {"status": lambda s: s.result.status}
 
 
-def _beside(standings: list[Standing]) -> dict[str, Cell]:
+def _beside(final_grades: list[FinalGrade]) -> dict[str, Cell]:
     """Columns between the automatic total and the status."""
     columns: dict[str, Cell] = {}
-    if any(s.adjustments for s in standings):
+    if any(s.adjustments for s in final_grades):
         columns["adjusted"] = lambda s: _points(s.adjusted)
-    if any(s.hand_in.submitted for s in standings):
+    if any(s.hand_in.submitted for s in final_grades):
         columns["submitted"] = lambda s: _text(s.hand_in.submitted)
-    if any(s.late for s in standings):
+    if any(s.late for s in final_grades):
         columns["late"] = _late
         columns["late_deduction"] = lambda s: "" if s.final is None else words.number(s.deduction)
-        if any(s.late and s.late.grace_days for s in standings):
+        if any(s.late and s.late.grace_days for s in final_grades):
             columns["grace_days_used"] = lambda s: str(s.late.grace_days if s.late else 0)
     if "adjusted" in columns or "late" in columns:
         columns["final"] = lambda s: _points(s.final)
@@ -90,16 +90,16 @@ def _points(points: float | None) -> str:
     return "" if points is None else words.number(points)
 
 
-def _late(standing: Standing) -> str:
+def _late(final_grade: FinalGrade) -> str:
     """Days that count as late; "refused" after the cut-off, "yes" where only that is known."""
-    late = standing.late
+    late = final_grade.late
     if late is None:
         return "0"
     return "refused" if late.refused else "yes" if late.seconds is None else str(late.days)
 
 
-def _criterion(standing: Standing, id_: str) -> str:
-    found: CriterionResult | None = next((c for c in standing.result.criteria if c.id == id_), None)
+def _criterion(final_grade: FinalGrade, id_: str) -> str:
+    found: CriterionResult | None = next((c for c in final_grade.result.criteria if c.id == id_), None)
     return "" if found is None or words.unjudged(found) else words.number(found.points)
 
 
@@ -107,6 +107,6 @@ PLATFORM = Platform(
     name="csv",
     title="CSV",
     help=Help(grades="one row a submission; the grade is in `final`, after adjustments and lateness."),
-    write=lambda standings, absent: exported(standings, absent).encode("utf-8", "replace"),
+    write=lambda final_grades, absent: exported(final_grades, absent).encode("utf-8", "replace"),
     gradebook="marks.csv",
 )

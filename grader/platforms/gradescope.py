@@ -21,7 +21,7 @@ from grader.base.text import csv_cell, printable
 from grader.engine.results import CheckResult, CriterionResult, LabName, Result
 from grader.intake.downloads import Download
 from grader.intake.names import original
-from grader.people.final_grade import HandIn, Person, Standing
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.platforms import rows
 from grader.platforms.found import Found, Shape
 from grader.platforms.platform import Help, Platform, Visibility
@@ -134,7 +134,7 @@ COLUMNS = (
 _SUFFIXES = ("jr", "jr.", "sr", "sr.", "ii", "iii", "iv")
 
 
-def gradescope_csv(standings: Mapping[str, Standing], absent: Sequence[Person] = ()) -> str:
+def gradescope_csv(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
     """A row a person, in the columns in which Gradescope itself exports the grades of an assignment.
 
     Final points of each person; all members of a group have the group's. What nobody counted here is blank.
@@ -142,8 +142,8 @@ def gradescope_csv(standings: Mapping[str, Standing], absent: Sequence[Person] =
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
-    for standing in standings.values():
-        table.writerows(_row(standing, person) for person in standing.people)
+    for final_grade in final_grades.values():
+        table.writerows(_row(final_grade, person) for person in final_grade.people)
     table.writerows([*_who(person), "", "", "Missing", *[""] * 5] for person in absent)
     return text.getvalue()
 
@@ -154,15 +154,15 @@ def _who(person: Person) -> list[str]:
     return [csv_cell(printable(text, 500)) for text in who]
 
 
-def _row(standing: Standing, person: Person) -> list[str]:
-    final = standing.final
+def _row(final_grade: FinalGrade, person: Person) -> list[str]:
+    final = final_grade.final
     return [
         *_who(person),
         "" if final is None else words.number(final),
-        words.number(standing.result.max_score),
+        words.number(final_grade.result.max_score),
         "Ungraded" if final is None else "Graded",
-        *(csv_cell(printable(text, 80)) for text in (standing.hand_in.number, standing.hand_in.submitted)),
-        _lateness(standing),
+        *(csv_cell(printable(text, 80)) for text in (final_grade.hand_in.number, final_grade.hand_in.submitted)),
+        _lateness(final_grade),
         "",
         "",
     ]
@@ -177,8 +177,8 @@ def _names(name: str) -> tuple[str, str]:
     return given.strip(), f"{family}, {first}" if comma else family
 
 
-def _lateness(standing: Standing) -> str:
-    seconds = standing.late.seconds if standing.late else 0
+def _lateness(final_grade: FinalGrade) -> str:
+    seconds = final_grade.late.seconds if final_grade.late else 0
     if seconds is None:
         return ""
     return f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
@@ -261,8 +261,8 @@ failed; run it again from its page.""",
     answer="autograder/results/results.json",
     keeps_secrets=True,
     read=read,
-    write=lambda standings, absent: (
-        BOM + gradescope_csv(standings, absent).encode("utf-8", "replace")
+    write=lambda final_grades, absent: (
+        BOM + gradescope_csv(final_grades, absent).encode("utf-8", "replace")
     ),  # marked: a spreadsheet spoils umlauts
     gradebook="gradescope.csv",
 )

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from grader.base.errors import RequestError
 from grader.intake.downloads import Download
 from grader.intake.names import original
-from grader.people.final_grade import HandIn, Person, Standing
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Match, participant, spellings
 from grader.people.identity import Row as Who
 from grader.platforms.filled import Filled, Form, fill_in
@@ -34,7 +34,7 @@ _YES_OR_NO = frozenset({*_NO, "yes", "ja", "oui", "sí", "si"})
 
 
 def fill(
-    template: bytes, source: str, column: str | None, standings: Mapping[str, Standing], *, scaled: bool = False
+    template: bytes, source: str, column: str | None, final_grades: Mapping[str, FinalGrade], *, scaled: bool = False
 ) -> Filled:
     """Grades, and comments where there is no other; every other byte as it was. `column` is that of the grades, if not ``Grade``.
 
@@ -50,13 +50,13 @@ def fill(
             f"{source}: has no column {column or 'Grade'}; download the grading worksheet, or name the column with --column"
         )
     form = _form(sheet, grade, source)
-    teams = _teams(standings)
+    teams = _teams(final_grades)
     matches = {
         number: match or teams.get(form.rows[number].value(sheet.column("Group")).strip().casefold())
-        for number, match in form.matches(standings).items()
+        for number, match in form.matches(final_grades).items()
     }
-    filled = fill_in(form, matches, standings, scaled=scaled)
-    _comment_on(form, matches, standings)
+    filled = fill_in(form, matches, final_grades, scaled=scaled)
+    _comment_on(form, matches, final_grades)
     filled.data = sheet.data()
     return filled
 
@@ -88,15 +88,15 @@ def _form(sheet: Sheet, grade: int, source: str) -> Form:
     )
 
 
-def _comment_on(form: Form, matches: Mapping[int, Match | None], standings: Mapping[str, Standing]) -> None:
+def _comment_on(form: Form, matches: Mapping[int, Match | None], final_grades: Mapping[str, FinalGrade]) -> None:
     """A teacher's own comment stays; one of ours is written anew."""
     column = _comments(form)
     for number, match in matches.items():
         row = form.rows[number]
-        if column is None or match is None or form.locked(row) or standings[match.id].final is None:
+        if column is None or match is None or form.locked(row) or final_grades[match.id].final is None:
             continue
         if not row.value(column).strip() or row.value(column).startswith(_OURS):
-            form.sheet.set(row, column, comment(standings[match.id]))
+            form.sheet.set(row, column, comment(final_grades[match.id]))
 
 
 def _comments(form: Form) -> int | None:
@@ -109,15 +109,15 @@ def _comments(form: Form) -> int | None:
     return last if any(not text or text.startswith(_OURS) for text in texts) and "-" not in texts else None
 
 
-def comment(standing: Standing) -> str:
+def comment(final_grade: FinalGrade) -> str:
     """One line: the points of each criterion, and what was taken off. Moodle reads it as HTML."""
     parts = [
         f"{c.title} {words.fraction(standing.points(c), c.max_points)}{' (by hand)' * (standing.adjustment(c.id) is not None)}"
-        for c in standing.result.criteria
+        for c in final_grade.result.criteria
     ]
-    credit = words.extra_credit(standing.result)
+    credit = words.extra_credit(final_grade.result)
     parts += [f"extra credit {credit}"] if credit else []
-    parts += [f"late −{words.number(standing.deduction)}"] if standing.deduction else []
+    parts += [f"late −{words.number(standing.deduction)}"] if final_grade.deduction else []
     return html.escape(_OURS + "; ".join(parts), quote=False)
 
 
@@ -128,12 +128,12 @@ def _who(sheet: Sheet, row: Row) -> Who:
     return Who("moodle", number, ids, mail, row.value(sheet.column("Full name")))
 
 
-def _teams(standings: Mapping[str, Standing]) -> dict[str, Match]:
+def _teams(final_grades: Mapping[str, FinalGrade]) -> dict[str, Match]:
     """A team hands in under its own name and number; the worksheet has its people, each with the team in `Group`."""
     return {
-        standing.name.strip().casefold(): Match(id_, None)
-        for id_, standing in standings.items()
-        if len(standing.people) == 1 and spellings(standing.name)
+        final_grade.name.strip().casefold(): Match(id_, None)
+        for id_, final_grade in final_grades.items()
+        if len(final_grade.people) == 1 and spellings(final_grade.name)
     }
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from grader.engine.results import Result
     from grader.intake import Submission
     from grader.intake.downloads import Download
-    from grader.people.final_grade import Person, Standing
+    from grader.people.final_grade import FinalGrade, Person
     from grader.platforms.filled import Filled
     from grader.platforms.found import Shape
 
@@ -28,7 +28,7 @@ class Fill(Protocol):
         template: bytes,
         source: str,
         column: str | None,
-        standings: Mapping[str, Standing],
+        final_grades: Mapping[str, FinalGrade],
         *,
         scaled: bool = False,
     ) -> Filled:
@@ -42,7 +42,7 @@ class Fill(Protocol):
             What messages call it.
         column
             That of the grades, if it is named.
-        standings
+        final_grades
             By id of the submission.
         scaled
             Whether points are scaled where it is out of others than the rubric.
@@ -145,5 +145,5 @@ class Platform:
     keeps_secrets: bool = False
     read: Callable[[Download], Shape | None] | None = None
     fill: Fill | None = None
-    write: Callable[[Mapping[str, Standing], Sequence[Person]], bytes] | None = None
+    write: Callable[[Mapping[str, FinalGrade], Sequence[Person]], bytes] | None = None
     gradebook: str = ""

@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 from grader.base.text import printable
 from grader.engine.results import Result
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import words
 from grader.report.items import Item, items
 from grader.report.similarity import Pair, pairs
@@ -127,8 +127,8 @@ def href(id_: str) -> str:
     return f"submissions/{quote(id_)}/report.html"
 
 
-def link(standing: Standing) -> Link:
-    return Link(words.person(standing), href(standing.id))
+def link(final_grade: FinalGrade) -> Link:
+    return Link(words.person(final_grade), href(final_grade.id))
 
 
 def columns(results: Iterable[Result]) -> dict[str, str]:
@@ -140,22 +140,22 @@ def columns(results: Iterable[Result]) -> dict[str, str]:
     return titles
 
 
-def entry(standing: Standing, criteria: Iterable[str], top: float) -> Entry:
+def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry:
     """Return a row of the class table; `top` is the maximum score."""
-    result, late = standing.result, standing.late
-    points = {criterion.id: standing.points(criterion) for criterion in result.criteria}
+    result, late = final_grade.result, final_grade.late
+    points = {criterion.id: final_grade.points(criterion) for criterion in result.criteria}
     score = None if result.status == "incomplete" else result.score
     return Entry(
-        name=words.person(standing),
-        section=printable(standing.section, 80),
-        href=href(standing.id),
+        name=words.person(final_grade),
+        section=printable(final_grade.section, 80),
+        href=href(final_grade.id),
         criteria=tuple(_cell(points.get(criterion)) for criterion in criteria),
         score=_cell(score),
         bonus=_cell(None if result.extra_credit_cap is None else result.extra_credit),
-        late=Cell(words.late(standing), -1.0 if late is None else float(late.seconds or 0)),
-        final=_cell(standing.final),
-        status=", ".join([result.status, *(["adjusted"] if standing.adjustments else [])]),
-        tags=(*_tags(standing), *([] if score is None else [f"score:{_bin(score, top)}"])),
+        late=Cell(words.late(final_grade), -1.0 if late is None else float(late.seconds or 0)),
+        final=_cell(final_grade.final),
+        status=", ".join([result.status, *(["adjusted"] if final_grade.adjustments else [])]),
+        tags=(*_tags(final_grade), *([] if score is None else [f"score:{_bin(score, top)}"])),
     )
 
 
@@ -163,17 +163,17 @@ def _cell(points: float | None) -> Cell:
     return Cell("–", -1.0) if points is None else Cell(words.number(points), points)
 
 
-def _tags(standing: Standing) -> Iterable[str]:
+def _tags(final_grade: FinalGrade) -> Iterable[str]:
     """Return the filter tags of a submission. They contain no text from outside the grader."""
     yield f"status:{standing.result.status}"
-    if standing.late is not None:
+    if final_grade.late is not None:
         yield "status:late"
-    if standing.adjustments:
+    if final_grade.adjustments:
         yield "status:adjusted"
-    if standing.outdated():
+    if final_grade.outdated():
         yield "status:outdated"
-    yield from (f"mistake:{id_}" for id_ in deducting(standing.result))
-    for criterion in standing.result.criteria:
+    yield from (f"mistake:{id_}" for id_ in deducting(final_grade.result))
+    for criterion in final_grade.result.criteria:
         yield from (f"lost:{c.id}" for c in criterion.checks if c.points is not None and c.points < c.max_points)
 
 
@@ -239,12 +239,12 @@ def _bin(score: float, top: float) -> int:
     return min(max(int(_BINS * score / (top or 1.0) + 1e-9), 0), _BINS - 1)
 
 
-def mistakes(standings: Iterable[Standing]) -> list[Mistake]:
+def mistakes(final_grades: Iterable[FinalGrade]) -> list[Mistake]:
     """Return the faults by how many submissions have them, most first, and which."""
     who: dict[str, list[Link]] = {}
-    for standing in standings:
-        for id_ in deducting(standing.result):
-            who.setdefault(id_, []).append(link(standing))
+    for final_grade in final_grades:
+        for id_ in deducting(final_grade.result):
+            who.setdefault(id_, []).append(link(final_grade))
     ranked = sorted(who.items(), key=lambda item: (-len(item[1]), item[0]))
     return [Mistake(f"mistake:{id_}", words.misconception(id_), tuple(links)) for id_, links in ranked]
 
@@ -257,14 +257,14 @@ def checks(results: list[Result], titles: Mapping[str, str]) -> list[CheckRow]:
 
 
 def alike(
-    standings: Mapping[str, Standing], fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]
+    final_grades: Mapping[str, FinalGrade], fingerprints: Mapping[str, tuple[int, ...]], given: frozenset[int]
 ) -> list[Alike]:
-    known = {id_: hashes for id_, hashes in fingerprints.items() if id_ in standings}
-    return [Alike(link(standings[p.first]), link(standings[p.second]), p) for p in pairs(known, given)]
+    known = {id_: hashes for id_, hashes in fingerprints.items() if id_ in final_grades}
+    return [Alike(link(final_grades[p.first]), link(final_grades[p.second]), p) for p in pairs(known, given)]
 
 
-def timing(standings: Iterable[Standing]) -> Timing | None:
-    marked = [each for each in standings if each.result.status not in ("empty", "unreadable")]
+def timing(final_grades: Iterable[FinalGrade]) -> Timing | None:
+    marked = [each for each in final_grades if each.result.status not in ("empty", "unreadable")]
     if not marked:
         return None
     seconds = [each.result.duration_s for each in marked]

@@ -17,7 +17,7 @@ from grader.base.text import printable
 from grader.engine.chart_data import Chart
 from grader.engine.faults import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of
 
@@ -142,7 +142,7 @@ def drawn_in(page: str) -> Drawn:
 
 
 def report_page(
-    standing: Standing,
+    final_grade: FinalGrade,
     shown: tuple[Chart, ...] = (),
     catalogue: Mapping[str, Mistake] | None = None,
 ) -> str:
@@ -150,39 +150,39 @@ def report_page(
 
     Parameters
     ----------
-    standing
+    final_grade
         The result, with overrides and lateness.
     shown
         Charts of public scenarios.
     catalogue
         The lab's faults, by id, with their explanations.
     """
-    return report_around(drawn(shown), standing, catalogue)
+    return report_around(drawn(shown), final_grade, catalogue)
 
 
-def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mistake] | None = None) -> str:
+def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[str, Mistake] | None = None) -> str:
     """Return `report.html` around charts that are already rendered."""
-    result = standing.result
+    result = final_grade.result
     extensions = [extension for extension in result.extensions if extension.checks]
     return _page(
         "report.html.j2",
         "among.js",
         result.lab,
-        name=words.person(standing),
-        section=printable(standing.section, 80),
-        total=_total(standing),
-        automatic=words.total_points(result) if _changed(standing) else "",
-        late=_late(standing),
-        overrides=_overrides(standing),
+        name=words.person(final_grade),
+        section=printable(final_grade.section, 80),
+        total=_total(final_grade),
+        automatic=words.total_points(result) if _changed(final_grade) else "",
+        late=_late(final_grade),
+        overrides=_overrides(final_grade),
         repairs=[_repair(each) for each in result.repairs],
         score_before=words.number(result.repairs[0].score_before) if result.repairs else "",
         status=words.STATUS[result.status],
-        parts=[_criterion(criterion, standing, figures) for criterion in result.criteria],
+        parts=[_criterion(criterion, final_grade, figures) for criterion in result.criteria],
         extensions=[_extension(extension, result.lab, figures) for extension in extensions],
         deductions=_deductions(result, catalogue or {}),
         marked=result.status not in ("empty", "unreadable"),
         charts=bool(figures),
-        request_id=printable(standing.id, 200),  # a student's own `check` has none, and no form
+        request_id=printable(final_grade.id, 200),  # a student's own `check` has none, and no form
         request_checks=[(c.id, printable(c.title, 120)) for part in result.criteria for c in part.checks],
         extra_credit=words.extra_credit(result),
         notes=words.notes(result),
@@ -191,7 +191,7 @@ def report_around(figures: Drawn, standing: Standing, catalogue: Mapping[str, Mi
 
 
 def index_page(
-    standings: Mapping[str, Standing],
+    final_grades: Mapping[str, FinalGrade],
     fingerprints: Mapping[str, tuple[int, ...]] | None = None,
     given: frozenset[int] = frozenset(),
 ) -> str:
@@ -199,25 +199,25 @@ def index_page(
 
     Parameters
     ----------
-    standings
+    final_grades
         Every submission, by its id, which is its folder's name.
     fingerprints
         Code hashes of each submission, by id, for similarity.
     given
         Hashes of code that the lab hands out.
     """
-    results = [standing.result for standing in standings.values()]
+    results = [final_grade.result for final_grade in final_grades.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
     columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
-    named = sorted(standings.values(), key=lambda each: (overview.by_name(each.name), each.id))
-    entries = [overview.entry(standing, columns, top) for standing in named]
-    mistakes = overview.mistakes(standings.values())
+    named = sorted(final_grades.values(), key=lambda each: (overview.by_name(each.name), each.id))
+    entries = [overview.entry(final_grade, columns, top) for final_grade in named]
+    mistakes = overview.mistakes(final_grades.values())
     checks = overview.checks(results, columns)
     return _page(
         "index.html.j2",
         "table.js",
         next((result.lab for result in results), LabName()),
-        count=len(standings),
+        count=len(final_grades),
         figures=overview.figures(scores),
         bars=overview.bars(scores, top),
         columns=columns,
@@ -231,11 +231,11 @@ def index_page(
         numbers=overview.numbers(entries),
         mistakes=mistakes,
         checks=checks,
-        alike=overview.alike(standings, fingerprints or {}, given),
-        timing=overview.timing(standings.values()),
+        alike=overview.alike(final_grades, fingerprints or {}, given),
+        timing=overview.timing(final_grades.values()),
         mixtures=overview.mixtures(results),
-        attention=[words.person(each) for each in standings.values() if each.result.status == "incomplete"],
-        outdated=[words.person(each) for each in standings.values() if each.outdated()],
+        attention=[words.person(each) for each in final_grades.values() if each.result.status == "incomplete"],
+        outdated=[words.person(each) for each in final_grades.values() if each.outdated()],
     )
 
 
@@ -278,11 +278,11 @@ def _inlined(name: str) -> tuple[Markup, str]:
     return Markup(text), f"sha256-{digest}"
 
 
-def _criterion(criterion: CriterionResult, standing: Standing, figures: Drawn) -> Part:
+def _criterion(criterion: CriterionResult, final_grade: FinalGrade, figures: Drawn) -> Part:
     """Return a criterion with its final points, overrides included."""
-    points = standing.points(criterion)
+    points = final_grade.points(criterion)
     share = 100 * (criterion.points if points is None else points) / (criterion.max_points or 1.0)
-    rows, folded = _rows(criterion.checks, criterion.id, standing.result.lab)
+    rows, folded = _rows(criterion.checks, criterion.id, final_grade.result.lab)
     told = words.fraction(points, criterion.max_points)
     title = printable(criterion.title, 300)
     set_ = Markup(figures.get(criterion.id, ""))
@@ -384,41 +384,41 @@ def _count(checks: Sequence[CheckResult]) -> str:
     return f"{_many(len(checks), 'check')}, {points} points" if checks else ""
 
 
-def _changed(standing: Standing) -> bool:
+def _changed(final_grade: FinalGrade) -> bool:
     """Return whether the final points differ from the automatic ones."""
-    return standing.final is not None and round(standing.final, 2) != round(standing.result.total, 2)
+    return final_grade.final is not None and round(final_grade.final, 2) != round(final_grade.result.total, 2)
 
 
-def _total(standing: Standing) -> tuple[str, str]:
+def _total(final_grade: FinalGrade) -> tuple[str, str]:
     """Return the final points and the maximum."""
-    points, most = words.total_points(standing.result).split(" / ")
-    return (words.number(standing.final or 0.0), most) if _changed(standing) else (points, most)
+    points, most = words.total_points(final_grade.result).split(" / ")
+    return (words.number(final_grade.final or 0.0), most) if _changed(final_grade) else (points, most)
 
 
-def _late(standing: Standing) -> tuple[str, str] | None:
+def _late(final_grade: FinalGrade) -> tuple[str, str] | None:
     """Return the late deduction and the times that it follows from; None if the submission is not late."""
-    late = standing.late
+    late = final_grade.late
     if late is None:
         return None
     facts = [
-        words.late(standing),
+        words.late(final_grade),
         f"due {words.instant(late.due)}" if late.due else "",
-        f"handed in {words.instant(standing.hand_in.submitted)}" if standing.hand_in.submitted else "",
+        f"handed in {words.instant(standing.hand_in.submitted)}" if final_grade.hand_in.submitted else "",
         f"counted as {_many(late.days, 'day')} late" if late.days and not late.refused else "",
     ]
-    return words.minus(standing.deduction) if standing.deduction else "0", "; ".join(filter(None, facts))
+    return words.minus(final_grade.deduction) if final_grade.deduction else "0", "; ".join(filter(None, facts))
 
 
-def _overrides(standing: Standing) -> list[Override]:
+def _overrides(final_grade: FinalGrade) -> list[Override]:
     """Return the overrides and comments, in the order of the record."""
     titles = {
         criterion.id: (criterion.title, criterion.max_points, criterion.points)
-        for criterion in standing.result.criteria
+        for criterion in final_grade.result.criteria
     }
-    checks = [check for criterion in standing.result.criteria for check in criterion.checks]
+    checks = [check for criterion in final_grade.result.criteria for check in criterion.checks]
     titles |= {check.id: (check.title, check.max_points, check.points or 0.0) for check in checks}
     found = []
-    for given in standing.adjustments:
+    for given in final_grade.adjustments:
         title, most, automatic = titles.get(given.criterion, (given.criterion.capitalize(), 0.0, 0.0))
         points = "" if given.points is None else words.number(given.points)
         found.append(

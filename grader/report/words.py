@@ -14,7 +14,7 @@ from grader.base.text import printable
 
 if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
     from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
-    from grader.people.final_grade import Standing
+    from grader.people.final_grade import FinalGrade
 
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120
@@ -145,20 +145,20 @@ def name(result: Result) -> str:
     return printable(result.submission, NAME_LIMIT) or "(no name)"
 
 
-def person(standing: Standing) -> str:
+def person(final_grade: FinalGrade) -> str:
     """Return the names of the people who submitted, or the submission's name where nobody is known."""
-    return printable(standing.name, NAME_LIMIT) or "(no name)"
+    return printable(final_grade.name, NAME_LIMIT) or "(no name)"
 
 
-def late(standing: Standing) -> str:
+def late(final_grade: FinalGrade) -> str:
     """Format how late a submission is as ``2 d 3 h``; "" if it is not late."""
-    if standing.late is None:
+    if final_grade.late is None:
         return ""
-    if standing.late.seconds is None:
+    if final_grade.late.seconds is None:
         return "late"
-    hours = -(-standing.late.seconds // 3600)
+    hours = -(-final_grade.late.seconds // 3600)
     days = f"{hours // 24} d {hours % 24} h" if hours >= 24 else f"{hours} h"
-    return f"{days}, after the cut-off" if standing.late.refused else days
+    return f"{days}, after the cut-off" if final_grade.late.refused else days
 
 
 def instant(stamp: str) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 from grader.report.pages import index_page
-from tests.browser.conftest import CHROMIUM, STUDENTS, standing
+from tests.browser.conftest import CHROMIUM, STUDENTS, final_grade
 
 _PAINT = "performance.getEntriesByName('first-contentful-paint')[0].startTime"
 _SORT = """heading => new Promise(done => {
@@ -26,9 +26,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.pages", description=__doc__)
     parser.add_argument("count", nargs="?", type=int, default=2000)
     count = parser.parse_args().count
-    standings = {f"s{number:05}": replace(standing(number % STUDENTS), id=f"s{number:05}") for number in range(count)}
+    final_grades = {
+        f"s{number:05}": replace(final_grade(number % STUDENTS), id=f"s{number:05}") for number in range(count)
+    }
     begun = time.perf_counter()
-    page = index_page(standings)
+    page = index_page(final_grades)
     print(f"{count} rows: made in {time.perf_counter() - begun:.2f} s, {len(page) / 1e6:.2f} MB")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         Path(folder, "index.html").write_text(page, encoding="utf-8")

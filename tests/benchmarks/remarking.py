@@ -73,12 +73,12 @@ def main() -> None:
         on_record(students, out)
         with Store(out) as store:
             with timed("what it would cost"):
-                regrade.under(store.standings(), rubric.load(LAB, other))
+                regrade.under(store.final_grades(), rubric.load(LAB, other))
             with timed("another rubric kept, with gradebook and class page"):
                 after = regrade.remark(out, store, rubric.load(LAB, other))
             with timed("the pages of the students"):
-                for standing in after.values():
-                    publish(out, standing, store, LAB)
+                for final_grade in after.values():
+                    publish(out, final_grade, store, LAB)
         with timed("grade by that rubric: nothing to do"):
             grade(students, out, "--rubric", str(other))
         with timed("grade by the first rubric again, pages included"):

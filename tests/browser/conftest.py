@@ -14,7 +14,7 @@ from grader.engine.grader import Marker
 from grader.engine.results import CriterionResult, Result
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import Adjustment, HandIn, Lateness, Person, Standing
+from grader.people.final_grade import Adjustment, FinalGrade, HandIn, Lateness, Person
 from grader.report.pages import index_page, report_page
 from tests.examples import FOLDER
 from tests.made_up import HOSTILE, check, lost, result
@@ -35,12 +35,12 @@ def made_up(number: int) -> Result:
     return replace(made, criteria=(CriterionResult("sensor_access", "Sensor access", 20.0, made.criteria[0].checks),))
 
 
-def standing(number: int) -> Standing:
+def final_grade(number: int) -> FinalGrade:
     made = made_up(number)
     person = Person(made.submission, section="Tue" if number % 2 else "Thu")
     late = Lateness("", 7200 * number, 1, 2.0) if number % 12 == 3 else None
     by_hand = (Adjustment("sensor_access", 11.0, "Shown.", "Ada", "2026-11-21T21:00:00+00:00", {}),) * (number == 9)
-    return Standing(f"s{number:02}", made, HandIn((person,), late=late), by_hand)
+    return FinalGrade(f"s{number:02}", made, HandIn((person,), late=late), by_hand)
 
 
 @pytest.fixture(scope="module")
@@ -48,14 +48,14 @@ def out(tmp_path_factory: pytest.TempPathFactory, marker: Marker) -> Path:
     """A class on disk as `grade` leaves it: one submission really marked, with its charts, and made-up ones."""
     folder = tmp_path_factory.mktemp("out")
     marked = marker.mark(read_submission(FOLDER / "s09-variance-as-std", LAB.files))
-    standings = {s.id: s for s in map(standing, range(STUDENTS))} | {"real": Standing("real", marked)}
-    for id_, each in standings.items():
+    final_grades = {s.id: s for s in map(final_grade, range(STUDENTS))} | {"real": FinalGrade("real", marked)}
+    for id_, each in final_grades.items():
         place = folder / "submissions" / id_
         place.mkdir(parents=True)
         charts = unpacked(each.result.evidence.charts)
         (place / "report.html").write_text(report_page(each, charts, catalogue(LAB)), encoding="utf-8")
     prints = {id_: tuple(range(60)) for id_ in ("s01", "s02")}
-    (folder / "index.html").write_text(index_page(standings, prints), encoding="utf-8")
+    (folder / "index.html").write_text(index_page(final_grades, prints), encoding="utf-8")
     return folder
 
 

@@ -12,7 +12,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 from grader.report.pages import index_page
-from tests.browser.conftest import CHROMIUM, STUDENTS, Watched, standing
+from tests.browser.conftest import CHROMIUM, STUDENTS, Watched, final_grade
 
 if CHROMIUM is None:
     pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
@@ -152,8 +152,10 @@ def test_a_report_has_previous_next_and_class_for_whoever_came_from_there_and_fo
 def test_of_a_large_class_the_first_rows_are_laid_out_and_all_on_demand_and_on_paper(
     watched: Watched, out: Path
 ) -> None:
-    standings = {f"s{number:04}": replace(standing(number % STUDENTS), id=f"s{number:04}") for number in range(450)}
-    (out / "large.html").write_text(index_page(standings), encoding="utf-8")
+    final_grades = {
+        f"s{number:04}": replace(final_grade(number % STUDENTS), id=f"s{number:04}") for number in range(450)
+    }
+    (out / "large.html").write_text(index_page(final_grades), encoding="utf-8")
     page = watched.open("large.html")
     rows = page.locator("#submissions tbody tr:visible")
     expect(rows).to_have_count(200)

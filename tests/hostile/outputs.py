@@ -20,7 +20,7 @@ from grader.base.errors import GraderError
 from grader.engine.chart_data import unpacked
 from grader.engine.results import Result, to_json
 from grader.labs.imu.lab import LAB
-from grader.people.final_grade import HandIn, Person, Standing
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.platforms import registry
 from grader.platforms.platform import Handed, Platform
 from grader.report import terminal
@@ -52,10 +52,10 @@ def _on_terminal(result: Result) -> str:
     return out.getvalue()
 
 
-def _standing(result: Result) -> Standing:
+def _standing(result: Result) -> FinalGrade:
     """A platform hands over names as they came; here that of the submission, which may be poisoned, stands for all."""
     person = Person(*[result.submission] * 5)
-    return Standing("one", result, HandIn((person,), submitted=result.submission))
+    return FinalGrade("one", result, HandIn((person,), submitted=result.submission))
 
 
 def _responses(platform: Platform) -> Iterator[tuple[str, Callable[[Result], str]]]:
@@ -77,14 +77,14 @@ def _gradebooks(platform: Platform) -> Iterator[tuple[str, Callable[[Result], st
         yield platform.gradebook, partial(_filled, platform)
 
 
-def _written(write: Callable[[Mapping[str, Standing]], bytes], result: Result) -> str:
+def _written(write: Callable[[Mapping[str, FinalGrade]], bytes], result: Result) -> str:
     return write({"one": _standing(result)}, ()).decode("utf-8-sig")
 
 
 def _filled(platform: Platform, result: Result) -> str:
     assert platform.fill is not None
-    standing = Standing("one", result, HandIn((Person("Alice", "1", platform.name),)))
-    filled = platform.fill(TEMPLATES[platform.name], "template.csv", None, {"one": standing})
+    final_grade = FinalGrade("one", result, HandIn((Person("Alice", "1", platform.name),)))
+    filled = platform.fill(TEMPLATES[platform.name], "template.csv", None, {"one": final_grade})
     assert {match.id for match in filled.placed} == {"one"}
     return filled.data.decode("utf-8-sig")
 

@@ -17,7 +17,7 @@ from grader.engine.faults import catalogue
 from grader.engine.grader import Marker
 from grader.engine.results import Result, from_dict, to_dict
 from grader.intake.submission import Submission
-from grader.people.final_grade import Standing
+from grader.people.final_grade import FinalGrade
 from grader.platforms.gradebook import gradebook
 from grader.platforms.junit import junit
 from grader.report.pages import index_page, report_page
@@ -72,13 +72,13 @@ def test_a_catalogue_without_what_the_engine_finds_out_is_refused_by_name(tmp_pa
 
 def test_it_is_reported_and_exported_under_its_own_name(marker: Marker) -> None:
     result = graded(marker, FORGETFUL)
-    standing = Standing("ann", result)
+    final_grade = FinalGrade("ann", result)
     assert from_dict(json.loads(json.dumps(to_dict(result)))) == result
-    page = report_page(standing)
+    page = report_page(final_grade)
     assert "Lab 0 · Temperatures" in page
     assert "Lab 0, Step 1" in page
-    assert "Lab 04-01" not in page + index_page({"ann": standing}) + junit(result, datetime.now(timezone.utc))
-    assert "conversion" in gradebook({"ann": standing}).splitlines()[0]
+    assert "Lab 04-01" not in page + index_page({"ann": final_grade}) + junit(result, datetime.now(timezone.utc))
+    assert "conversion" in gradebook({"ann": final_grade}).splitlines()[0]
 
 
 def test_it_travels_by_its_name() -> None:
