@@ -21,7 +21,7 @@ from grader.platforms import registry
 from grader.platforms.platform import Platform
 from grader.report import explanations
 from grader.sandbox import packages, surroundings
-from grader.sandbox.isolation_levels import RUNGS, UNWALLED
+from grader.sandbox.isolation_levels import LEVELS, UNWALLED
 
 FOLDER = Path(__file__).resolve().parent
 _MARK = re.compile(r"<!-- generated: ([\w-]+) -->")
@@ -186,7 +186,7 @@ def platform_fields() -> str:
 
 def isolation_levels() -> str:
     """Return the table of isolation levels."""
-    return _table(("Level", "What it uses", "Needs"), ((f"`{each.name}`", each.around, each.needs) for each in RUNGS))
+    return _table(("Level", "What it uses", "Needs"), ((f"`{each.name}`", each.around, each.needs) for each in LEVELS))
 
 
 def attacks() -> str:

@@ -105,7 +105,7 @@ def simulate(name: str, seed: str, robot: Robot | None = None) -> Bundle:
 
     if robot is None:
         return Bundle(texts, tuple(record(scene(record.__name__)) for record in SCENARIOS))
-    own = (*(record for record in SCENARIOS if record is not final_grade), reading_sheet)
+    own = (*(record for record in SCENARIOS if record is not standing), reading_sheet)
     return Bundle(texts, tuple(_retold(record(scene(record.__name__))) for record in own))
 
 
@@ -137,10 +137,10 @@ def _retold(recording: Recording) -> Recording:
 # --- motions --------------------------------------------------------------------------------------------------------
 
 
-def final_grade(scene: Scene) -> Recording:
+def standing(scene: Scene) -> Recording:
     """The lab model from reset, untouched: it rests."""
     return Recording(
-        "standing", first_line(final_grade), "lab", roll(scene.lab, mujoco.MjData(scene.lab), 1500, scene.imu)
+        "standing", first_line(standing), "lab", roll(scene.lab, mujoco.MjData(scene.lab), 1500, scene.imu)
     )
 
 
@@ -397,7 +397,7 @@ def _distinct(rng: np.random.Generator) -> FloatArray:
 
 
 SCENARIOS: tuple[Callable[[Scene], Recording], ...] = (
-    final_grade,
+    standing,
     tumbling,
     free_fall,
     constant_spin,

@@ -17,7 +17,7 @@ from grader.engine.results import CheckResult, CriterionResult, ExtensionResult,
 from grader.intake import Submission
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
-from grader.sandbox.isolation_levels import RUNGS, IsolationLevel
+from grader.sandbox.isolation_levels import LEVELS, IsolationLevel
 
 HOSTILE = "<script>alert(1)</script>[bold]x[/bold]\x1b[31m\u202e{{ 7 * 7 }}"
 SHA = "0123456789abcdef" * 4
@@ -84,7 +84,7 @@ class FakeMarker:
     """Does what the submission's id says."""
 
     folder: Path
-    isolation: IsolationLevel = RUNGS[0]
+    isolation: IsolationLevel = LEVELS[0]
     pid: int = field(default_factory=os.getpid)
 
     def mark(self, submission: Submission, *, only: str | None = None) -> Result:

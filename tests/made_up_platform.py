@@ -33,7 +33,7 @@ PLATFORM = Platform(
     help=Help("Told of jobs.", ("*Take all*", "`made-up.txt`", "told of downloads"), "told of grades."),
     respond=_respond,
     read=_read,
-    write=lambda final_grades, absent: f"made up: {', '.join(standings)}\n".encode(),
+    write=lambda final_grades, absent: f"made up: {', '.join(final_grades)}\n".encode(),
     gradebook="campus.csv",
 )
 

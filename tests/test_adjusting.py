@@ -17,7 +17,7 @@ from grader.course.pool import Bounds, OpenMarker
 from grader.course.record import Store
 from grader.engine.results import Result
 from grader.intake import Submission
-from grader.sandbox.isolation_levels import RUNGS
+from grader.sandbox.isolation_levels import LEVELS
 from tests.made_up import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 
@@ -28,7 +28,7 @@ Run = Callable[..., tuple[int, str, str]]
 class ByWords:
     """Marks what the first line of filters.py asks for: ``# 14`` has 14 of 20, ``# open`` is not judged."""
 
-    isolation = RUNGS[0]
+    isolation = LEVELS[0]
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder

@@ -19,7 +19,7 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.platforms import job
-from grader.sandbox.isolation_levels import RUNGS, UNWALLED
+from grader.sandbox.isolation_levels import LEVELS, UNWALLED
 from tests import made_up_platform
 from tests.made_up import check, lost, result
 from tests.test_ci_formats import ID
@@ -29,7 +29,7 @@ class Given:
     """Stands in for the marker: gives the result that the test wants, and the isolation level that it says."""
 
     answer: Result
-    isolation = RUNGS[0]
+    isolation = LEVELS[0]
 
     def __init__(self, rubric: Rubric, bundle: Traces, *, box: object) -> None:
         pass
@@ -61,7 +61,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
     monkeypatch.setattr(job, "open_box_for", lambda lab, files, isolation_level: None)
-    monkeypatch.setattr(Given, "isolation", RUNGS[0])
+    monkeypatch.setattr(Given, "isolation", LEVELS[0])
     monkeypatch.setattr(
         Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False
     )

@@ -224,7 +224,7 @@ def test_a_weaker_isolation_level_than_that_of_the_class_is_refused(run: Run, be
         "class",
         "-o",
         "out",
-        "--rung",
+        "--isolation",
         "none",
         "--trust-submissions",
         "-j1",

@@ -20,7 +20,7 @@ from grader.course import classroom
 from grader.engine import recording, traces
 from grader.engine.results import Result
 from grader.labs.imu import bundles
-from grader.sandbox.isolation_levels import RUNGS, UNWALLED
+from grader.sandbox.isolation_levels import LEVELS, UNWALLED
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.one_copy import Search
 from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, result
@@ -538,8 +538,8 @@ def test_a_terminal_without_the_signs_gets_question_marks(tmp_path: Path) -> Non
 # --- doctor and traces ------------------------------------------------------------------------------------------------
 
 
-def test_doctor_tells_each_rung_with_its_reason_and_the_one_in_use(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    full, _, landlock, none = RUNGS
+def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    full, _, landlock, none = LEVELS
     tried = [Tried(full, False, "no user namespaces"), Tried(landlock, True, ""), Tried(none, True, "")]
     monkeypatch.setattr("grader.commands.machine.probe", lambda: tried)
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(21_894, ()))
@@ -552,7 +552,9 @@ def test_doctor_tells_each_rung_with_its_reason_and_the_one_in_use(run: Run, mon
 
 
 def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(RUNGS[0], True, ""), Tried(UNWALLED, True, "")])
+    monkeypatch.setattr(
+        "grader.commands.machine.probe", lambda: [Tried(LEVELS[0], True, ""), Tried(UNWALLED, True, "")]
+    )
     found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(9, found))
     told = " ".join(run("doctor")[1].split())
@@ -561,7 +563,7 @@ def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeyp
 
 def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "grader.commands.machine.probe", lambda: [Tried(RUNGS[0], False, "not Linux"), Tried(UNWALLED, True, "")]
+        "grader.commands.machine.probe", lambda: [Tried(LEVELS[0], False, "not Linux"), Tried(UNWALLED, True, "")]
     )
     told = " ".join(run("doctor")[1].split())
     assert "✗ in use no isolation: fine for your own code, `grade` asks for --trust-submissions" in told

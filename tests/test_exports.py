@@ -235,7 +235,7 @@ def test_a_comment_tells_points_by_hand_and_lateness_and_replaces_an_older_one_o
     one = replace(one, adjustments=(Adjustment(criterion.id, 90.0, "seen", "me", "now", beneath(criterion)),))
     filled = moodle.fill(worksheet('"Participant 12",J,,,,87.5,100,Yes,-,"Marks: old"'), "w.csv", None, class_of(one))
     assert filled.data == worksheet(
-        '"Participant 12",J,,,,70,100,Yes,-,"Marks: Sensor access 90 / 100 (by hand); late −20"'
+        '"Participant 12",J,,,,70,100,Yes,-,"Marks: Sensor access 90 / 100 (overridden); late −20"'
     )
 
 

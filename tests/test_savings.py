@@ -41,7 +41,7 @@ def marks(marker: Marker, folder: Path) -> object:
 @contextmanager
 def without_savings(folder: Path) -> Iterator[Marker]:
     """A marker that does nothing beforehand and draws in full."""
-    harness = shutil.copytree(HARNESS, folder / "harness", ignore=shutil.ignore_patterns("__pycache__"))
+    harness = shutil.copytree(HARNESS, folder / "worker", ignore=shutil.ignore_patterns("__pycache__"))
     for name, text in PICTURES_IN_FULL.items():
         own = (harness / name).read_text(encoding="utf-8")
         replaced = re.findall(r"^(?:def )?(\w+)(?:\(| =)", text, re.MULTILINE)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grader.commands import completion
-from grader.commands.common import SECRET_VARIABLE, RubricOption, RungOption, console
+from grader.commands.common import SECRET_VARIABLE, LevelOption, RubricOption, console
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -43,7 +43,7 @@ def check(
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
     prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,
     rubric: RubricOption = None,
-    isolation_level: RungOption = None,
+    isolation_level: LevelOption = None,
 ) -> int:
     """Check one submission against the public scenarios.
 
@@ -155,7 +155,8 @@ def _watch(wanted: _Wanted, rubric: Path | None, isolation_level: str | None) ->
 
     try:
         for result in checking.check_on_save(
-            wanted.path, chosen, bundle, only=wanted.only, isolation_level=isolation_level, written=written, begins=begins, waits=view.refit,
+            wanted.path, chosen, bundle, only=wanted.only, isolation_level=isolation_level, written=written,
+            begins=begins, waits=view.refit,
             waiting=view.tell, listen=printed.hear,
         ):  # fmt: skip
             known = history.recalled(wanted.path, result) if before is None else before

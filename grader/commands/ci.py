@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from grader.commands.common import RubricOption, RungOption, either
+from grader.commands.common import LevelOption, RubricOption, either
 from grader.platforms import registry
 
 
@@ -46,7 +46,7 @@ def ci(
         bool,
         typer.Option("--private", help="Allow hidden scenarios: students cannot read this job."),
     ] = False,
-    isolation_level: RungOption = None,
+    isolation_level: LevelOption = None,
 ) -> int:
     """Grade one submission in a CI job and write its platform's output.
 

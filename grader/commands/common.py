@@ -30,7 +30,7 @@ SeedOption = Annotated[
         help="Secret for hidden scenarios. Prefer IMUGRADE_SEED: other users can see a command line.",
     ),
 ]
-RungOption = Annotated[str | None, typer.Option("--rung", hidden=True)]
+LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:

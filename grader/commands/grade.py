@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import RubricOption, RungOption, SeedOption, console, either, near, one_of, say
+from grader.commands.common import LevelOption, RubricOption, SeedOption, console, either, near, one_of, say
 from grader.platforms import registry
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def grade(
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Grade recorded submissions again.")] = False,
     trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
-    isolation_level: RungOption = None,
+    isolation_level: LevelOption = None,
 ) -> int:
     """Grade a class. After an interruption, the same command continues.
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from grader.commands import completion
-from grader.commands.common import RubricOption, RungOption
+from grader.commands.common import LevelOption, RubricOption
 
 
 def repro(
@@ -26,7 +26,7 @@ def repro(
         typer.Option("--out", "-o", metavar="DIR", help="The output folder. Default: PATH/.imugrade."),
     ] = None,
     rubric: RubricOption = None,
-    isolation_level: RungOption = None,
+    isolation_level: LevelOption = None,
 ) -> int:
     """Write a program that calls your code with the public input of a check.
 

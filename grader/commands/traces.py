@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grader.base.text import printable
-from grader.commands.common import RubricOption, RungOption, SeedOption, say
+from grader.commands.common import LevelOption, RubricOption, SeedOption, say
 
 if TYPE_CHECKING:
     from grader.engine.traces import Traces
@@ -43,7 +43,7 @@ def plot(
     ] = None,
     seed: SeedOption = None,
     rubric: RubricOption = None,
-    isolation_level: RungOption = None,
+    isolation_level: LevelOption = None,
 ) -> int:
     """Plot each motion as a PNG file.
 

@@ -223,14 +223,14 @@ def said(adjustment: Adjustment) -> str:
 def _problem(wish: Wish, final_grades: Mapping[str, FinalGrade], said: Set[tuple[str, str, bool]]) -> str:
     """Why a wish cannot be met, or ""; `said` holds what was ever adjusted, withdrawn since or not."""
     if wish.id not in final_grades:
-        return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, standings)}"
+        return f"{wish.place}: there is no submission {printable(wish.id)}{guess_at(wish.id, final_grades)}"
     final_grade = final_grades[wish.id]
     most = worth(final_grade.result, wish.criterion)
     if not wish.criterion:
         criteria = ", ".join(each.id for each in final_grade.result.criteria)
         return f"{wish.place}: say for what with --criterion: {criteria}, one of their checks, total or bonus"
     if most is None:
-        return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, targets(standing))}"
+        return f"{wish.place}: there is no criterion {printable(wish.criterion)}{guess_at(wish.criterion, targets(final_grade))}"
     points = _number(wish.points)
     if wish.points and not wish.alone and (points is None or not 0 <= points <= most or round(points, 2) != points):
         return f"{wish.place}: points must be a number from 0 to {words.number(most)}, not {printable(wish.points, 60)}"

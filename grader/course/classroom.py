@@ -39,7 +39,7 @@ from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
 from grader.platforms.classes import Entry, read_class
 from grader.report.pages import drawn
-from grader.sandbox.isolation_levels import RUNGS
+from grader.sandbox.isolation_levels import LEVELS
 
 _WALL_PER_CPU = 5
 """Wall time that a marker has for a submission, for each second of CPU time that the rubric gives to its code: more than all
@@ -312,7 +312,7 @@ def _keep_people(store: Store, publisher: Publisher, named: Mapping[str, HandIn]
 
 def _keep_isolation(store: Store, final_grades: Mapping[str, FinalGrade]) -> None:
     """Record the weakest isolation level of the class."""
-    levels = [isolation_level.name for isolation_level in RUNGS]
+    levels = [isolation_level.name for isolation_level in LEVELS]
     used = [name for each in final_grades.values() if (name := each.result.provenance.get("isolation")) in levels]
     settings = store.settings()
     if settings is not None and used:
@@ -443,7 +443,7 @@ def guarded_marker(
                 "this machine cannot isolate students' code (`imugrade doctor` tells why); "
                 "grade on Linux, or add --trust-submissions if you trust every one of them"
             )
-        levels = [each.name for each in RUNGS]
+        levels = [each.name for each in LEVELS]
         if at_least in levels and levels.index(marker.isolation.name) > levels.index(at_least):
             raise RequestError(
                 f"the class was graded at the isolation level {at_least}, and this machine offers {marker.isolation.name} "

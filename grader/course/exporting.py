@@ -106,7 +106,7 @@ class Plan:
             return told, []
         reports, absent = _feedback(order.out, self.final_grades)
         write_whole(order.feedback, reports)
-        told.append(f"{order.feedback}  {len(self.standings) - len(absent)} reports")
+        told.append(f"{order.feedback}  {len(self.final_grades) - len(absent)} reports")
         return told, [f"no report for the platform to place: {', '.join(absent)}"] if absent else []
 
 
@@ -164,7 +164,8 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
     for final_grade in final_grades.values():
         if final_grade.final is None:
             empty = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
-            yield f"{standing.name or standing.id}: {empty if standing.unseen else 'not judged, through a fault of the grader'}"
+            why = empty if final_grade.unseen else "not judged, through a fault of the grader"
+            yield f"{final_grade.name or final_grade.id}: {why}"
     yield from (f"{person.name}: {NO_SUBMISSION}" for person in absent)
 
 
@@ -177,7 +178,7 @@ def _filled(
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
     missing = (
-        f"{person.name or standing.id}: not in the file"
+        f"{person.name or final_grade.id}: not in the file"
         for final_grade in final_grades.values()
         if final_grade.final is not None
         for person in filled.without_row(final_grade)
@@ -217,7 +218,7 @@ def _feedback(out: Path, final_grades: Mapping[str, FinalGrade]) -> tuple[bytes,
             if not final_grade.hand_in.reply or not report.is_file():
                 absent.append(printable(id_, 80))
                 continue
-            entry = zipfile.ZipInfo(f"{standing.hand_in.reply}report.html", _STAMP)
+            entry = zipfile.ZipInfo(f"{final_grade.hand_in.reply}report.html", _STAMP)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, report.read_bytes())
     return buffer.getvalue(), absent

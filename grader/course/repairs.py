@@ -175,7 +175,7 @@ def repair(out: Path, wish: Wish, author: str, grading: Grading) -> str:
         store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
         after = _published(out, store, final_grade.id, grading)
     was = _final(final_grade)
-    return f"{printable(standing.id, 80)}: {printable(made.file, 80)} repaired, {was} before, {_final(after)} now"
+    return f"{printable(final_grade.id, 80)}: {printable(made.file, 80)} repaired, {was} before, {_final(after)} now"
 
 
 def preview(out: Path, wish: Wish, grading: Grading) -> tuple[FinalGrade, FinalGrade]:
@@ -204,10 +204,10 @@ def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
         original = log.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
     found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
     if found is None:
-        yield f"{printable(standing.id, 80)}: no repair to suggest"
+        yield f"{printable(final_grade.id, 80)}: no repair to suggest"
         return
     yield (
-        f"{printable(standing.id, 80)}: {printable(found.file, 80)} as below earns {words.number(found.result.score)} points, "
+        f"{printable(final_grade.id, 80)}: {printable(found.file, 80)} as below earns {words.number(found.result.score)} points, "
         f"{words.number(original.score)} as it was handed in"
     )
     diff = diff_of(found.file, handed_in.files[found.file], found.content)
@@ -221,7 +221,7 @@ def _made(
     most = final_grade.result.max_score
     if wish.file not in now:
         raise RequestError(
-            f"repair: {printable(standing.id, 80)} has no file {printable(wish.file, 120)}{guess_at(wish.file, now)}"
+            f"repair: {printable(final_grade.id, 80)} has no file {printable(wish.file, 120)}{guess_at(wish.file, now)}"
         )
     if not 0 <= wish.deduction <= most or round(wish.deduction, 2) != wish.deduction:
         raise RequestError(f"repair: --deduct takes points from 0 to {words.number(most)}, with two decimals at most")
@@ -253,18 +253,18 @@ def repaired(
     original = log.result(grading.key(final_grade.id, handed_in.sha256))
     if original is None:
         raise RequestError(
-            f"repair: {printable(standing.id, 80)} was graded by other settings or another version; run `imugrade grade` first"
+            f"repair: {printable(final_grade.id, 80)} was graded by other settings or another version; run `imugrade grade` first"
         )
     if len(repairs) > MOST:
         raise RequestError(
-            f"repair: {printable(standing.id, 80)} has {MOST} repairs already; take one back with --undo"
+            f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; take one back with --undo"
         )
     result = grading.mark(replace(handed_in, files=_patched(handed_in, repairs)))
     made = _with_repairs(result, original, repairs)
     earned = round(made.score + made.repair_deduction, 2)
     if made.status != "graded" or earned < original.score:
         raise RequestError(
-            f"repair: {printable(standing.id, 80)} earns {words.number(earned)} points repaired, and "
+            f"repair: {printable(final_grade.id, 80)} earns {words.number(earned)} points repaired, and "
             f"{words.number(original.score)} as it was handed in; nothing was recorded"
         )
     return made
@@ -310,7 +310,7 @@ def _standing(store: Store, who: str) -> FinalGrade:
     final_grades = store.final_grades()
     id_ = Meant({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
     if id_ not in final_grades:
-        raise RequestError(f"repair: there is no submission {printable(who)}{guess_at(who, standings)}")
+        raise RequestError(f"repair: there is no submission {printable(who)}{guess_at(who, final_grades)}")
     return final_grades[id_]
 
 
@@ -320,7 +320,7 @@ def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
     kept = read(unpack, store.files(sha256))
     if not kept.files or kept.more or any(map(is_code, kept.others)):
         raise RequestError(
-            f"repair: the record does not hold all files of {printable(standing.id, 80)}; grade the class again"
+            f"repair: the record does not hold all files of {printable(final_grade.id, 80)}; grade the class again"
         )
     return Submission(final_grade.id, final_grade.result.submission, kept.files, (), "ready", sha256)
 
@@ -333,7 +333,7 @@ def _published(out: Path, store: Store, id_: str, grading: Grading) -> FinalGrad
 
 
 def _final(final_grade: FinalGrade) -> str:
-    return "open" if final_grade.final is None else f"{words.number(standing.final)} points"
+    return "open" if final_grade.final is None else f"{words.number(final_grade.final)} points"
 
 
 # --- taking back, listing ------------------------------------------------------------------------------------------------
@@ -355,7 +355,7 @@ def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
         last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
         if last is None:
             where = f" of {printable(file, 120)}" if file else ""
-            raise RequestError(f"repair: {printable(standing.id, 80)} has no repair{where} to take back")
+            raise RequestError(f"repair: {printable(final_grade.id, 80)} has no repair{where} to take back")
         rest = [each for each in made if each != last]
         key = grading.key(final_grade.id, handed_in.sha256)
         if rest:
@@ -365,11 +365,11 @@ def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
             store.point_at(key)
         else:
             raise RequestError(
-                f"repair: {printable(standing.id, 80)} was graded by other settings; run `imugrade grade` first"
+                f"repair: {printable(final_grade.id, 80)} was graded by other settings; run `imugrade grade` first"
             )
         log.undo(last.number, author)
         after = _published(out, store, final_grade.id, grading)
-    return f"{printable(standing.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
+    return f"{printable(final_grade.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
 
 
 def listing(out: Path) -> Iterator[str]:

@@ -38,7 +38,7 @@ def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None)
         return
     untimed = [each.id for each in final_grades.values() if not each.hand_in.submitted and each.late is None]
     if untimed:
-        many = f"{len(untimed)} of {len(standings)} hand-ins"
+        many = f"{len(untimed)} of {len(final_grades)} hand-ins"
         yield f"the late policy takes nothing off {many}: nothing tells when they came (give a `submitted` column in the roster)"
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
     yield from _lines("marked late by the platform, and in time by the roster and the late policy", in_time)
@@ -86,7 +86,7 @@ def _outdated(final_grade: FinalGrade, adjustment: Adjustment) -> str:
     had = words.fraction(round(sum(then), 2), round(worth_then, 2)) if worth_then else words.number(round(sum(then), 2))
     new = "gone" if now is None else words.fraction(summed(now), worth(final_grade.result, adjustment.criterion) or 0.0)
     return (
-        f"{printable(standing.id)}: {adjustment.criterion} was overridden with {words.number(adjustment.points or 0.0)} "
+        f"{printable(final_grade.id)}: {adjustment.criterion} was overridden with {words.number(adjustment.points or 0.0)} "
         f"when it had {had}; the automatic points are now {new}. Adjust it again or withdraw it"
     )
 

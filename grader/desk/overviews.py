@@ -86,5 +86,10 @@ def framed(book: Classbook, ask: Ask, template: str, **values: object) -> Respon
     """Render a page inside the frame that all pages share."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
-    frame = {"standings": final_grades, "lab": lab.label if lab else "", "author": ask.author, "trouble": book.trouble}
+    frame = {
+        "final_grades": final_grades,
+        "lab": lab.label if lab else "",
+        "author": ask.author,
+        "trouble": book.trouble,
+    }
     return page(template, 200, **(frame | values))

@@ -152,7 +152,7 @@ def placed(dropped: Sequence[Dropped], final_grades: Mapping[str, FinalGrade]) -
         match = next(filter(None, map(directory.find, asked)), None) if each.who else None
         if match is None or match.id not in final_grades:
             problems.append(
-                f"{each.place}: no student {printable(each.who) or 'is named'}{guess_at(each.who, standings)}"
+                f"{each.place}: no student {printable(each.who) or 'is named'}{guess_at(each.who, final_grades)}"
             )
         elif each.about and each.about not in (known := targets(final_grades[match.id])):
             problems.append(f"{each.place}: there is no check {printable(each.about)}{guess_at(each.about, known)}")

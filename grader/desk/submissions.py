@@ -138,7 +138,7 @@ def override(book: Classbook, ask: Ask) -> Response:
     book.decide([wish], ask.author, ask.number("seen"))
     if answers := ask.number("answers"):
         book.store.answer(answers, comment, ask.author, now())
-    return RedirectResponse(f"/submission/{quote(standing.id, safe='')}#override-{target.replace('.', '-')}", 303)
+    return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}#override-{target.replace('.', '-')}", 303)
 
 
 def picture(book: Classbook, ask: Ask) -> Response:

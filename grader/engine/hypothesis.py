@@ -68,20 +68,20 @@ class Reason(Generic[Seen]):
             return False
 
 
-Feedback = TypeVar("Told", bound=Hypothesis)
+Candidate = TypeVar("Candidate", bound=Hypothesis)
 
 
-def explain(hypotheses: Iterable[Feedback], seen: object) -> Feedback | None:
+def explain(hypotheses: Iterable[Candidate], seen: object) -> Candidate | None:
     """The cheapest that fits; None where none does, or where another of its cost does that is told as something else."""
     return first_that_fits(by_cost(hypotheses), seen)
 
 
-def by_cost(hypotheses: Iterable[Feedback]) -> tuple[tuple[Feedback, ...], ...]:
+def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...]:
     """Those of equal cost together, the cheapest first."""
     return tuple(tuple(equals) for _, equals in itertools.groupby(sorted(hypotheses, key=_cost), key=_cost))
 
 
-def first_that_fits(levels: Iterable[Iterable[Feedback]], seen: object) -> Feedback | None:
+def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
     """`explain` of hypotheses that are sorted already: those of a level are not made before all cheaper ones have failed."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:

@@ -112,12 +112,13 @@ def _comments(form: Form) -> int | None:
 def comment(final_grade: FinalGrade) -> str:
     """One line: the points of each criterion, and what was taken off. Moodle reads it as HTML."""
     parts = [
-        f"{c.title} {words.fraction(standing.points(c), c.max_points)}{' (by hand)' * (standing.adjustment(c.id) is not None)}"
+        f"{c.title} {words.fraction(final_grade.points(c), c.max_points)}"
+        f"{' (overridden)' * (final_grade.adjustment(c.id) is not None)}"
         for c in final_grade.result.criteria
     ]
     credit = words.extra_credit(final_grade.result)
     parts += [f"extra credit {credit}"] if credit else []
-    parts += [f"late −{words.number(standing.deduction)}"] if final_grade.deduction else []
+    parts += [f"late −{words.number(final_grade.deduction)}"] if final_grade.deduction else []
     return html.escape(_OURS + "; ".join(parts), quote=False)
 
 

@@ -165,7 +165,7 @@ def _cell(points: float | None) -> Cell:
 
 def _tags(final_grade: FinalGrade) -> Iterable[str]:
     """Return the filter tags of a submission. They contain no text from outside the grader."""
-    yield f"status:{standing.result.status}"
+    yield f"status:{final_grade.result.status}"
     if final_grade.late is not None:
         yield "status:late"
     if final_grade.adjustments:

@@ -403,7 +403,7 @@ def _late(final_grade: FinalGrade) -> tuple[str, str] | None:
     facts = [
         words.late(final_grade),
         f"due {words.instant(late.due)}" if late.due else "",
-        f"handed in {words.instant(standing.hand_in.submitted)}" if final_grade.hand_in.submitted else "",
+        f"handed in {words.instant(final_grade.hand_in.submitted)}" if final_grade.hand_in.submitted else "",
         f"counted as {_many(late.days, 'day')} late" if late.days and not late.refused else "",
     ]
     return words.minus(final_grade.deduction) if final_grade.deduction else "0", "; ".join(filter(None, facts))

@@ -23,7 +23,7 @@ from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedO
 
 from . import level_choice, surroundings, wire
 from .exchange import Deadline, DeadlineError, LineClosedError, exchange
-from .isolation_levels import RUNGS, UNWALLED, IsolationLevel, named
+from .isolation_levels import LEVELS, UNWALLED, IsolationLevel, named
 from .plain import PlainProcess
 from .plan import Contents
 from .printed import Printed
@@ -45,7 +45,7 @@ class Box:
     contents
         What it is opened for; its harness answers the questions.
     isolation_level
-        The name of one of `RUNGS`; None for the best that this machine allows.
+        The name of one of `LEVELS`; None for the best that this machine allows.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Box:
             self._zygote, self.why = level_choice.climb(self._contents)
             self.isolation_level = self._zygote.isolation_level if self._zygote else UNWALLED
         else:
-            self.isolation_level, self.why = _asked_for(isolation_level), f"{rung} was asked for"
+            self.isolation_level, self.why = _asked_for(isolation_level), f"{isolation_level} was asked for"
             self._zygote = self._start()
 
     def __enter__(self) -> Box:
@@ -125,7 +125,9 @@ class Box:
         try:
             return level_choice.raise_walls(self.isolation_level, self._contents)
         except WallsRefusedError as error:
-            raise GraderError(f"this machine does not allow the isolation level {self.rung.name!r}: {error}") from None
+            raise GraderError(
+                f"this machine does not allow the isolation level {self.isolation_level.name!r}: {error}"
+            ) from None
 
     def _spawn(self, printed: Printed) -> Process:
         if not self.isolation_level.walled:
@@ -261,7 +263,7 @@ class Worker:
 def _asked_for(name: str) -> IsolationLevel:
     isolation_level = named(name)
     if isolation_level is None:
-        raise GraderError(f"there is no isolation level {name!r}, only {', '.join(each.name for each in RUNGS)}")
+        raise GraderError(f"there is no isolation level {name!r}, only {', '.join(each.name for each in LEVELS)}")
     return isolation_level
 
 

@@ -1,4 +1,4 @@
-"""The choice of levels of walls, best first: one record a isolation level. Whatever differs between isolation levels asks the record, and no name is compared."""
+"""The isolation levels, best first, one record each. What differs between levels is a field of the record; no name is compared."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class IsolationLevel:
     Attributes
     ----------
     name
-        As `provenance.isolation`, `imugrade doctor` and `--rung` have it.
+        As `provenance.isolation`, `imugrade doctor` and `--isolation` have it.
     around, needs
         Words: what is around a worker, and what a machine must allow for it.
     walled
@@ -43,7 +43,7 @@ class Promise:
     kept_on: Callable[[IsolationLevel], bool]
 
 
-RUNGS = (
+LEVELS = (
     IsolationLevel(
         "full",
         "user, mount, pid, ipc, uts and network namespaces; a read-only root with what a box shows (below) and nothing else; "
@@ -62,7 +62,7 @@ RUNGS = (
     IsolationLevel("landlock", "limits, Landlock and the allowlist, without any privilege", "Linux 5.13"),
     IsolationLevel("none", "a fresh process with limits of time and memory", "nothing", walled=False),
 )
-UNWALLED = RUNGS[-1]
+UNWALLED = LEVELS[-1]
 
 
 def _everywhere(_: IsolationLevel) -> bool:
@@ -98,4 +98,4 @@ PROMISES = (
 
 def named(name: str) -> IsolationLevel | None:
     """The isolation level of that name; None if there is none."""
-    return next((isolation_level for isolation_level in RUNGS if isolation_level.name == name), None)
+    return next((isolation_level for isolation_level in LEVELS if isolation_level.name == name), None)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .isolation_levels import RUNGS, IsolationLevel
+from .isolation_levels import LEVELS, IsolationLevel
 from .plan import Contents
 from .process import WallsRefusedError, ZygoteGoneError
 
@@ -28,7 +28,7 @@ class Tried:
 
 def probe() -> list[Tried]:
     """Try every isolation level in a child process, best first, with its walls tested from inside; about 50 ms each."""
-    return [_tried(isolation_level) for isolation_level in RUNGS]
+    return [_tried(isolation_level) for isolation_level in LEVELS]
 
 
 def _tried(isolation_level: IsolationLevel) -> Tried:
@@ -54,7 +54,7 @@ def raise_walls(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
     from . import launch  # noqa: PLC0415 - of Linux only
 
     if isolation_level.program and shutil.which(isolation_level.program) is None:
-        raise WallsRefusedError(f"the program {rung.program} is not installed")
+        raise WallsRefusedError(f"the program {isolation_level.program} is not installed")
     with contextlib.suppress(ZygoteGoneError):
         return launch.Zygote(isolation_level, contents)
     try:
@@ -66,11 +66,11 @@ def raise_walls(isolation_level: IsolationLevel, contents: Contents) -> Zygote:
 def climb(contents: Contents) -> tuple[Zygote | None, str]:
     """Start a zygote on the best isolation level that holds (None: there is none), and say why it is not a better one."""
     refused: list[str] = []
-    for isolation_level in filter(lambda each: each.walled, RUNGS):
+    for isolation_level in filter(lambda each: each.walled, LEVELS):
         try:
             zygote = raise_walls(isolation_level, contents)
         except WallsRefusedError as error:
-            refused.append(f"{rung.name}: {error}")
+            refused.append(f"{isolation_level.name}: {error}")
             continue
         return zygote, "; ".join(filter(None, [*refused, caveat(zygote)]))
     return None, "; ".join(refused)

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from .isolation_levels import RUNGS, IsolationLevel
+from .isolation_levels import LEVELS, IsolationLevel
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Contents:
     readable
         Further paths that the box shows read-only.
     warm
-        Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest isolation level each worker imports what it
+        Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest level each worker imports what it
         needs.
     thorough
         Whether the harness also uses each part once before the first worker: it pays where many of them follow.
@@ -85,11 +85,11 @@ class Plan:
     def packed(self) -> bytes:
         """As one message, which has to fit into a socket's buffer: a machine may have thousands of packages."""
         return zlib.compress(
-            json.dumps({**asdict(self), "isolation_level": RUNGS.index(self.isolation_level)}).encode(), 1
+            json.dumps({**asdict(self), "isolation_level": LEVELS.index(self.isolation_level)}).encode(), 1
         )
 
     @classmethod
     def unpacked(cls, message: bytes) -> Plan:
         values = json.loads(zlib.decompress(message)).items()
         fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in values}
-        return cls(**{**fields, "isolation_level": RUNGS[fields["isolation_level"]]})
+        return cls(**{**fields, "isolation_level": LEVELS[fields["isolation_level"]]})

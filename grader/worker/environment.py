@@ -80,7 +80,8 @@ def furnish(lab_configuration: Mapping[str, Any], *, run_magic: desktop_stubs.Ru
 
     Parameters
     ----------
-    lab_configuration : with ``model`` (MJCF), the name of its file ``model_file``, and where the sheet loads its own from, ``sheet_model``
+    lab_configuration
+        With ``model`` (MJCF), the name of its file ``model_file``, and where the sheet loads its own from, ``sheet_model``.
     """
     if "model" in lab_configuration:
         _place_model(

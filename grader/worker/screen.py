@@ -116,7 +116,7 @@ class Screen:
     # --- standing ------------------------------------------------------------------------------------------------------
 
     @contextlib.contextmanager
-    def final_grade(self) -> Iterator[None]:
+    def standing(self) -> Iterator[None]:
         """Put the screen between matplotlib and the program, and take it away afterwards."""
         import matplotlib.pyplot as plt
         from matplotlib import animation

@@ -1,4 +1,4 @@
-"""Run the hostile corpus: ``python -m tests.hostile [--rung R] [--family F] [--only NAME] [--write]``.
+"""Run the hostile corpus: ``python -m tests.hostile [--isolation LEVEL] [--family F] [--only NAME] [--write]``.
 
 Prints a line for each attack that fell, and a table of held and fell for each family and isolation level. Exit code 1 if one fell on a
 isolation level that has walls; on the lowest isolation level falls are counted and listed, for nothing is promised there. With ``--write`` the
@@ -11,7 +11,7 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
-from grader.sandbox.isolation_levels import RUNGS
+from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import probe
 from tests.hostile import record
 from tests.hostile.corpus import PROGRAMS
@@ -26,10 +26,10 @@ def run(isolation_level: str, programs: Sequence[Program], *, aloud: bool) -> li
             verdict = court.try_(program)
             verdicts.append(verdict)
             for trouble in verdict.troubles:
-                print(f"{rung:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)
+                print(f"{isolation_level:<10} {program.family}/{program.name}: FELL: {trouble}", flush=True)
             if aloud and not verdict.troubles:
                 against = f" (twin {verdict.twin:g})" if verdict.twin is not None else ""
-                print(f"{rung:<10} {program.family}/{program.name}: held, {verdict.score:g}{against}, {verdict.seconds:.1f} s", flush=True)
+                print(f"{isolation_level:<10} {program.family}/{program.name}: held, {verdict.score:g}{against}, {verdict.seconds:.1f} s", flush=True)
     return verdicts
 
 
@@ -39,13 +39,13 @@ def table(isolation_level: str, verdicts: Iterable[Verdict]) -> str:
         of = [verdict for verdict in verdicts if verdict.program.family == family]
         fell = sum(bool(verdict.troubles) for verdict in of)
         if of:
-            lines.append(f"{rung:<10}  {family:<8}  held {len(of) - fell:>3}  fell {fell:>3}")
+            lines.append(f"{isolation_level:<10}  {family:<8}  held {len(of) - fell:>3}  fell {fell:>3}")
     return "\n".join(lines)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.hostile", description=__doc__)
-    parser.add_argument("--rung", choices=[isolation_level.name for isolation_level in RUNGS], action="append", help="may be given more than once; all that there are")
+    parser.add_argument("--isolation", choices=[isolation_level.name for isolation_level in LEVELS], action="append", help="may be given more than once; all that there are")
     parser.add_argument("--family", choices=FAMILIES, action="append")
     parser.add_argument("--only", default="", help="programs whose name holds this")
     parser.add_argument("--write", action="store_true", help="write the results to docs/isolation.json")
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.isolation_level and isolation_level not in options.isolation_level:
             continue
         if not tried.usable:
-            print(f"{rung}: not here: {tried.reason}")
+            print(f"{isolation_level}: not here: {tried.reason}")
             continue
         verdicts = run(isolation_level, programs, aloud=options.verbose)
         if options.write:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from grader.sandbox.isolation_levels import RUNGS
+from grader.sandbox.isolation_levels import LEVELS
 from tests.hostile.judging import Verdict
 from tests.hostile.program import FAMILIES
 
@@ -26,7 +26,7 @@ def keep(isolation_level: str, verdicts: Sequence[Verdict]) -> None:
 
 
 def _place(entry: Mapping[str, Any]) -> tuple[int, bool, int]:
-    return [isolation_level.name for isolation_level in RUNGS].index(entry["isolation_level"]), entry["user"] != "root", FAMILIES.index(entry["family"])
+    return [isolation_level.name for isolation_level in LEVELS].index(entry["isolation_level"]), entry["user"] != "root", FAMILIES.index(entry["family"])
 
 
 def _entry(isolation_level: str, family: str, verdicts: Sequence[Verdict]) -> dict[str, Any]:

@@ -328,8 +328,8 @@ def _saved_over(first: tuple[int, ...], last: tuple[int, ...], path: str | None 
     def student() -> Made:
         panels, figure = Sheet().panels, Sheet().figure
         gone = replace(figure, event="overwritten", path=path, axes=tuple(panels[i] for i in first))
-        final_grade = replace(figure, axes=tuple(panels[i] for i in last))
-        return Plotted(Drawing((gone, final_grade)))
+        kept = replace(figure, axes=tuple(panels[i] for i in last))
+        return Plotted(Drawing((gone, kept)))
 
     return student
 

@@ -376,8 +376,8 @@ def test_sensors_are_told_accelerations_first() -> None:
 def test_of_two_figures_in_one_those_that_stand_at_the_end_come_before_those_that_were_ever_saved() -> None:
     first, second = _panel_alone(0), _panel_alone(1, path="gyro.png")
     drawing = Drawing((first, replace(first, event="overwritten"), second))
-    *_, final_grade, ever = plot_runs.candidates(Plotted(drawing), truth(), drawing)
-    assert (len(final_grade.panels), len(ever.panels)) == (2, 3)
+    *_, last, ever = plot_runs.candidates(Plotted(drawing), truth(), drawing)
+    assert (len(last.panels), len(ever.panels)) == (2, 3)
 
 
 def test_a_figure_shows_more_by_its_curves_then_by_hidden_ones_then_in_a_file() -> None:

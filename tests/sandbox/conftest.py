@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from grader.sandbox.box import Box, Worker
-from grader.sandbox.isolation_levels import RUNGS
+from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import Tried, probe
 from grader.sandbox.plan import Contents
 
-HARNESS = Path(__file__).parent / "harness"
-WALLED = [isolation_level.name for isolation_level in RUNGS if isolation_level.walled]
+HARNESS = Path(__file__).parent / "probe_worker"
+WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.walled]
 
 
 @pytest.fixture(scope="session")
@@ -29,7 +29,7 @@ def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Box]]
 
     def get(name: str) -> Box:
         if not isolation_levels[name].usable:
-            pytest.skip(f"no isolation level {name} here: {rungs[name].reason}")
+            pytest.skip(f"no isolation level {name} here: {isolation_levels[name].reason}")
         if name not in boxes:
             boxes[name] = Box(Contents(HARNESS), isolation_level=name)
         return boxes[name]
@@ -39,7 +39,7 @@ def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Box]]
         box.close()
 
 
-@pytest.fixture(params=[isolation_level.name for isolation_level in RUNGS])
+@pytest.fixture(params=[isolation_level.name for isolation_level in LEVELS])
 def box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
     return box_on(request.param)
 

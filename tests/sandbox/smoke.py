@@ -14,7 +14,7 @@ from grader.sandbox.box import Box
 from grader.sandbox.level_choice import probe
 from grader.sandbox.plan import Contents
 
-HARNESS = Path(__file__).parent / "harness"
+HARNESS = Path(__file__).parent / "probe_worker"
 SOURCE = f"""
 import os, socket
 def held(call, *arguments):

@@ -356,7 +356,7 @@ def test_what_runs_in_a_box_is_compiled_once_where_python_may_write(
 
 
 def test_the_harness_of_a_box_is_compiled(tmp_path: Path) -> None:
-    harness = Path(shutil.copytree(HARNESS, tmp_path / "harness", ignore=shutil.ignore_patterns("__pycache__")))
+    harness = Path(shutil.copytree(HARNESS, tmp_path / "worker", ignore=shutil.ignore_patterns("__pycache__")))
     with Box(Contents(harness)) as box, box.worker() as worker:
         worker.ask("echo", {}, {})
     assert {path.name.partition(".")[0] for path in harness.glob("__pycache__/*.pyc")} == {

@@ -19,13 +19,13 @@ SAVE_LAST = Ours(
 
 def some_overwritten(drawn: list[Plot]) -> None:
     """Charge what a figure showed that is in no file at the end: it is lost to the reader."""
-    final_grade, gone = (
+    still_shown, gone = (
         {channel for plot in drawn if plot.figure.event == event for channel in plot.drawn}
         for event in ("saved", "overwritten")
     )
-    if gone - final_grade:
+    if gone - still_shown:
         path = next(plot.figure.path for plot in drawn if plot.figure.event == "overwritten")
-        missing = sensors_in_words({sensor for sensor, _ in gone - final_grade})
+        missing = sensors_in_words({sensor for sensor, _ in gone - still_shown})
         raise CheckFailed(
             "each figure in a picture file of its own",
             f"{printable(path or handed_in.PICTURE, 60)}, saved a second time, without the {missing}",

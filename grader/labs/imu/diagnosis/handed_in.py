@@ -213,8 +213,8 @@ def _shown(group: _Group) -> set[int]:
 
 def _best(group: _Group, key: _Key) -> Weight:
     tried = [weighed(settled(place)) for place in group.places.get(key, [])[:_TRIED]]
-    final_grade = [weight for weight in tried if weight.followed >= _FOLLOWED]
-    return max(final_grade, key=lambda weight: weight.evidence, default=Weight(0.0, 0.0))
+    followed = [weight for weight in tried if weight.followed >= _FOLLOWED]
+    return max(followed, key=lambda weight: weight.evidence, default=Weight(0.0, 0.0))
 
 
 def _stands(weight: Weight, evidence: float) -> bool:

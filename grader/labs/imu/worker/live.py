@@ -52,7 +52,7 @@ def live(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"returned": False}
     recorder.RECORDER.take(submission.STATE.folder)
     scene = own_globals.standing_for(model, data)
-    with examined(answer), scene, screen.final_grade(), watch.counting_steps():
+    with examined(answer), scene, screen.standing(), watch.counting_steps():
         plot, _ = calls.collecting_by(function, model, fields["duration_s"], ids)
         value = plot(model, data, fields["duration_s"])
         screen.show_animations_left()

@@ -20,7 +20,7 @@ import pytest
 from grader.base.errors import GraderError
 from grader.sandbox import level_choice
 from grader.sandbox.box import Box
-from grader.sandbox.isolation_levels import PROMISES, RUNGS, IsolationLevel
+from grader.sandbox.isolation_levels import LEVELS, PROMISES, IsolationLevel
 from grader.sandbox.launch import Zygote
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[2]
 PLAIN_UID = 12345
 
 
-def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(isolation_levels: dict[str, Tried]) -> None:
+def test_every_level_is_probed_best_first_and_the_lowest_always_holds(isolation_levels: dict[str, Tried]) -> None:
     assert list(isolation_levels) == ["full", "bubblewrap", "landlock", "none"]
     assert isolation_levels["none"].usable
     assert all(isolation_level.usable or isolation_level.reason for isolation_level in isolation_levels.values())
@@ -41,20 +41,20 @@ def test_every_rung_is_probed_best_first_and_the_lowest_always_holds(isolation_l
 def test_security_md_promises_what_the_rungs_do() -> None:
     promised = [
         f"| {each.words} | "
-        + " | ".join("yes" if each.kept_on(isolation_level) else "no" for isolation_level in RUNGS)
+        + " | ".join("yes" if each.kept_on(isolation_level) else "no" for isolation_level in LEVELS)
         + " |"
         for each in PROMISES
     ]
     assert "\n".join(promised) in (ROOT / "SECURITY.md").read_text(encoding="utf-8")
 
 
-def test_a_rung_that_is_better_keeps_all_that_a_lower_one_does() -> None:
-    kept = [{each.words for each in PROMISES if each.kept_on(isolation_level)} for isolation_level in RUNGS]
+def test_a_level_that_is_better_keeps_all_that_a_lower_one_does() -> None:
+    kept = [{each.words for each in PROMISES if each.kept_on(isolation_level)} for isolation_level in LEVELS]
     assert all(better >= lower for better, lower in itertools.pairwise(kept))
-    assert [isolation_level.walled for isolation_level in RUNGS] == [True, True, True, False]
+    assert [isolation_level.walled for isolation_level in LEVELS] == [True, True, True, False]
 
 
-def test_a_box_takes_the_best_rung_that_holds(best: Box, isolation_levels: dict[str, Tried]) -> None:
+def test_a_box_takes_the_best_level_that_holds(best: Box, isolation_levels: dict[str, Tried]) -> None:
     assert best.isolation_level.name == next(name for name, tried in isolation_levels.items() if tried.usable)
 
 
@@ -63,13 +63,13 @@ def refuse(*names: str) -> Callable[..., Any]:
 
     def raise_walls(isolation_level: IsolationLevel, *rest: Any) -> Any:
         if isolation_level.name in names:
-            raise WallsRefusedError(f"no {rung.name} today")
+            raise WallsRefusedError(f"no {isolation_level.name} today")
         return real(isolation_level, *rest)
 
     return raise_walls
 
 
-def test_a_box_says_why_it_is_not_on_a_higher_rung(
+def test_a_box_says_why_it_is_not_on_a_higher_level(
     monkeypatch: pytest.MonkeyPatch, isolation_levels: dict[str, Tried]
 ) -> None:
     if not isolation_levels["landlock"].usable:
@@ -89,13 +89,13 @@ def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.Mon
         assert run(worker, "result = 1") == {"result": 1}
 
 
-def test_a_rung_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the isolation level 'full': no full today"):
         Box(Contents(HARNESS), isolation_level="full")
 
 
-def test_an_unknown_rung_is_named(tmp_path: Path) -> None:
+def test_an_unknown_level_is_named(tmp_path: Path) -> None:
     with pytest.raises(GraderError, match="'moat'"):
         Box(Contents(tmp_path), isolation_level="moat")
 
@@ -110,10 +110,10 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
 @pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize(
     "isolation_level",
-    [isolation_level for isolation_level in RUNGS if isolation_level.walled and not isolation_level.program],
+    [isolation_level for isolation_level in LEVELS if isolation_level.walled and not isolation_level.program],
     ids=lambda isolation_level: isolation_level.name,
 )  # what bwrap started outlives it, and goes on
-def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_rung(
+def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
     monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], isolation_level: IsolationLevel, times: int
 ) -> None:
     box_on(isolation_level.name)
@@ -141,7 +141,7 @@ def children(pid: int) -> list[int]:
     return []
 
 
-def test_a_trial_of_the_walls_that_is_killed_is_no_lower_rung(
+def test_a_trial_of_the_walls_that_is_killed_is_no_lower_level(
     monkeypatch: pytest.MonkeyPatch, isolation_levels: dict[str, Tried]
 ) -> None:
     """As it is by whoever looks for memory; walls that refuse end otherwise."""
