@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 
 from grader.engine import check_runner, grader, lab_sandbox, rubric
 from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import HARNESS
+from grader.engine.lab_sandbox import WORKER_CODE
 from grader.engine.results import to_json
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
@@ -41,13 +41,13 @@ def marks(marker: Marker, folder: Path) -> object:
 @contextmanager
 def without_savings(folder: Path) -> Iterator[Marker]:
     """A marker that does nothing beforehand and draws in full."""
-    harness = shutil.copytree(HARNESS, folder / "worker", ignore=shutil.ignore_patterns("__pycache__"))
+    worker_code = shutil.copytree(WORKER_CODE, folder / "worker", ignore=shutil.ignore_patterns("__pycache__"))
     for name, text in PICTURES_IN_FULL.items():
-        own = (harness / name).read_text(encoding="utf-8")
+        own = (worker_code / name).read_text(encoding="utf-8")
         replaced = re.findall(r"^(?:def )?(\w+)(?:\(| =)", text, re.MULTILINE)
         assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
-        (harness / name).write_text(own + text, encoding="utf-8")
-    with mock.patch.object(lab_sandbox, "HARNESS", harness):
+        (worker_code / name).write_text(own + text, encoding="utf-8")
+    with mock.patch.object(lab_sandbox, "WORKER_CODE", worker_code):
         box = lab_sandbox.open_box(LAB, thorough=False)
     with (
         mock.patch.object(grader, "libraries_of", return_value=()),

@@ -188,7 +188,7 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
     if isinstance(finding, Crashed):
         return no_answer("crashed", f": {printable(str(finding), 200)}", ("kills-its-process",), mistakes)
     assert isinstance(finding, Malformed)
-    named = ("tampering",) if "the harness was changed" in str(finding) else ()
+    named = ("tampering",) if "the worker code was changed" in str(finding) else ()
     got = "something that is not an answer to the question asked"
     hint = NOT_UNDERSTOOD.hint
     return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)

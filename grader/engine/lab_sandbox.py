@@ -1,4 +1,4 @@
-"""The box that a lab's questions are asked in: a sandbox with the harness, and the libraries that all submissions share."""
+"""The box that a lab's questions are asked in: a sandbox with the worker code, and the libraries that all submissions share."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from grader.engine.lab import Lab
 from grader.sandbox.box import Box
 from grader.sandbox.plan import Contents
 
-HARNESS = Path(__file__).parent.parent / "worker"
+WORKER_CODE = Path(__file__).parent.parent / "worker"
 
 
 def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def open_box(
     thorough : also use each part once beforehand, so that no submission pays for a first time
     """
     return Box(
-        Contents(HARNESS, lab.folder / "worker", warm=tuple(libraries), thorough=thorough),
+        Contents(WORKER_CODE, lab.folder / "worker", warm=tuple(libraries), thorough=thorough),
         isolation_level=isolation_level,
     )
 

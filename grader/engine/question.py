@@ -22,7 +22,7 @@ class Question(Generic[T]):
 
     Attributes
     ----------
-    op : which handler of the harness runs it, and which of the lab's rules its answer must obey
+    op : which handler of the worker code runs it, and which of the lab's rules its answer must obey
     about : the name that it is asked about, wherever the submission defines it
     becomes : makes the record of an answer that obeys the rule
     fields, arrays : what the handler is given

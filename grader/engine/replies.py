@@ -2,7 +2,7 @@
 
 The frame around an answer was checked already (`sandbox.wire`). Here its content is held against what was asked: which
 fields there are, of which kind and size, and whether the arrays that they name are there in the shape that the question
-calls for. So no check ever meets a value that the harness could not have sent, whoever sent it.
+calls for. So no check ever meets a value that the worker code could not have sent, whoever sent it.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Asked = Mapping[str, np.ndarray]
 class Answer:
     """An answer with the question's fields and arrays.
 
-    Each array is named once, as the harness does: what is made of the arrays of an answer is then no larger than what was sent.
+    Each array is named once, as the worker code does: what is made of the arrays of an answer is then no larger than what was sent.
     """
 
     frame: Frame

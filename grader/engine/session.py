@@ -81,7 +81,7 @@ class Asking:
     lab : whose names are asked for, a `Lab`
     files : relative path -> content
     above : how many folders above the others some of them lie
-    lab_configuration : what the harness is given with the files: the lab's own
+    lab_configuration : what the worker code is given with the files: the lab's own
     call_cpu_s, submission_cpu_s : limits, from the rubric
     waiting : called with what is waited for, where an answer takes long
     """

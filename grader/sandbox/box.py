@@ -1,6 +1,6 @@
 """A box: the place where untrusted code runs, as the grader sees it.
 
-    with Box(Contents(harness)) as box, box.worker() as worker:
+    with Box(Contents(worker_code)) as box, box.worker() as worker:
         frame = worker.ask("read", {"seed": 1}, {"state": state}, cpu_s=10.0)
 
 Whatever the code in the box does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
@@ -43,7 +43,7 @@ class Box:
     Parameters
     ----------
     contents
-        What it is opened for; its harness answers the questions.
+        What it is opened for; its worker code answers the questions.
     isolation_level
         The name of one of `LEVELS`; None for the best that this machine allows.
 
@@ -63,14 +63,14 @@ class Box:
     def __init__(self, contents: Contents, *, isolation_level: str | None = None) -> None:
         self._contents = replace(
             contents,
-            harness=contents.harness.resolve(),
+            worker_code=contents.worker_code.resolve(),
             questions=contents.questions and contents.questions.resolve(),
         )
         self._workers: list[Worker] = []
         self._zygote: Zygote | None = None
         self._closed = False
         _hide_this_process()
-        surroundings.compile_once([str(f) for f in (self._contents.harness, self._contents.questions) if f])
+        surroundings.compile_once([str(f) for f in (self._contents.worker_code, self._contents.questions) if f])
         if isolation_level is None:
             self._zygote, self.why = level_choice.climb(self._contents)
             self.isolation_level = self._zygote.isolation_level if self._zygote else UNWALLED
@@ -197,7 +197,7 @@ class Worker:
         Parameters
         ----------
         op, fields, arrays
-            What the harness's `answer` gets.
+            What the worker code's `answer` gets.
         cpu_s
             CPU seconds that the answer may take, all threads together.
         wall_s
@@ -240,7 +240,7 @@ class Worker:
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:
-        """What the harness wrote down last at `printed.PLACE_AT`, for the case that it does not come back; it may be anything."""
+        """Return what the worker code wrote down last at `printed.PLACE_AT`, in case it does not come back; it may be anything."""
         return self._printed.place()
 
     def close(self) -> None:
@@ -275,9 +275,9 @@ def _packed(nonce: bytes, op: str, fields: Mapping[str, Any], arrays: Mapping[st
 
 
 def _answered(frame: wire.Frame) -> wire.Frame:
-    """Take the harness's fields out of the worker's envelope."""
-    if set(frame.fields) == {"harness_error"}:
-        raise Malformed(str(frame.fields["harness_error"]))
+    """Take the worker code's fields out of the worker's envelope."""
+    if set(frame.fields) == {"worker_error"}:
+        raise Malformed(str(frame.fields["worker_error"]))
     fields = frame.fields.get("fields")
     if set(frame.fields) != {"fields"} or not isinstance(fields, dict):
         raise Malformed("it has no fields")

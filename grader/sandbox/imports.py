@@ -1,4 +1,4 @@
-"""Importing a harness, and beside it the questions of a lab."""
+"""Import the worker code, and beside it the questions of a lab."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _NAMES = ("grader.worker", "grader.questions")
 """What the two packages are called while they are imported: as their sources call each other. A submission finds neither."""
 
 
-def load_harness(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
-    """Import the harness, and a lab's questions if there are any, let it warm up, and return its `answer`.
+def load_worker_code(folders: Sequence[str], search: Sequence[str], *, thorough: bool = False) -> worker.Answer:
+    """Import the worker code, and a lab's questions if there are any, let it warm up, and return its `answer`.
 
     Parameters
     ----------
-    folders : of the harness, then of the questions
+    folders : of the worker code, then of the questions
     search : `sys.path` from now on
     """
     sys.path[:] = search
-    harness, *questions = _imported(dict(zip(_NAMES, folders, strict=False)))
-    harness.warm_up(thorough, *questions)
-    answer: worker.Answer = harness.answer
+    worker_code, *questions = _imported(dict(zip(_NAMES, folders, strict=False)))
+    worker_code.warm_up(thorough, *questions)
+    answer: worker.Answer = worker_code.answer
     return answer
 
 
@@ -40,7 +40,7 @@ def import_where_they_are(modules: Iterable[str]) -> None:
 
 
 _OWN_BUILTINS = dict(vars(builtins))
-"""What the harness finds as built-in functions: a student's code sets those that everyone else shares."""
+"""What the worker code finds as built-in functions: a student's code sets those that everyone else shares."""
 
 
 class _Loader(SourceFileLoader):

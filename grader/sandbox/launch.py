@@ -121,7 +121,7 @@ class Zygote:
             visible = (*visible, os.path.join(self._folder, _PACKAGES))
         return Plan(
             isolation_level=self.isolation_level,
-            harness=str(contents.harness.resolve()),
+            worker_code=str(contents.worker_code.resolve()),
             questions=str(contents.questions.resolve()) if contents.questions else "",
             visible=visible,
             hidden=surroundings.hidden(),
@@ -173,7 +173,7 @@ class Zygote:
         return False
 
     def await_ready(self) -> None:
-        """Wait for the imports and the harness's warm-up.
+        """Wait for the imports and the worker code's warm-up.
 
         Raises
         ------
@@ -189,7 +189,7 @@ class Zygote:
             if message is None:
                 raise ZygoteGoneError(f"it did not start: {self._last_words() or 'it ended without a word'}")
             if not message.get("ready"):
-                raise GraderError(f"the harness did not start: {message.get('reason')}")
+                raise GraderError(f"the worker code did not start: {message.get('reason')}")
             self.start_cpu_s = float(message["cpu_s"])
             self._ready = True
 
@@ -365,7 +365,7 @@ def _wait_for(pidfd: int, seconds: float) -> None:
 
 def _needed(contents: Contents) -> list[str]:
     shown = surroundings.visible(contents.readable)
-    folders = [contents.harness, *([contents.questions] if contents.questions else [])]
+    folders = [contents.worker_code, *([contents.questions] if contents.questions else [])]
     own = [str(path) for folder in folders for path in (folder, *folder.rglob("*.py"))]
     return [*shown, *surroundings.code(), *own]
 

@@ -15,7 +15,7 @@ from .box import Box
 from .isolation_levels import IsolationLevel
 from .plan import Contents
 
-_HARNESS = Path(__file__).parent / "searching"
+_WORKER_CODE = Path(__file__).parent / "searching"
 _PACKAGE = Path(__file__).parents[1]
 _SECRETS = (("reference", "*.py"), (f"{_PACKAGE.name}/labs", "*/standins/*.txt"))
 _WITHIN_CPU_S = 300.0
@@ -37,7 +37,7 @@ def search(isolation_level: IsolationLevel) -> Search:
     GraderError
         If the isolation level cannot be had here.
     """
-    with Box(Contents(_HARNESS), isolation_level=isolation_level.name) as box, box.worker() as worker:
+    with Box(Contents(_WORKER_CODE), isolation_level=isolation_level.name) as box, box.worker() as worker:
         fields = {"roots": _roots(), "phrases": sorted(_phrases()), "own": _own()}
         answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
     return Search(int(answer["opened"]), tuple(map(str, answer["found"])))
@@ -51,7 +51,7 @@ def _roots() -> list[str]:
 
 def _own() -> list[str]:
     """What every box holds of us."""
-    return [rootfs.SANDBOX, rootfs.HARNESS, str(_HARNESS), *surroundings.code()]
+    return [rootfs.SANDBOX, rootfs.WORKER_CODE, str(_WORKER_CODE), *surroundings.code()]
 
 
 def _phrases() -> Iterator[str]:

@@ -49,7 +49,7 @@ class PlainProcess:
 
     def _start(self, contents: Contents, theirs: socket.socket, printed: Printed) -> subprocess.Popen[bytes]:
         search = surroundings.search_without_walls()
-        folders = [str(folder) for folder in (contents.harness, contents.questions) if folder]
+        folders = [str(folder) for folder in (contents.worker_code, contents.questions) if folder]
         plan = {"folders": folders, "search": search, "end_with_parent": is_main_thread()}
         inherited: dict[str, Any] = {"pass_fds": (theirs.fileno(),), "start_new_session": True}
         if sys.platform == "win32":
@@ -79,13 +79,13 @@ class PlainProcess:
             while incoming.wanted:
                 chunk = self.line.recv(incoming.wanted)
                 if not chunk:
-                    raise GraderError(f"the harness did not start: {printed.read()[-2000:]}")
+                    raise GraderError(f"the worker code did not start: {printed.read()[-2000:]}")
                 incoming.feed(chunk)
             _, frame = incoming.finish()
         except (OSError, wire.WireError) as error:
             raise GraderError(f"a worker did not get ready: {error}") from None
         if not frame.fields.get("ready"):
-            raise GraderError(f"the harness did not start: {frame.fields.get('reason')}")
+            raise GraderError(f"the worker code did not start: {frame.fields.get('reason')}")
         self.line.setblocking(False)
 
     def _clock(self) -> float:

@@ -15,19 +15,19 @@ from typing import Any
 
 
 def start(arguments: Sequence[str]) -> Callable[[], None]:
-    """Take over the line and the harness; return what is left to do."""
+    """Take over the line and the worker code; return what is left to do."""
     line, plan = _line(int(arguments[0])), json.loads(arguments[1])
     sys.argv[:] = [""]
     sys.path[:] = plan["search"]  # packages may lie where only the grader's own environment says
     from . import worker  # noqa: PLC0415 - it pulls numpy
-    from .imports import load_harness  # noqa: PLC0415
+    from .imports import load_worker_code  # noqa: PLC0415
 
     if sys.platform == "linux" and plan["end_with_parent"]:
         from .namespaces import die_with_parent  # noqa: PLC0415 - of Linux only
 
         die_with_parent()
     try:
-        answer = load_harness(plan["folders"], plan["search"])
+        answer = load_worker_code(plan["folders"], plan["search"])
     except Exception:
         worker.give_up(line, traceback.format_exc(limit=-4)[-4000:])
         os._exit(1)

@@ -17,20 +17,20 @@ class Contents:
 
     Attributes
     ----------
-    harness
+    worker_code
         A package folder with `warm_up(thorough)` and `answer(op, fields, arrays) -> (fields, arrays)`.
     questions
-        The package folder of a lab's questions, if it has one; the harness gets it as the second argument of `warm_up`.
+        The package folder of a lab's questions, if it has one; the worker code gets it as the second argument of `warm_up`.
     readable
         Further paths that the box shows read-only.
     warm
         Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest level each worker imports what it
         needs.
     thorough
-        Whether the harness also uses each part once before the first worker: it pays where many of them follow.
+        Whether the worker code also uses each part once before the first worker: it pays where many of them follow.
     """
 
-    harness: Path
+    worker_code: Path
     questions: Path | None = None
     readable: tuple[Path, ...] = ()
     warm: tuple[str, ...] = ()
@@ -45,7 +45,7 @@ class Plan:
     ----------
     isolation_level
         Whose walls are raised.
-    harness, questions
+    worker code, questions
         The folders that are imported as packages; no questions are "".
     visible, hidden
         What can be read in the box, and what below that cannot.
@@ -68,7 +68,7 @@ class Plan:
     """
 
     isolation_level: IsolationLevel
-    harness: str
+    worker_code: str
     questions: str
     visible: tuple[str, ...]
     hidden: tuple[str, ...]

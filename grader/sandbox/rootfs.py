@@ -17,7 +17,7 @@ OLD = "/old"
 SCRATCH = "/box"
 CACHE = "/cache"  # the zygote's: matplotlib's list of fonts; read-only before the first worker
 SANDBOX = "/sandbox"
-HARNESS = "/harness"
+WORKER_CODE = "/worker"
 QUESTIONS = "/questions"
 DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
 
@@ -47,7 +47,7 @@ def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], 
     code
         Modules of the sandbox, copied to `SANDBOX`.
     folders
-        What is copied to a place of its own, `HARNESS` and `QUESTIONS`: root's own copy of it may be readable by root alone.
+        What is copied to a place of its own, `WORKER_CODE` and `QUESTIONS`: root's own copy of it may be readable by root alone.
     """
     _show_all(visible, hidden)
     for device in DEVICES:
@@ -64,7 +64,7 @@ def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], 
 
 def copies(plan: Plan) -> Mapping[str, str]:
     """The folders that are shown at a place of their own, by that place."""
-    return {HARNESS: plan.harness, **({QUESTIONS: plan.questions} if plan.questions else {})}
+    return {WORKER_CODE: plan.worker_code, **({QUESTIONS: plan.questions} if plan.questions else {})}
 
 
 def close_root() -> None:

@@ -206,19 +206,19 @@ def _own_pid_namespace(walls: confine.Walls) -> int:
 
 
 def _warm_up(plan: Plan) -> Any:
-    """Import everything once, freeze it, and return the harness's `answer`."""
+    """Import everything once, freeze it, and return the worker code's `answer`."""
     sys.path[:] = plan.search  # packages may lie where only the grader's own environment says
     copies = rootfs.copies(plan)
     folders = list(copies if plan.isolation_level.own_root else copies.values())
     with _to_stay():
-        from .imports import import_where_they_are, load_harness  # noqa: PLC0415 - they pull numpy, which must come after the walls
+        from .imports import import_where_they_are, load_worker_code  # noqa: PLC0415 - they pull numpy, which must come after the walls
 
-        harness = load_harness(folders, plan.search, thorough=plan.thorough)
+        worker_code = load_worker_code(folders, plan.search, thorough=plan.thorough)
         import_where_they_are(plan.warm)
     gc.set_threshold(*_COLLECT)
     if plan.isolation_level.own_namespaces:
         rootfs.freeze_cache()
-    return harness
+    return worker_code
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""The loop of a worker: a question comes over the line, the harness answers it, until the line is closed.
+"""The loop of a worker: a question comes over the line, the worker code answers it, until the line is closed.
 
 The same on every isolation level and every system. It runs in one process with the student's code: nothing here is a secret, and
 what it sends is believed by nobody.
@@ -56,8 +56,8 @@ def _reply(nonce: bytes, frame: wire.Frame, answer: Answer) -> bytes:
         fields, arrays = answer(frame.fields["op"], frame.fields["fields"], frame.arrays)
         # half a character, as a file name or a title may hold, is no fault of the file that it stands in
         return wire.pack(nonce, {"fields": dict(fields)}, arrays, errors="replace")
-    except BaseException as error:  # the harness catches the student's own; this one slipped past it
-        return wire.pack(nonce, {"harness_error": _described(error)}, {})
+    except BaseException as error:  # the worker code catches the student's own; this one slipped past it
+        return wire.pack(nonce, {"worker_error": _described(error)}, {})
 
 
 def _described(error: BaseException) -> str:

@@ -35,7 +35,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
     thorough : use each part once, too
     questions : a lab's, with its `HANDLERS` and, if the sheet's code brings names along for ``import *``, `sheet_names`
     """
-    global _guard  # noqa: PLW0603 - there is one harness in a process
+    global _guard  # noqa: PLW0603 - there is one worker code in a process
     _HANDLERS.update(getattr(questions, "HANDLERS", {}))
     STATE.sheet_names = getattr(questions, "sheet_names", STATE.sheet_names)
     environment.import_libraries()
@@ -47,7 +47,7 @@ def warm_up(thorough: bool, questions: Any = None) -> None:
 
 
 def answer(op: str, fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answer one question of the grader; ChangedError where the harness was rewritten meanwhile."""
+    """Answer one question of the grader; ChangedError where the worker code was rewritten meanwhile."""
     reply = _HANDLERS[op](fields, arrays)
     if _guard is not None:
         _guard.check()

@@ -91,7 +91,7 @@ def remember_classes() -> None:
 
 
 def remember(*kinds: type) -> None:
-    """Note what these classes hold now: the harness has put functions of its own into them."""
+    """Note what these classes hold now: the worker code has put functions of its own into them."""
     _CLASSES.update((kind, dict(vars(kind))) for kind in kinds)
 
 

@@ -49,7 +49,7 @@ def _undocumented() -> Iterator[None]:
 def _share_wrappers() -> None:
     """Let callbacks of a simulation be called: MuJoCo keeps its wrapper classes among the built-in functions of who steps.
 
-    All steps are made by a function of the harness (see `_watch_steps`), and the harness' built-in functions are its own.
+    All steps are made by a function of the worker code (see `_watch_steps`), and the worker's built-in functions are its own.
     """
     own = globals()["__builtins__"]
     own.update({name: value for name, value in vars(builtins).items() if name.startswith("__MUJOCO_")})

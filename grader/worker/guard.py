@@ -1,7 +1,7 @@
-"""A harness that a student's code finds hard to reach: it keeps numpy and the built-in functions to itself, and notices changes.
+"""Worker code that a student's code finds hard to reach: it keeps numpy and the built-in functions to itself, and notices changes.
 
 Student code runs in the same process, so none of this is a wall. It sees to it that a patch of numpy or of a built-in function,
-whether meant as a trick or as a convenience, changes nothing in what is measured, and that whoever rewrites the harness by its
+whether meant as a trick or as a convenience, changes nothing in what is measured, and that a submission that rewrites the worker code by its
 frames or in memory gets no answer accepted. What decides is measured outside of this process wherever that is possible.
 """
 
@@ -14,11 +14,11 @@ from typing import Any
 
 
 class ChangedError(RuntimeError):
-    """The harness is not what it was when it was loaded."""
+    """The worker code is not what it was when it was loaded."""
 
 
 class Guard:
-    """The harness's functions and classes as they were before any of the student's code ran."""
+    """The worker code's functions and classes as they were before any of the student's code ran."""
 
     def __init__(self, package: str) -> None:
         self._modules = [
@@ -38,7 +38,7 @@ class Guard:
                 vars(module)["np"] = own
 
     def hide(self) -> None:
-        """Take the harness off the list of modules: it goes on without it."""
+        """Take the worker code off the list of modules: it goes on without it."""
         for module in self._modules:
             sys.modules.pop(module.__name__, None)
 
@@ -47,7 +47,7 @@ class Guard:
         for names, name, value, code in self._known:
             now = names.get(name)
             if now is not value or (code is not None and now.__code__ is not code):
-                raise ChangedError(f"the harness was changed: {name}")
+                raise ChangedError(f"the worker code was changed: {name}")
 
 
 Member = tuple[Mapping[str, Any], str, Any, types.CodeType | None]

@@ -144,7 +144,7 @@ class Stepper:
 
     def run(self, units: list[Unit], path: str, names: dict[str, Any], after: Callable[[ast.stmt], None]) -> None:
         """Run these statements of a file among these names; `after` is called after each that has run."""
-        names["__builtins__"] = vars(builtins)  # those that all modules share: the harness's are its own
+        names["__builtins__"] = vars(builtins)  # those that all modules share: the worker's are its own
         for unit in itertools.chain.from_iterable(_as_run(unit, names) for unit in units):
             if why := self._skipped.get((path, unit.number)):
                 self._note(path, unit, "ended", why)

@@ -53,7 +53,7 @@ class Made(Student):
         self.files, self.notes, self.broken, self.drawn = {}, [], set(), ()  # type: ignore[assignment, misc]
         self._answers, self._called, self._lab = {}, {}, LAB
         self._furniture = {"methods": ()}
-        np.random.seed(0)  # as the harness seeds what it loads
+        np.random.seed(0)  # as the worker code seeds what it loads
 
     def place_of(self, name: str) -> str:
         if name not in self.parts:
@@ -85,7 +85,7 @@ class Made(Student):
 
 @contextmanager
 def _as_in_the_box(parts: Mapping[str, Any]) -> Iterator[None]:
-    """The harness finds these parts and watches the steps; what it changes is put back."""
+    """The worker code finds these parts and watches the steps; what it changes is put back."""
     own = {name: getattr(mujoco, name) for name in ("mj_step", "mj_step1", "mj_step2")}
     entropy = np.random.bit_generator
     with (

@@ -12,7 +12,7 @@ import pytest
 from grader.labs.imu.lab import LAB
 
 GRADER = Path(__file__).parent.parent.parent / "grader"
-FOLDERS = ("engine", "sandbox", "intake", "harness", "report", "platforms", "people", "course", "kit", "ground")
+FOLDERS = ("engine", "sandbox", "intake", "worker", "report", "platforms", "people", "course", "kit", "base")
 WORDS = {
     "humanoid", "torso", "robot", "mujoco", "sensor", "sensors", "accelerometer", "accel", "gyroscope", "gyro", "imu", "imus",
     "acceleration", "angular", "gravity", "allan",
@@ -23,9 +23,9 @@ ASKED = {*LAB.homes, *LAB.homes.values(), *LAB.pictures, *LAB.titles, *LAB.title
 LEFT = {
     ("sandbox/packages.py", "mujoco"): "the packages of the box",
     ("sandbox/surroundings.py", "mujoco"): "it is told to look for no graphics card",
-    ("harness/world.py", "mujoco"): "used once beforehand; the files that it opens; its steps, watched",
-    ("harness/world.py", "gravity"): "what a watched step starts from",
-    ("harness/desktop.py", "mujoco"): "its viewer, which has no window here",
+    ("worker/environment.py", "mujoco"): "used once beforehand; the files that it opens; its steps, watched",
+    ("worker/environment.py", "gravity"): "what a watched step starts from",
+    ("worker/desktop_stubs.py", "mujoco"): "its viewer, which has no window here",
     ("engine/conversation.py", "mujoco"): "the packages of the box, told to who misses another one",
     ("course/cluster_worker.py", "mujoco"): "the packages of the box, the same on all machines of a cluster",
     ("course/differences.py", "mujoco"): "how a package of a result's provenance is called",

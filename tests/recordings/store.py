@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from grader.engine.lab_sandbox import HARNESS
+from grader.engine.lab_sandbox import WORKER_CODE
 from grader.engine.recording import default_cache_dir
 from grader.engine.rubric import Limits
 from grader.intake import Submission
@@ -59,7 +59,7 @@ def _machine() -> str:
 
 def worker_files() -> list[Path]:
     """Return the modules that run beside student code: of the sandbox, of the worker and of the lab's questions."""
-    folders = (HARNESS, LAB.folder / "box")
+    folders = (WORKER_CODE, LAB.folder / "box")
     return [*map(Path, surroundings.code()), *(path for folder in folders for path in sorted(folder.rglob("*.py")))]
 
 

@@ -1,4 +1,4 @@
-"""Boxes for the tests: one a isolation level, shared by all tests, with the tiny harness of `harness/`."""
+"""Boxes for the tests: one for each isolation level, shared by all tests, with the tiny worker code of `probe_worker/`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import Tried, probe
 from grader.sandbox.plan import Contents
 
-HARNESS = Path(__file__).parent / "probe_worker"
+WORKER_CODE = Path(__file__).parent / "probe_worker"
 WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.walled]
 
 
@@ -31,7 +31,7 @@ def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Box]]
         if not isolation_levels[name].usable:
             pytest.skip(f"no isolation level {name} here: {isolation_levels[name].reason}")
         if name not in boxes:
-            boxes[name] = Box(Contents(HARNESS), isolation_level=name)
+            boxes[name] = Box(Contents(WORKER_CODE), isolation_level=name)
         return boxes[name]
 
     yield get
@@ -58,7 +58,7 @@ def worker(box: Box) -> Iterator[Worker]:
 @pytest.fixture(scope="session")
 def best() -> Iterator[Box]:
     """A box on the best isolation level, for what is the same on all of them."""
-    with Box(Contents(HARNESS)) as box:
+    with Box(Contents(WORKER_CODE)) as box:
         yield box
 
 

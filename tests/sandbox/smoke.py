@@ -14,7 +14,7 @@ from grader.sandbox.box import Box
 from grader.sandbox.level_choice import probe
 from grader.sandbox.plan import Contents
 
-HARNESS = Path(__file__).parent / "probe_worker"
+WORKER_CODE = Path(__file__).parent / "probe_worker"
 SOURCE = f"""
 import os, socket
 def held(call, *arguments):
@@ -29,13 +29,13 @@ result = [held(socket.socket), held(os.fork), held(open, {os.path.abspath(__file
 def survey() -> None:
     for tried in probe():
         if tried.usable and tried.isolation_level.walled:
-            with Box(Contents(HARNESS), isolation_level=tried.isolation_level.name) as box, box.worker() as worker:
+            with Box(Contents(WORKER_CODE), isolation_level=tried.isolation_level.name) as box, box.worker() as worker:
                 held = worker.ask("run", {"source": SOURCE}).fields["result"]
                 print(tried.isolation_level.name, os.getuid(), all(held), flush=True)
 
 
 def linger(name: str) -> None:
-    with Box(Contents(HARNESS), isolation_level=name) as box, box.worker() as worker:
+    with Box(Contents(WORKER_CODE), isolation_level=name) as box, box.worker() as worker:
         process = worker._process
         pids = [process._popen.pid] if not box.isolation_level.walled else [box._zygote.pid, process._pid]  # type: ignore
         print(*pids, flush=True)

@@ -18,7 +18,7 @@ from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
 from grader.sandbox.printed import PLACE_AT
 
-from .conftest import HARNESS, run
+from .conftest import WORKER_CODE, run
 
 
 def on_the_line(source: str) -> str:
@@ -102,7 +102,7 @@ def test_a_dead_worker_says_so_when_asked_again(anyone: Worker) -> None:
 
 
 @pytest.mark.parametrize("error", ["SystemExit(0)", "KeyboardInterrupt()", "GeneratorExit()"])
-def test_what_slips_past_the_harness_is_no_answer(anyone: Worker, error: str) -> None:
+def test_what_slips_past_the_worker_code_is_no_answer(anyone: Worker, error: str) -> None:
     with pytest.raises(Malformed, match=error.split("(", maxsplit=1)[0]):
         run(anyone, f"raise {error}")
     assert not anyone.alive
@@ -243,7 +243,7 @@ def test_hashes_and_the_environment_are_the_same_every_time(box: Box) -> None:
 
 def test_the_environment_holds_nothing_of_the_graders(box: Box, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IMUGRADE_SEED", "hidden")
-    with Box(Contents(HARNESS), isolation_level=box.isolation_level.name) as fresh, fresh.worker() as worker:
+    with Box(Contents(WORKER_CODE), isolation_level=box.isolation_level.name) as fresh, fresh.worker() as worker:
         found = run(worker, "import os; result = dict(os.environ)")["result"]
     assert "hidden" not in found.values()
     assert found["OPENBLAS_NUM_THREADS"] == "1"
@@ -266,7 +266,7 @@ def test_a_closed_worker_is_gone_at_once(box: Box) -> None:
         os.kill(pid, 0)
 
 
-def test_a_harness_that_fails_to_start_is_our_fault_and_says_why(box: Box, tmp_path: Path) -> None:
+def test_worker_code_that_fails_to_start_is_our_fault_and_says_why(box: Box, tmp_path: Path) -> None:
     (tmp_path / "__init__.py").write_text("def warm_up(thorough):\n    raise LookupError('no such lab')\n")
     with (
         Box(Contents(tmp_path), isolation_level=box.isolation_level.name) as broken,
@@ -277,7 +277,7 @@ def test_a_harness_that_fails_to_start_is_our_fault_and_says_why(box: Box, tmp_p
 
 def test_a_box_outlives_the_thread_that_opened_it(walled_box: Box) -> None:
     with ThreadPoolExecutor(1) as pool:
-        opened = pool.submit(Box, Contents(HARNESS), isolation_level=walled_box.isolation_level.name).result()
+        opened = pool.submit(Box, Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name).result()
     with opened, opened.worker() as worker:
         assert run(worker, "result = 1") == {"result": 1}
 
@@ -292,14 +292,14 @@ def test_threads_may_share_a_box(best: Box) -> None:
 
 
 def test_a_closed_box_gives_no_worker(box: Box) -> None:
-    with Box(Contents(HARNESS), isolation_level=box.isolation_level.name) as closed:
+    with Box(Contents(WORKER_CODE), isolation_level=box.isolation_level.name) as closed:
         pass
     with pytest.raises(GraderError, match="closed"):
         closed.worker()
 
 
 def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box) -> None:
-    with Box(Contents(HARNESS), isolation_level=walled_box.isolation_level.name) as fragile:
+    with Box(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as fragile:
         with fragile.worker() as worker:
             os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
             with pytest.raises(GraderError, match="the box is gone"):
@@ -310,7 +310,7 @@ def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box)
 
 def test_what_is_wanted_later_is_imported_for_all_that_follow(walled_box: Box) -> None:
     there = "import sys; result = 'colorsys' in sys.modules"
-    with Box(Contents(HARNESS), isolation_level=walled_box.isolation_level.name) as box:
+    with Box(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as box:
         with box.worker() as before:
             assert run(before, there) == {"result": False}
         box.warm(["no_such_module", "colorsys"])
@@ -344,7 +344,7 @@ def test_a_zygote_that_dies_whenever_it_starts_is_our_fault_and_each_time_anew(w
 def test_what_runs_in_a_box_is_compiled_once_where_python_may_write(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, may_write: bool, compiled: int
 ) -> None:
-    """As wherever pip installs it; one that cannot be read as Python is the harness's own trouble."""
+    """As wherever pip installs it; one that cannot be read as Python is the worker code's own fault."""
     monkeypatch.setattr(sys, "dont_write_bytecode", not may_write)
     for name, code in (("one", "x = 1\n"), ("two", "y = 2\n"), ("broken", "def\n")):
         (tmp_path / f"{name}.py").write_text(code, encoding="utf-8")
@@ -355,10 +355,10 @@ def test_what_runs_in_a_box_is_compiled_once_where_python_may_write(
     assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("__pycache__/*.pyc")} == made
 
 
-def test_the_harness_of_a_box_is_compiled(tmp_path: Path) -> None:
-    harness = Path(shutil.copytree(HARNESS, tmp_path / "worker", ignore=shutil.ignore_patterns("__pycache__")))
-    with Box(Contents(harness)) as box, box.worker() as worker:
+def test_the_worker_code_of_a_box_is_compiled(tmp_path: Path) -> None:
+    worker_code = Path(shutil.copytree(WORKER_CODE, tmp_path / "worker", ignore=shutil.ignore_patterns("__pycache__")))
+    with Box(Contents(worker_code)) as box, box.worker() as worker:
         worker.ask("echo", {}, {})
-    assert {path.name.partition(".")[0] for path in harness.glob("__pycache__/*.pyc")} == {
-        path.stem for path in harness.glob("*.py")
+    assert {path.name.partition(".")[0] for path in worker_code.glob("__pycache__/*.pyc")} == {
+        path.stem for path in worker_code.glob("*.py")
     }

@@ -26,7 +26,7 @@ from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
 
-from .conftest import HARNESS, run
+from .conftest import WORKER_CODE, run
 
 ROOT = Path(__file__).parents[2]
 PLAIN_UID = 12345
@@ -75,7 +75,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_level(
     if not isolation_levels["landlock"].usable:
         pytest.skip(isolation_levels["landlock"].reason)
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap"))
-    with Box(Contents(HARNESS)) as box, box.worker() as worker:
+    with Box(Contents(WORKER_CODE)) as box, box.worker() as worker:
         assert box.isolation_level.name == "landlock"
         assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
         assert run(worker, "result = 1") == {"result": 1}
@@ -83,7 +83,7 @@ def test_a_box_says_why_it_is_not_on_a_higher_level(
 
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap", "landlock"))
-    with Box(Contents(HARNESS)) as box, box.worker() as worker:
+    with Box(Contents(WORKER_CODE)) as box, box.worker() as worker:
         assert not box.isolation_level.walled
         assert box.why.endswith("landlock: no landlock today")
         assert run(worker, "result = 1") == {"result": 1}
@@ -92,7 +92,7 @@ def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.Mon
 def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the isolation level 'full': no full today"):
-        Box(Contents(HARNESS), isolation_level="full")
+        Box(Contents(WORKER_CODE), isolation_level="full")
 
 
 def test_an_unknown_level_is_named(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
-        level_choice.raise_walls(walled_box.isolation_level, Contents(HARNESS))
+        level_choice.raise_walls(walled_box.isolation_level, Contents(WORKER_CODE))
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -129,10 +129,10 @@ def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     if times == 1:
-        level_choice.raise_walls(isolation_level, Contents(HARNESS)).close()
+        level_choice.raise_walls(isolation_level, Contents(WORKER_CODE)).close()
     else:
         with pytest.raises(WallsRefusedError, match="it was killed before its walls were up, twice"):
-            level_choice.raise_walls(isolation_level, Contents(HARNESS))
+            level_choice.raise_walls(isolation_level, Contents(WORKER_CODE))
 
 
 def children(pid: int) -> list[int]:
@@ -160,7 +160,7 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_level(
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     for _ in range(20):  # a trial is over in milliseconds, and on a busy machine it is not always seen
-        with Box(Contents(HARNESS)) as box:
+        with Box(Contents(WORKER_CODE)) as box:
             found = box.isolation_level.name, box.why
         if hit:
             break

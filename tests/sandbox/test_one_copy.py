@@ -18,7 +18,7 @@ from grader.sandbox import one_copy, packages, surroundings
 from grader.sandbox.box import Box
 from grader.sandbox.plan import Contents
 
-from .conftest import HARNESS, WALLED, run
+from .conftest import WALLED, WORKER_CODE, run
 
 SOLUTION = Path(reference.__file__).parent
 PACKAGE = Path(grader.__file__).parent
@@ -102,7 +102,7 @@ def test_a_submission_that_searches_everything_finds_no_copy(
     roots = [str(checkout), str(checkout.parent), "/", *sys.path, *surroundings.visible()]
     phrase = b"get_imu_readings"
     assert phrase in (checkout / "reference/imu_reader.py").read_bytes()
-    with Box(Contents(HARNESS), isolation_level=isolation_level) as box, box.worker() as worker:
+    with Box(Contents(WORKER_CODE), isolation_level=isolation_level) as box, box.worker() as worker:
         source = SEARCH.replace("ROOTS", repr(list(dict.fromkeys(roots)))).replace("PHRASE", repr(phrase))
         assert run(worker, source, cpu_s=120) == {"result": []}
         for name in ("reference", "grader", "stray", "solutions"):
@@ -114,7 +114,7 @@ def test_what_was_installed_for_students_works_and_the_graders_own_tools_are_not
     isolation_level: str, checkout: Path, box_on: object
 ) -> None:
     box_on(isolation_level)  # type: ignore[operator]
-    with Box(Contents(HARNESS), isolation_level=isolation_level) as box, box.worker() as worker:
+    with Box(Contents(WORKER_CODE), isolation_level=isolation_level) as box, box.worker() as worker:
         assert run(worker, "import labtools; result = labtools.ANSWER") == {"result": 42}
         assert run(worker, "import theirtool; result = 1") == {"result": 1}
         assert run(worker, "import ourtool")["error"] == "ModuleNotFoundError"

@@ -13,7 +13,7 @@ from grader.base.errors import NoAnswer
 from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
 
-from .conftest import HARNESS, run
+from .conftest import WORKER_CODE, run
 
 REFUSED = {"PermissionError", "FileNotFoundError", "BlockingIOError"}
 GRADER = Path(grader.__file__).parent
@@ -108,7 +108,7 @@ def test_a_grader_among_the_packages_cannot_be_read(
         os.chmod(folder, 0o755)
     monkeypatch.setattr("grader.sandbox.surroundings.hidden", lambda: (str(packages / "grader"),))
     with (
-        Box(Contents(HARNESS, readable=(packages,)), isolation_level=walled_box.isolation_level.name) as shown,
+        Box(Contents(WORKER_CODE, readable=(packages,)), isolation_level=walled_box.isolation_level.name) as shown,
         shown.worker() as worker,
     ):
         assert run(worker, f"result = open('{packages}/neighbour/rubric.yaml').read()") == {"result": "points"}

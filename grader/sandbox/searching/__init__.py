@@ -1,4 +1,4 @@
-"""A harness that looks around in a box as a submission could: which files can be opened, and which of them are ours."""
+"""Worker code that looks around in a box as a submission could: which files can be opened, and which of them are ours."""
 
 from __future__ import annotations
 

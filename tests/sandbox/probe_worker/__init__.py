@@ -1,4 +1,4 @@
-"""A harness for the tests: it runs whatever source it is sent and returns what that left behind."""
+"""Worker code for the tests: it runs whatever source it is sent and returns what that left behind."""
 
 from __future__ import annotations
 

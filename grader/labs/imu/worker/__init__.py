@@ -1,4 +1,4 @@
-"""The lab's questions, as they run in the box beside a student's code, among the harness's modules."""
+"""The lab's questions, as they run in the sandbox beside a student's code, among the worker's modules."""
 
 from __future__ import annotations
 
