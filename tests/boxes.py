@@ -12,8 +12,8 @@ from grader.engine.lab_sandbox import open_box
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.isolation_levels import IsolationLevel
+from grader.sandbox.sandbox import Box, Worker
 
 Opened = Callable[..., AbstractContextManager[Marker]]
 """A marker by traces, and by the lab's own rubric or another one."""

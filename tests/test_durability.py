@@ -18,7 +18,7 @@ from grader.engine.grader import Marker
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.box import Worker
+from grader.sandbox.sandbox import Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import write

@@ -21,7 +21,7 @@ from grader.engine.results import to_json
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.box import Box
+from grader.sandbox.sandbox import Box
 from grader.worker import environment
 from tests.examples import folders
 from tests.made_up import without_durations

@@ -16,7 +16,7 @@ from grader.engine.session import Listener
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.intake.names import is_litter
-from grader.sandbox.box import Box
+from grader.sandbox.sandbox import Box
 
 PAUSE_S = 0.2
 

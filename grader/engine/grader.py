@@ -28,8 +28,8 @@ from grader.engine.session import SEED, Listener
 from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
 from grader.intake import Submission
-from grader.sandbox.box import Box
 from grader.sandbox.isolation_levels import IsolationLevel
+from grader.sandbox.sandbox import Box
 
 
 class Stopped(KeyboardInterrupt):

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from grader.engine.lab import Lab
-from grader.sandbox.box import Box
 from grader.sandbox.plan import Contents
+from grader.sandbox.sandbox import Box
 
 WORKER_CODE = Path(__file__).parent.parent / "worker"
 

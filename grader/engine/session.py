@@ -15,8 +15,8 @@ from grader.base.errors import Crashed, GraderError, Malformed, NoAnswer, TimedO
 from grader.base.text import printable
 from grader.engine.findings import Missing
 from grader.engine.load_report import Endings, Loaded, overran
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.printed import PLACE_AT, PLACE_BYTES
+from grader.sandbox.sandbox import Box, Worker
 from grader.sandbox.wire import Frame
 
 SEED = 0

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from . import rootfs, surroundings
-from .box import Box
 from .isolation_levels import IsolationLevel
 from .plan import Contents
+from .sandbox import Box
 
 _WORKER_CODE = Path(__file__).parent / "searching"
 _PACKAGE = Path(__file__).parents[1]

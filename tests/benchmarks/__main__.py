@@ -30,7 +30,7 @@ from grader.engine.grader import Marker
 from grader.intake import read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.box import Worker
+from grader.sandbox.sandbox import Worker
 from tests.benchmarks import cold, guard
 from tests.benchmarks.measuring import PLAIN_PYTEST, cost
 from tests.corpus.faulty import FAULTY

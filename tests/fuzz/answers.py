@@ -34,8 +34,8 @@ from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.replies import RULES
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.isolation_levels import UNWALLED
+from grader.sandbox.sandbox import Box, Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, write

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.isolation_levels import IsolationLevel, named
+from grader.sandbox.sandbox import Box, Worker
 from grader.sandbox.wire import Frame
 
 _FAILURES = {kind.__name__: kind for kind in (Crashed, Malformed)}

@@ -14,7 +14,7 @@ from grader.engine.rubric import Rubric
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.box import Box
+from grader.sandbox.sandbox import Box
 from tests import boxes
 from tests.made_up import without_durations
 from tests.recordings import store

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import Tried, probe
 from grader.sandbox.plan import Contents
+from grader.sandbox.sandbox import Box, Worker
 
 WORKER_CODE = Path(__file__).parent / "probe_worker"
 WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.walled]

@@ -10,9 +10,9 @@ import os
 import sys
 from pathlib import Path
 
-from grader.sandbox.box import Box
 from grader.sandbox.level_choice import probe
 from grader.sandbox.plan import Contents
+from grader.sandbox.sandbox import Box
 
 WORKER_CODE = Path(__file__).parent / "probe_worker"
 SOURCE = f"""

@@ -19,12 +19,12 @@ import pytest
 
 from grader.base.errors import GraderError
 from grader.sandbox import level_choice
-from grader.sandbox.box import Box
 from grader.sandbox.isolation_levels import LEVELS, PROMISES, IsolationLevel
 from grader.sandbox.launch import Zygote
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
+from grader.sandbox.sandbox import Box
 
 from .conftest import WORKER_CODE, run
 

@@ -15,8 +15,8 @@ import pytest
 import grader
 import reference
 from grader.sandbox import one_copy, packages, surroundings
-from grader.sandbox.box import Box
 from grader.sandbox.plan import Contents
+from grader.sandbox.sandbox import Box
 
 from .conftest import WALLED, WORKER_CODE, run
 

@@ -10,8 +10,8 @@ import pytest
 
 import grader
 from grader.base.errors import NoAnswer
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
+from grader.sandbox.sandbox import Box, Worker
 
 from .conftest import WORKER_CODE, run
 

@@ -23,7 +23,7 @@ from grader.labs.imu.answers import Array, Drawing, drawing_of
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot
 from grader.labs.imu.robot import robot_of
-from grader.sandbox.box import Box
+from grader.sandbox.sandbox import Box
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
 _METHODS = ("NoisyIMU.read", "LowPassFilter.update", "ComplementaryFilter.update")

@@ -14,9 +14,9 @@ import pytest
 
 from grader.base.errors import Crashed, GraderError, Malformed, TimedOut
 from grader.sandbox import surroundings
-from grader.sandbox.box import Box, Worker
 from grader.sandbox.plan import Contents
 from grader.sandbox.printed import PLACE_AT
+from grader.sandbox.sandbox import Box, Worker
 
 from .conftest import WORKER_CODE, run
 
