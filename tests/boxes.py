@@ -1,4 +1,4 @@
-"""One box for the markers of many tests: to open one takes longer than to mark a submission."""
+"""One sandbox for the markers of many tests: to open one takes longer than to mark a submission."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB
 from grader.sandbox.isolation_levels import IsolationLevel
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 
 Opened = Callable[..., AbstractContextManager[Marker]]
 """A marker by traces, and by the lab's own rubric or another one."""
 
 
 class Lasting:
-    """A box that a marker does not close when it is closed."""
+    """A sandbox that a marker does not close when it is closed."""
 
-    def __init__(self, box: Box) -> None:
-        self._box = box
+    def __init__(self, sandbox: Sandbox) -> None:
+        self._box = sandbox
 
     @property
     def isolation_level(self) -> IsolationLevel:
@@ -40,8 +40,8 @@ class Lasting:
 
 
 @cache
-def shared() -> Box:
-    """The box of this process, opened when it is first used; `close` ends it."""
+def shared() -> Sandbox:
+    """The sandbox of this process, opened when it is first used; `close` ends it."""
     return open_box(LAB)
 
 
@@ -52,5 +52,5 @@ def close() -> None:
 
 
 def opened(truth: Traces, by: Rubric | None = None) -> Marker:
-    """A marker with the shared box."""
-    return Marker(by or rubric.load(LAB), truth, box=Lasting(shared()))  # type: ignore[arg-type] # speaks as a box does
+    """A marker with the shared sandbox."""
+    return Marker(by or rubric.load(LAB), truth, sandbox=Lasting(shared()))  # type: ignore[arg-type] # speaks as a sandbox does

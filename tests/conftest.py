@@ -27,10 +27,10 @@ from grader.engine.grader import Marker
 from grader.engine.recording import CACHE_VARIABLE
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
-from tests import boxes
-from tests.boxes import Opened
+from tests import sandboxes
 from tests.recordings import Marking, store
 from tests.recordings.marker import Counts, RecordedMarker, without_charts
+from tests.sandboxes import Opened
 
 SECRET = "a secret that must not leave 4711"
 FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_cluster")
@@ -39,7 +39,7 @@ FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_c
 
 @pytest.hookimpl(optionalhook=True)  # mutants are tested without xdist
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """For two cores, however many a shared machine says that it has; where boxes and clocks are waited for, one more."""
+    """For two cores, however many a shared machine says that it has; where sandboxes and clocks are waited for, one more."""
     return 2 if config.option.markexpr == "quick" else 3
 
 
@@ -72,7 +72,7 @@ def _use_an_empty_cache(config: pytest.Config) -> None:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    boxes.close()
+    sandboxes.close()
     mine = {name: getattr(Counts, name) for name in session.config.stash[_COUNTED]}
     if hasattr(session.config, "workeroutput"):
         session.config.workeroutput["recordings"] = mine
@@ -102,8 +102,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 
 @pytest.fixture(scope="session")
 def opened() -> Opened:
-    """Opens markers with one box, for whatever is marked by other traces or another rubric."""
-    return boxes.opened
+    """Opens markers with one sandbox, for whatever is marked by other traces or another rubric."""
+    return sandboxes.opened
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""Random sound figures: six channels in panels of any style that students choose, drawn and looked at as the box does it."""
+"""Random sound figures: six channels in panels of any style that students choose, drawn and looked at as the sandbox does it."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def made(seed: int, left_out: str = "") -> Made:
 
 
 def told(figure: Any, left_out: str = "") -> Figure:
-    """What the box tells of a figure; with a curve that is claimed and not drawn."""
+    """What the sandbox tells of a figure; with a curve that is claimed and not drawn."""
     (record,) = figures_of(frame_of(figure, left_out))
     return record
 

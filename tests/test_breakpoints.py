@@ -45,7 +45,7 @@ def test_a_check_that_passes_over_one_says_so_and_takes_nothing_for_it(tmp_path:
     )
     (tmp_path / "filters.py").write_text(source)
     submission = read_submission(tmp_path, LAB.files)
-    with Marker(load(LAB), bundles.obtain(None), box=open_box_for(LAB, submission.files)) as marker:
+    with Marker(load(LAB), bundles.obtain(None), sandbox=open_box_for(LAB, submission.files)) as marker:
         result = marker.mark(submission, only="filtering")
     line = source.splitlines().index("        breakpoint()") + 1
     assert result.score == 20.0

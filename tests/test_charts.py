@@ -28,11 +28,11 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.report import charts as drawing
 from grader.report.pages import report_page
-from tests.boxes import Opened
 from tests.examples import FOLDER
 from tests.judging.test_check_visualization import Sheet
 from tests.made_up import SHA
 from tests.made_up import result as made_up
+from tests.sandboxes import Opened
 
 TRUTH = bundles.shipped()
 

@@ -31,7 +31,7 @@ class Given:
     answer: Result
     isolation = LEVELS[0]
 
-    def __init__(self, rubric: Rubric, bundle: Traces, *, box: object) -> None:
+    def __init__(self, rubric: Rubric, bundle: Traces, *, sandbox: object) -> None:
         pass
 
     def __enter__(self) -> Given:

@@ -26,7 +26,7 @@ NAMELESS = {**tidy(), "filters.py": "x = 1\n"}
 
 @pytest.fixture(scope="module")
 def benches() -> dict[str, Bench]:
-    """What the box answers of each: the sound one, rows that no simulation made, filters with faults."""
+    """What the sandbox answers of each: the sound one, rows that no simulation made, filters with faults."""
     files = {
         "sound": tidy(),
         "stands": STANDS,

@@ -155,7 +155,7 @@ def test_a_report_that_cannot_be_written_is_one_line(run: Run, tmp_path: Path, m
 # --- failures of ours: one line, exit code 3 --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("fault", [GraderError("the box is gone"), ZeroDivisionError("x\ny")])
+@pytest.mark.parametrize("fault", [GraderError("the sandbox is gone"), ZeroDivisionError("x\ny")])
 def test_a_fault_of_the_grader_is_one_line_and_exit_code_3(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: Exception
 ) -> None:
@@ -167,7 +167,7 @@ def test_a_fault_of_the_grader_is_one_line_and_exit_code_3(
 
 
 def test_the_traceback_is_shown_to_who_asks_for_it(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    checked(monkeypatch, GraderError("the box is gone"))
+    checked(monkeypatch, GraderError("the sandbox is gone"))
     monkeypatch.setenv("IMUGRADE_DEBUG", "1")
     assert "Traceback" in run("check", tmp_path)[2]
 
@@ -547,7 +547,7 @@ def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, mo
     told = [" ".join(line.split()) for line in out.splitlines()]
     assert (code, err) == (0, "")
     assert told[:4] == ["Isolation", "✗ full no user namespaces", "✓ landlock works here", "✓ in use landlock"]
-    assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the box can open hold nothing of ours"
+    assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the sandbox can open hold nothing of ours"
     assert f"imugrade {grader.__version__}" in told
 
 
@@ -558,7 +558,7 @@ def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeyp
     found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(9, found))
     told = " ".join(run("doctor")[1].split())
-    assert "✗ hidden code in the box can open 2 files of ours, /lib/a/filters.py first" in told
+    assert "✗ hidden code in the sandbox can open 2 files of ours, /lib/a/filters.py first" in told
 
 
 def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

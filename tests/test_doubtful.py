@@ -27,7 +27,7 @@ from tests.desk import Desk, desk_over, words
 from tests.examples import FOLDER
 from tests.made_up import Nobody
 
-FAILS = "# the box fails over this one\n"
+FAILS = "# the sandbox fails over this one\n"
 UNITS = (
     ("'Acceleration (m/s²)'", "'Acceleration'"),
     ("'Time (s)'", "'Time'"),
@@ -55,12 +55,12 @@ def undrawn() -> dict[str, str]:
 
 @contextmanager
 def stumbling(by: Rubric, bundle: Traces) -> Iterator[Marker]:
-    """A marker whose box fails over one submission."""
+    """A marker whose sandbox fails over one submission."""
     really = Student.filter
 
     def fails(student: Student, *args: object, **named: object) -> object:
         if FAILS.encode() in student.files.get("filters.py", b""):
-            raise GraderError("the box did not answer")
+            raise GraderError("the sandbox did not answer")
         return really(student, *args, **named)  # type: ignore[arg-type]
 
     Student.filter = fails  # type: ignore[method-assign, assignment]

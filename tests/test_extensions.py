@@ -32,11 +32,11 @@ from reference.complementary_filter import ComplementaryFilter, euler_rates, hea
 from reference.extension_scenarios import flicker, tilt_drifting, tilt_shaken, tilt_steep, true_tilt
 from reference.multi_imu import places, read_all_imus
 from reference.scene import Recording, generator
-from tests.boxes import Opened
 from tests.corpus import extensions as corpus
 from tests.corpus.pieces import verbatim
 from tests.corpus.writing import write
 from tests.recordings.marker import corpus_marker
+from tests.sandboxes import Opened
 from tests.scoreboard import extension, handed_in
 
 FOLDER = Path(reference.__file__).parent

@@ -1,4 +1,4 @@
-"""What the box tells of figures becomes records: of what its rule has looked at, and of nothing else."""
+"""What the sandbox tells of figures becomes records: of what its rule has looked at, and of nothing else."""
 
 from __future__ import annotations
 

@@ -131,8 +131,8 @@ def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path:
     public = bundles.obtain(None)
     heard: dict[str, str] = {}
     for name in ("public", "hidden"):
-        box = open_box_for(LAB, submission.files)
-        with Marker(load(LAB), replace(public, name=name), box=box) as marker:
+        sandbox = open_box_for(LAB, submission.files)
+        with Marker(load(LAB), replace(public, name=name), sandbox=sandbox) as marker:
             marker.mark(submission, only="filtering", listen=lambda _, text, name=name: heard.update({name: text}))  # type: ignore[misc]
     assert set(heard) == {"public"}
     assert heard["public"].startswith("loaded\nasked\nasked\n")

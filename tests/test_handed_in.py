@@ -26,9 +26,9 @@ from grader.labs.imu.student import Student
 from grader.worker.pictures import decode
 from reference.imu_reader import MODEL_PATH, simulate_and_collect
 from tests import handed_pictures
-from tests.boxes import Opened
 from tests.corpus.pieces import COMPARE, PLOT_LOOP, lab
 from tests.recordings.marker import corpus_marker, recorded_corpus
+from tests.sandboxes import Opened
 from tests.scoreboard import handed_in
 
 BOTH = {0, 1}

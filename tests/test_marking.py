@@ -12,9 +12,9 @@ from grader.engine.results import Result
 from grader.engine.traces import Traces
 from grader.intake import read_submission
 from grader.labs.imu.lab import LAB
-from tests.boxes import Opened
 from tests.corpus.sound import SOUND
 from tests.corpus.writing import as_bytes, write
+from tests.sandboxes import Opened
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 _ZERO_READER = "\ndef get_imu_readings(model, data, accel_id, gyro_id):\n    return np.zeros(3), np.zeros(3)\n"

@@ -13,8 +13,8 @@ from grader.engine.results import Result
 from grader.labs.imu import bundles
 from grader.labs.imu.student import Student
 from grader.people.final_grade import FinalGrade
-from tests.boxes import Opened
 from tests.corpus.pieces import edit, verbatim
+from tests.sandboxes import Opened
 from tests.scoreboard import Case, handed_in
 
 SOUND = Case("sound", "verbatim", verbatim())

@@ -18,8 +18,8 @@ from grader.intake import read_submission
 from grader.kit import wheel
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from tests.boxes import Opened
 from tests.corpus.sheet import FILTERS, LOW_PASS
+from tests.sandboxes import Opened
 
 PAGE = (Path(__file__).parent.parent / "docs/instructors/own-checks.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)

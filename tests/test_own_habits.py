@@ -236,7 +236,7 @@ EDITED: dict[str, tuple[str, Changes, dict[str, float], tuple[str, ...]]] = {
         READER, {"imu_data['time']": "(1e6 * imu_data['time']).astype('timedelta64[us]')", "Time (s)": "Time (us)"}, {}, (),
     ),
     "nanoseconds along the axis": (READER, {"imu_data['time']": "1e9 * imu_data['time']", "Time (s)": "Time (ns)"}, {}, ()),
-    "a box plot and bars with names beside the curves": (
+    "a sandbox plot and bars with names beside the curves": (
         READER,
         {
             "plt.savefig('imu_data.png', dpi=150)": "boxes, bars = fig.add_axes([0.8, 0.7, 0.1, 0.1]), fig.add_axes([0.8, 0.2, 0.1, 0.1])\n"

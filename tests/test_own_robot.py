@@ -24,9 +24,9 @@ from grader.labs.imu.hidden_coverage import blind_spot
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
 from reference.self_contained import self_contained
-from tests.boxes import Opened
 from tests.examples import FOLDER, files
 from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
+from tests.sandboxes import Opened
 
 SECRET = "a secret of the tests of other robots"
 

@@ -1,4 +1,4 @@
-"""What the box notes of a figure that is saved, and then drawn or written on."""
+"""What the sandbox notes of a figure that is saved, and then drawn or written on."""
 
 from __future__ import annotations
 

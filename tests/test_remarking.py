@@ -1,4 +1,4 @@
-"""Outcomes are facts and points are arithmetic: another rubric marks from the record what a box would mark again."""
+"""Outcomes are facts and points are arithmetic: another rubric marks from the record what a sandbox would mark again."""
 
 from __future__ import annotations
 
@@ -218,7 +218,7 @@ def test_a_date_of_the_rosters_own_holds_under_another_policy() -> None:
 
 @contextmanager
 def no_box(*_: object) -> Iterator[Marker]:
-    raise AssertionError("a box was opened")
+    raise AssertionError("a sandbox was opened")
     yield
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 OURS = {"grader", "reference"}
-#: What runs in a box imports what a student handed in, and the sandbox's modules under a name of their own.
+#: What runs in a sandbox imports what a student handed in, and the sandbox's modules under a name of their own.
 OF_A_SUBMISSION = {"imu_reader", "noisy_imu", "filters"}
 
 

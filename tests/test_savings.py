@@ -21,7 +21,7 @@ from grader.engine.results import to_json
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 from grader.worker import environment
 from tests.examples import folders
 from tests.made_up import without_durations
@@ -48,10 +48,10 @@ def without_savings(folder: Path) -> Iterator[Marker]:
         assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
         (worker_code / name).write_text(own + text, encoding="utf-8")
     with mock.patch.object(lab_sandbox, "WORKER_CODE", worker_code):
-        box = lab_sandbox.open_box(LAB, thorough=False)
+        sandbox = lab_sandbox.open_box(LAB, thorough=False)
     with (
         mock.patch.object(grader, "libraries_of", return_value=()),
-        Marker(rubric.load(LAB), bundles.shipped(), box=box) as slow,
+        Marker(rubric.load(LAB), bundles.shipped(), sandbox=sandbox) as slow,
     ):
         yield slow
 
@@ -79,7 +79,7 @@ def test_only_libraries_that_the_code_can_mean_are_imported_beforehand(code: byt
 
 def test_a_marker_has_them_imported_with_the_first_submission_that_can_mean_them(marker: Marker) -> None:
     code = b"from scipy import signal\nimport matplotlib.animation\n"
-    with mock.patch.object(Box, "warm") as warm:
+    with mock.patch.object(Sandbox, "warm") as warm:
         marker.mark(Submission("s", "s", {"imu_reader.py": code}, (), "ready", ""), only="sensor_access")
     warm.assert_called_once_with(("scipy.signal", "matplotlib.animation"))
 

@@ -23,8 +23,8 @@ from grader.people.final_grade import FinalGrade
 from grader.platforms import registry
 from grader.platforms.platform import Handed
 from grader.report.pages import report_page
-from tests.boxes import Opened
 from tests.corpus.pieces import MODEL_PATH, verbatim
+from tests.sandboxes import Opened
 from tests.scoreboard import Case, handed_in
 
 # `token` holds eight masses of the robot that is graded with, `digit` one digit of them.

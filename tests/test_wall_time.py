@@ -60,9 +60,9 @@ class Boxes:
         return self.workers[-1]
 
 
-def conversation(box: Boxes) -> Conversation:
+def conversation(sandbox: Boxes) -> Conversation:
     return Conversation(
-        box, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
+        sandbox, LAB, {}, above={}, lab_configuration={"paths": []}, call_cpu_s=CALL_CPU_S, submission_cpu_s=SUBMISSION_CPU_S,
     )  # type: ignore[arg-type] # fmt: skip
 
 
@@ -76,20 +76,20 @@ def asked(talk: Conversation, times: int) -> Iterator[bool]:
 
 
 def test_answers_that_come_late_use_up_the_time_of_their_part_and_of_no_other() -> None:
-    box = Boxes(cpu_s=0.1, wall_s=25.0)
-    talk = conversation(box)
+    sandbox = Boxes(cpu_s=0.1, wall_s=25.0)
+    talk = conversation(sandbox)
     talk.turn_to("filtering")
     assert list(asked(talk, 6)) == [True, True, True, False, False, False]
-    assert sum(worker.wall_s for worker in box.workers) == 4 * SHARE_S
+    assert sum(worker.wall_s for worker in sandbox.workers) == 4 * SHARE_S
     talk.turn_to("noise_model")
     assert list(asked(talk, 1)) == [True]
 
 
 def test_sound_answers_leave_nearly_all_of_it() -> None:
-    box = Boxes(cpu_s=0.2, wall_s=0.3)
-    talk = conversation(box)
+    sandbox = Boxes(cpu_s=0.2, wall_s=0.3)
+    talk = conversation(sandbox)
     assert all(asked(talk, 60))
-    assert min(offered for worker in box.workers for offered in worker.offered) > 3 * SHARE_S
+    assert min(offered for worker in sandbox.workers for offered in worker.offered) > 3 * SHARE_S
 
 
 def test_a_question_that_is_kept_just_above_the_idle_threshold_ends_with_its_part() -> None:

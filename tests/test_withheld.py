@@ -18,8 +18,8 @@ from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.platforms.gradescope import gradescope
 from grader.report.pages import report_page
-from tests.boxes import Opened
 from tests.corpus.pieces import verbatim
+from tests.sandboxes import Opened
 from tests.scoreboard import Case, handed_in
 
 PUBLIC = "`imugrade check` shows the numbers of the public scenarios."

@@ -65,8 +65,8 @@ def check(
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     submission = read_apart(path, LAB.files)
-    with open_box_for(LAB, submission.files, isolation_level) as box:
-        from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the box warms up
+    with open_box_for(LAB, submission.files, isolation_level) as sandbox:
+        from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the sandbox warms up
 
         chosen = rubrics.load(LAB, rubric)
         rubrics.know_part(chosen, only)
@@ -84,7 +84,7 @@ def check(
         printed = Prints()
         try:
             result = checking.check(
-                submission, chosen, bundle, box, only=only, waiting=partial(print, flush=True), listen=printed.hear
+                submission, chosen, bundle, sandbox, only=only, waiting=partial(print, flush=True), listen=printed.hear
             )
         except Stopped as stopped:
             print()  # below the terminal's own ^C

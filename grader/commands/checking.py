@@ -16,7 +16,7 @@ from grader.engine.session import Listener
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.intake.names import is_litter
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 
 PAUSE_S = 0.2
 
@@ -29,14 +29,14 @@ def check(
     submission: Submission,
     rubric: Rubric,
     traces: Traces,
-    box: Box,
+    sandbox: Sandbox,
     *,
     only: str | None = None,
     waiting: Callable[[str], None] | None = None,
     listen: Listener | None = None,
 ) -> Result:
-    """Mark one submission once, in a box that may still be warming up; `waiting` is told what is waited for."""
-    with Marker(rubric, traces, box=box) as marker:
+    """Mark one submission once, in a sandbox that may still be warming up; `waiting` is told what is waited for."""
+    with Marker(rubric, traces, sandbox=sandbox) as marker:
         return marker.mark(submission, only=only, waiting=waiting, listen=listen)
 
 
@@ -65,7 +65,9 @@ def check_on_save(
     handed_in = Alone(path, rubric.lab.files)
     with (
         Reader() as reader,
-        Marker(rubric, traces, box=open_box_for(rubric.lab, reader.read(handed_in).files, isolation_level)) as marker,
+        Marker(
+            rubric, traces, sandbox=open_box_for(rubric.lab, reader.read(handed_in).files, isolation_level)
+        ) as marker,
     ):
         for _ in saves(path, written, waits):
             begins()

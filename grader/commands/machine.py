@@ -53,10 +53,10 @@ def _one_copy(isolation_level: IsolationLevel) -> Finding:
         return Finding("hidden", False, f"could not be looked at from inside: {error}")
     if not search.found:
         return Finding(
-            "hidden", True, f"the {search.opened:,} files that code in the box can open hold nothing of ours"
+            "hidden", True, f"the {search.opened:,} files that code in the sandbox can open hold nothing of ours"
         )
     return Finding(
-        "hidden", False, f"code in the box can open {len(search.found)} files of ours, {search.found[0]} first"
+        "hidden", False, f"code in the sandbox can open {len(search.found)} files of ours, {search.found[0]} first"
     )
 
 

@@ -80,8 +80,8 @@ def examined(
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)
-    with open_box_for(lab, submission.files, isolation_level) as box:
-        student = Recorder(box, lab, submission.files, truth=truth, above=submission.above, **limits)
+    with open_box_for(lab, submission.files, isolation_level) as sandbox:
+        student = Recorder(sandbox, lab, submission.files, truth=truth, above=submission.above, **limits)
         examination = Watched(lab, student, truth, None)
         try:
             session(lab, rubric.own_checks).run(examination)

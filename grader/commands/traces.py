@@ -61,7 +61,7 @@ def plot(
 
 
 def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None) -> Mapping[str, Collection]:
-    """What the submission's own `simulate_and_collect` records, run in a box; what cannot be had is said."""
+    """What the submission's own `simulate_and_collect` records, run in a sandbox; what cannot be had is said."""
     from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.findings import Missing, Raised  # noqa: PLC0415
@@ -72,8 +72,8 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: 
 
     submission, limits = read_submission(path, LAB.files), asdict(rubrics.load(LAB, rubric).limits)
     own = {}
-    with open_box_for(LAB, submission.files, isolation_level) as box:
-        student = LAB.student(box, LAB, submission.files, truth=traces, above=submission.above, **limits)
+    with open_box_for(LAB, submission.files, isolation_level) as sandbox:
+        student = LAB.student(sandbox, LAB, submission.files, truth=traces, above=submission.above, **limits)
         for scenario, ask in {"push": recordings.after_push, "push_dirty": recordings.after_dirt}.items():
             try:
                 own[scenario] = ask(student, traces)  # type: ignore[arg-type] # this lab's own

@@ -137,7 +137,7 @@ class Store(Database):
             return self._parsed(key.id, record)
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a box."""
+        """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a sandbox."""
         query = (
             "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
             "AND status != 'incomplete' ORDER BY seq DESC"

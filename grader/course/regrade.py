@@ -1,4 +1,4 @@
-"""A class under another rubric, from what is on record: other weights, caps, dates or prices of mistakes need no box."""
+"""A class under another rubric, from what is on record: other weights, caps, dates or prices of mistakes need no sandbox."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, F
     Raises
     ------
     RequestError
-        If it takes a box: the rubric asks something else (its limits, its model, its checks), or the record is of an older version.
+        If it takes a sandbox: the rubric has other limits, another model or other checks, or the record is of an older
+        version.
     """
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:

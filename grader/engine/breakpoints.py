@@ -1,4 +1,4 @@
-"""Break points that a submission still holds: the box passes over them, and a note says so."""
+"""Break points that a submission still holds: the sandbox passes over them, and a note says so."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ from grader.engine.traces import Traces
 class Judgement:
     """How one check ended; `told` is None where the grader failed to judge.
 
-    `ours` tells whether it failed for a reason that no answer can have: the box or the request; `belongs_to` are the checks
+    `ours` tells whether it failed for a reason that no answer can have: the sandbox or the request; `belongs_to` are the checks
     of which one may charge the same fault.
     """
 

@@ -1,6 +1,6 @@
 """What was drawn, as records: figures with their axes and curves, made once of a reply that keeps the rule for drawings.
 
-Words, limits and curves are what the box claims; the pixels are the witness, and a curve's `sight` is what these show of it.
+Words, limits and curves are what the sandbox claims; the pixels are the witness, and a curve's `sight` is what these show of it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One submission: a conversation with the box and a pytest session make a `Result`."""
+"""One submission: a conversation with the sandbox and a pytest session make a `Result`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from grader.engine.submission_session import Conversation
 from grader.engine.traces import Traces
 from grader.intake import Submission
 from grader.sandbox.isolation_levels import IsolationLevel
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 
 
 class Stopped(KeyboardInterrupt):
@@ -46,23 +46,23 @@ class Marker:
     Parameters
     ----------
     rubric, traces : what is asked, and what is true
-    isolation_level : of the box; the best that this machine allows if None
-    box : one that was opened before, and is closed with the marker
+    isolation_level : of the sandbox; the best that this machine allows if None
+    sandbox : one that was opened before, and is closed with the marker
 
     Raises
     ------
     RubricError
         Where rubric and checks do not match, or the traces are of something else than the rubric names.
     GraderError
-        Where no box can be opened.
+        Where no sandbox can be opened.
     """
 
     def __init__(
-        self, rubric: Rubric, traces: Traces, *, isolation_level: str | None = None, box: Box | None = None
+        self, rubric: Rubric, traces: Traces, *, isolation_level: str | None = None, sandbox: Sandbox | None = None
     ) -> None:
         self._lab, self._rubric, self._traces = rubric.lab, rubric, traces
         rubric.lab.match(rubric.settings, traces)
-        self._box = box or open_box(rubric.lab, isolation_level)  # it warms up while the checks are collected
+        self._box = sandbox or open_box(rubric.lab, isolation_level)  # it warms up while the checks are collected
         try:
             self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})

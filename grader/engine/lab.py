@@ -207,7 +207,7 @@ class Lab:
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
-        """The text of the sound stand-in for a name, where the box is furnished so: ``FURNITURE_IMU`` is its ``imu``."""
+        """The text of the sound stand-in for a name, where the sandbox is furnished so: ``FURNITURE_IMU`` is its ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _FURNITURE.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 

@@ -1,4 +1,4 @@
-"""The box that a lab's questions are asked in: a sandbox with the worker code, and the libraries that all submissions share."""
+"""The sandbox that a lab's questions are asked in: a sandbox with the worker code, and the libraries that all submissions share."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from grader.engine.lab import Lab
 from grader.sandbox.plan import Contents
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 
 WORKER_CODE = Path(__file__).parent.parent / "worker"
 
@@ -20,8 +20,8 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
 
 def open_box(
     lab: Lab, isolation_level: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True
-) -> Box:
-    """A box for many submissions, which warms up while the caller goes on.
+) -> Sandbox:
+    """A sandbox for many submissions, which warms up while the caller goes on.
 
     Parameters
     ----------
@@ -30,12 +30,12 @@ def open_box(
         follow, and any other is imported by the submission that wants it, with the same marks
     thorough : also use each part once beforehand, so that no submission pays for a first time
     """
-    return Box(
+    return Sandbox(
         Contents(WORKER_CODE, lab.folder / "worker", warm=tuple(libraries), thorough=thorough),
         isolation_level=isolation_level,
     )
 
 
-def open_box_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Box:
-    """A box for one submission, ready sooner: nothing is done beforehand that it can do without."""
+def open_box_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Sandbox:
+    """A sandbox for one submission, ready sooner: nothing is done beforehand that it can do without."""
     return open_box(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)

@@ -1,4 +1,4 @@
-"""Points from outcomes: what was found out is a fact, what it is worth is arithmetic, and another rubric needs no box."""
+"""Points from outcomes: what was found out is a fact, what it is worth is arithmetic, and another rubric needs no sandbox."""
 
 from __future__ import annotations
 

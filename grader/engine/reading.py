@@ -63,7 +63,7 @@ class Alone:
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
     """`read_submission` in a process that can be ended.
 
-    Where there is no Linux a new process imports everything anew, there is no box, and who asks is the author: it is read here.
+    Where there is no Linux a new process imports everything anew, there is no sandbox, and who asks is the author: it is read here.
     """
     if sys.platform != "linux":
         return Alone(path, required).read()

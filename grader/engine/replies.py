@@ -1,4 +1,4 @@
-"""What the box may answer to a question. Whatever else comes is `Malformed`: the student's loss, never the grader's fault.
+"""What the sandbox may answer to a question. Whatever else comes is `Malformed`: the student's loss, never the grader's fault.
 
 The frame around an answer was checked already (`sandbox.wire`). Here its content is held against what was asked: which
 fields there are, of which kind and size, and whether the arrays that they name are there in the shape that the question
@@ -240,7 +240,7 @@ def _member(answer: Answer, depth: int) -> Callable[[Any], None]:
     return rule
 
 
-# --- questions that every lab's box answers ---------------------------------------------------------------------------
+# --- questions that every lab's sandbox answers ---------------------------------------------------------------------------
 
 
 def _submit(answer: Answer) -> None:

@@ -1,4 +1,4 @@
-"""The talk with the box about one submission: its workers, its files, the time that they have, and each answer once."""
+"""The talk with the sandbox about one submission: its workers, its files, the time that they have, and each answer once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grader.base.text import printable
 from grader.engine.findings import Missing
 from grader.engine.load_report import Endings, Loaded, overran
 from grader.sandbox.printed import PLACE_AT, PLACE_BYTES
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 
 SEED = 0
@@ -77,7 +77,7 @@ class Asking:
 
     Parameters
     ----------
-    box : the zygote that workers come from
+    sandbox : the zygote that workers come from
     lab : whose names are asked for, a `Lab`
     files : relative path -> content
     above : how many folders above the others some of them lie
@@ -88,7 +88,7 @@ class Asking:
 
     def __init__(
         self,
-        box: Box,
+        sandbox: Sandbox,
         lab: Sheet,
         files: Mapping[str, bytes],
         *,
@@ -98,7 +98,7 @@ class Asking:
         submission_cpu_s: float,
         waiting: Callable[[str], None] | None = None,
     ) -> None:
-        self._box, self._lab, self._above = box, lab, above
+        self._box, self._lab, self._above = sandbox, lab, above
         self.files = dict(files)
         self._furniture = lab_configuration
         self._call_cpu_s, self._share_cpu_s = call_cpu_s, submission_cpu_s / (len(lab.parts) + 1)

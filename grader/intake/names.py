@@ -71,7 +71,7 @@ def original(name: str) -> str:
 
 
 def portable(path: str) -> bool:
-    """Whether each part can be a file's name on Windows too, where a box may have to write it."""
+    """Whether each part can be a file's name on Windows too, where a sandbox may have to write it."""
     return not any(_NOT_ON_WINDOWS.search(part) or _DEVICE.match(part) for part in path.split("/"))
 
 

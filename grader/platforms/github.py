@@ -204,7 +204,7 @@ Hidden scenarios stay out of a repository that students can read. In a private o
           - run: python -m pip install imugrade-*.whl
           - run: imugrade ci student --traces hidden.npz --private
 
-`--private` is your word that students can read neither the files nor the log of this job; the bundle stays outside the box that
+`--private` is your word that students can read neither the files nor the log of this job; the bundle stays outside the sandbox that
 their code runs in. `STUDENTS_TOKEN`, a secret of the environment `grading`, may read the students' repositories and no more.""",
     ),
     respond=_respond,

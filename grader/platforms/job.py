@@ -121,7 +121,7 @@ def run(job: Job) -> Result:
     path = job.path or submission_of(job.platform)
     submission = read_apart(path, job.rubric.lab.files)
     with Marker(
-        job.rubric, job.traces, box=open_box_for(job.rubric.lab, submission.files, job.isolation_level)
+        job.rubric, job.traces, sandbox=open_box_for(job.rubric.lab, submission.files, job.isolation_level)
     ) as marker:
         if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(

@@ -41,7 +41,7 @@ def _python() -> Iterable[str]:
 
 
 def _program() -> str:
-    """Python's path without steps up: what is bound in the box has none."""
+    """Python's path without steps up: what is bound in the sandbox has none."""
     return os.path.abspath(sys.executable)
 
 

@@ -19,7 +19,7 @@ class IsolationLevel:
     walled
         Whether there are walls at all.
     own_root
-        Whether the box has a root of its own, in which the host's paths are not there at all.
+        Whether the sandbox has a root of its own, in which the host's paths are not there at all.
     own_namespaces
         Whether each worker has namespaces and a disk of its own, which the zygote makes for it.
     program
@@ -46,7 +46,7 @@ class Promise:
 LEVELS = (
     IsolationLevel(
         "full",
-        "user, mount, pid, ipc, uts and network namespaces; a read-only root with what a box shows (below) and nothing else; "
+        "user, mount, pid, ipc, uts and network namespaces; a read-only root with what a sandbox shows (below) and nothing else; "
         "its own 64 MB of disk in memory; limits; no capabilities; Landlock; a seccomp allowlist",
         "user namespaces",
         own_root=True,

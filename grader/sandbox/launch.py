@@ -138,7 +138,7 @@ class Zygote:
         )
 
     def _folders(self, uid: dict[str, Any]) -> tuple[tuple[str, ...], str]:
-        """Scratch folders and cache: the same names every time where the box has a root of its own."""
+        """Scratch folders and cache: the same names every time where the sandbox has a root of its own."""
         names = [rootfs.SCRATCH, *(f"{rootfs.SCRATCH}{number}" for number in range(2, _SCRATCH_FOLDERS + 1))]
         if self.isolation_level.own_root:
             return tuple(names[:1] if self.isolation_level.own_namespaces else names), rootfs.CACHE
@@ -222,7 +222,7 @@ class Zygote:
             elif "failed" in message:
                 self._refused[message["failed"]] = message["reason"]
 
-    def spawn(self, printed: Printed, warm: Sequence[str]) -> Boxed:
+    def spawn(self, printed: Printed, warm: Sequence[str]) -> Sandboxed:
         """Fork a worker that finds these modules imported.
 
         Raises
@@ -242,7 +242,7 @@ class Zygote:
                 self._await(self._spawned, number, _WORKER_WITHIN_S)
             if number in self._refused:
                 raise GraderError(f"no worker could be started: {self._refused.pop(number)}")
-            return Boxed(self, number, self._spawned.pop(number), ours)
+            return Sandboxed(self, number, self._spawned.pop(number), ours)
         except BaseException:
             ours.close()
             raise
@@ -279,7 +279,7 @@ class Zygote:
                 os.rmdir(self._folder)
 
 
-class Boxed:
+class Sandboxed:
     """A worker that a zygote forked; see `process.Process`."""
 
     def __init__(self, zygote: Zygote, number: int, pidfd: int, line: socket.socket) -> None:
@@ -322,7 +322,7 @@ class Boxed:
         try:
             self._code, total_s = self._zygote.await_end(self._number)
         except ZygoteGoneError as error:
-            raise GraderError(f"the box is gone: {error}") from None
+            raise GraderError(f"the sandbox is gone: {error}") from None
         self._cpu_s = max(self._cpu_s, total_s - getattr(self, "_before_s", 0.0))
         return self._code
 
@@ -371,7 +371,7 @@ def _needed(contents: Contents) -> list[str]:
 
 
 def _harmless_uid(needed: Sequence[str]) -> dict[str, Any]:
-    """On the lower isolation levels, root becomes a plain user at once, unless root alone can read what the box needs."""
+    """On the lower isolation levels, root becomes a plain user at once, unless root alone can read what the sandbox needs."""
     if not namespaces.may_drop_root() or not all(_open_to_all(path) for path in needed):
         return {}
     return {"user": namespaces.DROPPED_ID, "group": namespaces.DROPPED_ID, "extra_groups": []}

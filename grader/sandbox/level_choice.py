@@ -1,4 +1,4 @@
-"""Which walls this machine allows, found out by raising them: the best isolation level for a box, all of them for the doctor."""
+"""Find out which isolation levels this machine allows, by trying: the best one for a sandbox, all of them for `doctor`."""
 
 from __future__ import annotations
 

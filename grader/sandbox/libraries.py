@@ -1,4 +1,4 @@
-"""Which shared libraries of the system a box shows: those that Python and the shown packages are linked with.
+"""Which shared libraries of the system a sandbox shows: those that Python and the shown packages are linked with.
 
 A folder of libraries is never shown whole: anything may lie in /usr/lib. The dynamic loader's own way of looking is
 followed, see ld.so(8); the numbers are those of elf.h.

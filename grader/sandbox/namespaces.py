@@ -10,7 +10,7 @@ import signal
 
 from . import linux
 
-INSIDE_ID = 1000  # uid and gid as the box sees them
+INSIDE_ID = 1000  # uid and gid as the sandbox sees them
 DROPPED_ID = 60123  # what root becomes first: with uid 0 outside, root's files would still be its own
 
 _SET_IDS = 1 << 6 | 1 << 7  # CAP_SETGID and CAP_SETUID
@@ -21,7 +21,7 @@ _WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.C
 def may_drop_root() -> bool:
     """Whether this is root, able to become `DROPPED_ID`: not so where a container maps root alone, or lacks CAP_SETUID.
 
-    Such a root must build the box before it gives up its rights, for a Python below /root (mode 700) is its alone.
+    Such a root must build the sandbox before it gives up its rights, for a Python below /root (mode 700) is its alone.
     """
     if os.geteuid() != 0:
         return False

@@ -1,4 +1,4 @@
-"""Whether a box shows any copy of the grader or of the reference: found out by looking from inside."""
+"""Whether a sandbox shows any copy of the grader or of the reference: found out by looking from inside."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from . import rootfs, surroundings
 from .isolation_levels import IsolationLevel
 from .plan import Contents
-from .sandbox import Box
+from .sandbox import Sandbox
 
 _WORKER_CODE = Path(__file__).parent / "searching"
 _PACKAGE = Path(__file__).parents[1]
@@ -23,7 +23,7 @@ _WITHIN_CPU_S = 300.0
 
 @dataclass(frozen=True)
 class Search:
-    """How many files could be opened in a box, and which of them are ours (a hundred at most)."""
+    """How many files could be opened in a sandbox, and which of them are ours (a hundred at most)."""
 
     opened: int
     found: tuple[str, ...]
@@ -37,7 +37,7 @@ def search(isolation_level: IsolationLevel) -> Search:
     GraderError
         If the isolation level cannot be had here.
     """
-    with Box(Contents(_WORKER_CODE), isolation_level=isolation_level.name) as box, box.worker() as worker:
+    with Sandbox(Contents(_WORKER_CODE), isolation_level=isolation_level.name) as sandbox, sandbox.worker() as worker:
         fields = {"roots": _roots(), "phrases": sorted(_phrases()), "own": _own()}
         answer = worker.ask("search", fields, cpu_s=_WITHIN_CPU_S).fields
     return Search(int(answer["opened"]), tuple(map(str, answer["found"])))
@@ -50,7 +50,7 @@ def _roots() -> list[str]:
 
 
 def _own() -> list[str]:
-    """What every box holds of us."""
+    """What every sandbox holds of us."""
     return [rootfs.SANDBOX, rootfs.WORKER_CODE, str(_WORKER_CODE), *surroundings.code()]
 
 

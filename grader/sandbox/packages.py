@@ -1,4 +1,4 @@
-"""Which installed packages a box shows: the lab's libraries and what was installed for students, entry by entry.
+"""Which installed packages a sandbox shows: the lab's libraries and what was installed for students, entry by entry.
 
 A package folder is never shown whole: another copy of the grader may lie in it, or the path file of one. What stands in
 it and belongs to no distribution is not shown either.
@@ -104,7 +104,7 @@ def _closure(first: Iterable[Needed], known: Mapping[str, Sequence[Distribution]
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...]) -> Contents:
-    """What a box shows of some package folders: nothing that brings a folder of a name of ours, whatever it is called."""
+    """What a sandbox shows of some package folders: nothing that brings a folder of a name of ours, whatever it is called."""
     kept = for_students([one for folder in folders for one in installed(folder)])
     contents = [found for one in kept if not _is_ours(found := contents_of(one))]
     return Contents(

@@ -13,7 +13,7 @@ from .isolation_levels import LEVELS, IsolationLevel
 
 @dataclass(frozen=True)
 class Contents:
-    """What a box is opened for.
+    """What a sandbox is opened for.
 
     Attributes
     ----------
@@ -22,10 +22,10 @@ class Contents:
     questions
         The package folder of a lab's questions, if it has one; the worker code gets it as the second argument of `warm_up`.
     readable
-        Further paths that the box shows read-only.
+        Further paths that the sandbox shows read-only.
     warm
-        Modules that are imported once for all workers; `Box.warm` adds some later. On the lowest level each worker imports what it
-        needs.
+        Modules that are imported once for all workers; `Sandbox.warm` adds some later. On the lowest level each worker
+        imports what it needs.
     thorough
         Whether the worker code also uses each part once before the first worker: it pays where many of them follow.
     """
@@ -48,11 +48,11 @@ class Plan:
     worker code, questions
         The folders that are imported as packages; no questions are "".
     visible, hidden
-        What can be read in the box, and what below that cannot.
+        What can be read in the sandbox, and what below that cannot.
     code
-        The sandbox's own modules that run in the box.
+        The sandbox's own modules that run in the sandbox.
     search
-        `sys.path` of the box.
+        `sys.path` of the sandbox.
     warm, thorough
         See `Contents`.
     fonts
@@ -62,7 +62,7 @@ class Plan:
     cache
         The zygote's own writable folder.
     decoy
-        A file that no box may read: the walls are tried against it.
+        A file that no sandbox may read: the walls are tried against it.
     end_with_parent
         Whether the kernel kills the zygote with the thread that started it; it ends anyway when the grader hangs up.
     """

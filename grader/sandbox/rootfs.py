@@ -1,4 +1,4 @@
-"""The file system of a box: a read-only root with Python and its packages; no /proc, no /dev/shm, no /tmp, no /home.
+"""The file system of a sandbox: a read-only root with Python and its packages; no /proc, no /dev/shm, no /tmp, no /home.
 
 After pivot_root the host lies under /old for as long as the binds are made, so that no path of it is hidden by a mount
 of ours: Python itself may live below /tmp or /root.
@@ -36,7 +36,7 @@ def enter_new_root() -> None:
 
 
 def furnish(visible: Sequence[str], hidden: Sequence[str], code: Sequence[str], folders: Mapping[str, str]) -> None:
-    """Bind what a box may see and leave the host behind.
+    """Bind what a sandbox may see and leave the host behind.
 
     Parameters
     ----------

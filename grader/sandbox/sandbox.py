@@ -1,9 +1,9 @@
-"""A box: the place where untrusted code runs, as the grader sees it.
+"""A sandbox: the place where untrusted code runs, as the grader sees it.
 
-    with Box(Contents(worker_code)) as box, box.worker() as worker:
+    with Box(Contents(worker_code)) as sandbox, box.worker() as worker:
         frame = worker.ask("read", {"seed": 1}, {"state": state}, cpu_s=10.0)
 
-Whatever the code in the box does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
+Whatever the code in the sandbox does, `ask` ends in a frame, in a `NoAnswer`, or, if the grader itself is at fault, in a
 `GraderError`.
 """
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 _LAST_MOMENT_S = 1.0  # for a process that hung up to end by itself, so that we learn how
 
 
-class Box:
+class Sandbox:
     """One zygote with its walls; workers are forked from it in milliseconds.
 
     Parameters
@@ -78,7 +78,7 @@ class Box:
             self.isolation_level, self.why = _asked_for(isolation_level), f"{isolation_level} was asked for"
             self._zygote = self._start()
 
-    def __enter__(self) -> Box:
+    def __enter__(self) -> Sandbox:
         return self
 
     def __exit__(
@@ -95,7 +95,7 @@ class Box:
             If none can be had, even from a new zygote.
         """
         if self._closed:
-            raise GraderError("the box is closed")
+            raise GraderError("the sandbox is closed")
         printed = Printed()
         try:
             worker = Worker(self._spawn(printed), printed)
@@ -139,13 +139,13 @@ class Box:
         try:
             return self._spawn_once(printed)
         except ZygoteGoneError as error:
-            raise GraderError(f"the box died twice: {error}") from None
+            raise GraderError(f"the sandbox died twice: {error}") from None
 
     def _spawn_once(self, printed: Printed) -> Process:
         if self._zygote is None:
             self._zygote = self._start()
         if self._zygote is None:
-            raise GraderError("the box has no zygote")
+            raise GraderError("the sandbox has no zygote")
         self._zygote.await_ready()
         return self._zygote.spawn(printed, self._contents.warm)
 
@@ -208,9 +208,9 @@ class Worker:
         Raises
         ------
         TimedOut, Crashed, Malformed
-            What the code in the box may do instead of answering; the worker is dead afterwards.
+            What the code in the sandbox may do instead of answering; the worker is dead afterwards.
         GraderError
-            If the question itself cannot be sent, or the box failed us.
+            If the question itself cannot be sent, or the sandbox failed us.
         """
         if not self.alive:
             raise Crashed("the process had already ended")

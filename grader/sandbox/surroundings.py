@@ -1,4 +1,4 @@
-"""What a box needs of this machine: Python, packages, shared libraries, fonts; found from the running interpreter."""
+"""What a sandbox needs of this machine: Python, packages, shared libraries, fonts; found from the running interpreter."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _HERE = Path(__file__).resolve().parent
 
 
 def visible(extra: Sequence[Path] = ()) -> tuple[str, ...]:
-    """Paths that a box shows read-only: what is known to be needed, entry by entry, and never a prefix or /usr/lib."""
+    """Paths that a sandbox shows read-only: what is known to be needed, entry by entry, and never a prefix or /usr/lib."""
     return _shown(tuple(os.path.abspath(path) for path in extra), packages.folders())
 
 
@@ -73,7 +73,7 @@ def _extension_modules(standard: Sequence[str]) -> list[str]:
 
 
 def search(shown: Sequence[str]) -> tuple[str, ...]:
-    """This interpreter's `sys.path` as far as a box shows it: of folders of packages the packages, of others all or nothing."""
+    """This interpreter's `sys.path` as far as a sandbox shows it: of folders of packages the packages, of others all or nothing."""
     return (*_search_whole(shown), *packages.folders())
 
 
@@ -89,7 +89,7 @@ def _search_whole(shown: Sequence[str]) -> tuple[str, ...]:
 
 
 def link_packages(folder: str) -> None:
-    """Make a folder of links to the entries that a box shows of the package folders; the first of a name counts."""
+    """Make a folder of links to the entries that a sandbox shows of the package folders; the first of a name counts."""
     os.makedirs(os.path.join(folder, "__pycache__"), 0o755)
     for path in packages.shown(packages.folders()).entries:
         parent, name = os.path.split(path)
@@ -109,9 +109,9 @@ def search_without_walls() -> tuple[str, ...]:
 
 
 def hidden() -> tuple[str, ...]:
-    """What a box shows empty: this copy of the grader and of the reference, and what lies beside the standard library.
+    """What a sandbox shows empty: this copy of the grader and of the reference, and what lies beside the standard library.
 
-    Packages are installed below that library, too; those that a box shows stand in `visible` one by one.
+    Packages are installed below that library, too; those that a sandbox shows stand in `visible` one by one.
     """
     grader = _HERE.parent
     beside = (path for folder in _standard() for path in _strangers(folder))
@@ -131,19 +131,19 @@ def _is_standard(name: str) -> bool:
 
 
 def decoy() -> str:
-    """A file of the grader that no box may read."""
+    """A file of the grader that no sandbox may read."""
     return str(_HERE.parent / "errors.py")
 
 
 def code() -> tuple[str, ...]:
-    """The sandbox's modules that run in a box."""
+    """The sandbox's modules that run in a sandbox."""
     return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_BOX)
 
 
 def compile_once(folders: Sequence[str]) -> None:
     """Compile the modules of these folders and the sandbox's own, as Python does where it imports them and may write.
 
-    What runs in a box may not, and nothing else imports them: where they were installed without, each box would compile them again.
+    A sandbox may not write, and nothing else imports these modules, so each sandbox would compile them again.
     """
     for folder in (*map(Path, folders), _HERE):
         if sys.dont_write_bytecode or not os.access(folder, os.W_OK):

@@ -1,4 +1,4 @@
-"""Frames: what crosses the line between the grader and a box, in both directions.
+"""Frames: what crosses the line between the grader and a sandbox, in both directions.
 
 A frame is a header (two sizes and a nonce), strict JSON, and raw little-endian arrays. Sizes are checked against caps
 before anything is allocated, and shapes and dtypes are rebuilt and checked (`arrays`): nothing is unpickled, nothing that the
@@ -62,7 +62,7 @@ class Frame:
 
 @cache
 def _arrays() -> ModuleType:
-    """What needs numpy, imported with the first frame: a box is opened before, and warms up meanwhile."""
+    """What needs numpy, imported with the first frame: a sandbox is opened before, and warms up meanwhile."""
     from . import arrays  # noqa: PLC0415
 
     return arrays

@@ -1,8 +1,8 @@
-"""Worker code that a student's code finds hard to reach: it keeps numpy and the built-in functions to itself, and notices changes.
+"""Guard the worker code against changes by student code: keep NumPy and the built-in functions apart, and notice changes.
 
-Student code runs in the same process, so none of this is a wall. It sees to it that a patch of numpy or of a built-in function,
-whether meant as a trick or as a convenience, changes nothing in what is measured, and that a submission that rewrites the worker code by its
-frames or in memory gets no answer accepted. What decides is measured outside of this process wherever that is possible.
+Student code runs in the same process, so this is no security boundary. A patch of NumPy or of a built-in function, whether
+meant as a trick or as a convenience, does not change what is measured; a submission that rewrites the worker code through
+its frames or in memory gets no answer accepted. Decisions rest on measurements outside this process wherever possible.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Decoding a handed-in picture, inside the box: size, how much is on it, how it looks, or why it cannot be read."""
+"""Decoding a handed-in picture, inside the sandbox: size, how much is on it, how it looks, or why it cannot be read."""
 
 from __future__ import annotations
 

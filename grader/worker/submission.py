@@ -1,4 +1,4 @@
-"""What a box knows of its one submission, beside the files in the scratch folder."""
+"""What a sandbox knows of its one submission, beside the files in the scratch folder."""
 
 from __future__ import annotations
 

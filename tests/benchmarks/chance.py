@@ -1,6 +1,6 @@
 """How often chance takes a point from a sound noise model, and how surely a fault is caught: `python -m tests.benchmarks.chance`.
 
-The checks themselves are run, over reads that are drawn here instead of in the box: 20,000 sound models, of which none may lose
+The checks themselves are run, over reads that are drawn here instead of in the sandbox: 20,000 sound models, of which none may lose
 anything, and 2,000 of each fault. A rate of none in 20,000 bounds the true one by 1.5e-4 (95 %); that it is below 1e-9 follows from
 the formulas in `grader.labs.imu.statistics`, whose normal tails the small rates rest on.
 """

@@ -1,7 +1,7 @@
 """Where the time of a first `imugrade check` goes, on a warm disk: ``python -m tests.benchmarks.cold [--rounds 9]``.
 
 A check in a fresh process and plain pytest in a fresh process with the same imports (mujoco, numpy, matplotlib, scipy.special) take
-turns on the same sound submission; medians of one run. A check is two processes side by side: while the box starts, with walls and
+turns on the same sound submission; medians of one run. A check is two processes side by side: while the sandbox starts, with walls and
 imports of its own, the grader imports what it judges with. The parts are stretches of the clock.
 """
 
@@ -31,7 +31,7 @@ PARTS = {
     "judged": "thirty checks judged",
     "gathered": "what the report shows beside the marks",
     "shown": "the table on the terminal",
-    "ended": "the box closed, both processes ended",
+    "ended": "the sandbox closed, both processes ended",
 }
 """What ends each part, in order, and what it is."""
 

@@ -1,6 +1,6 @@
 """What another rubric costs a class that is on record: `python -m tests.benchmarks.remarking [SIZE]`.
 
-Five kinds of submissions are marked in a box, once each; the rest of the class is on record as if it had been. Then a weight, the price
+Five kinds of submissions are marked in a sandbox, once each; the rest of the class is on record as if it had been. Then a weight, the price
 of a mistake and a late policy change: what the class would get (`under`), and the same command again (`grade`), which writes
 the pages of all whose marks moved.
 """

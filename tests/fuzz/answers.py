@@ -1,6 +1,6 @@
-"""Answers of the box, mangled or made up on their way to the checks: ``python -m tests.fuzz.answers [--runs N] [--drawn N] [--seed S]``.
+"""Answers of the sandbox, mangled or made up on their way to the checks: ``python -m tests.fuzz.answers [--runs N] [--drawn N] [--seed S]``.
 
-A sound submission with all extensions is marked once and its answers are kept; then it is marked again and again without a box:
+A sound submission with all extensions is marked once and its answers are kept; then it is marked again and again without a sandbox:
 with one to three of the answers mangled (``--runs``), or with answers that are drawn from the rules, until there were so many of
 them (``--drawn``). Whatever comes back, every check must be judged, and no exception raised.
 """
@@ -35,7 +35,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.replies import RULES
 from grader.sandbox.isolation_levels import UNWALLED
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 from tests.corpus.pieces import tidy
 from tests.corpus.writing import Files, write
@@ -66,7 +66,7 @@ def everything() -> Files:
 
 
 def recorded(files: Files) -> tuple[Answers, Leading]:
-    """What the box answers when a submission is marked, and to questions that lead to others, whatever else they say."""
+    """What the sandbox answers when a submission is marked, and to questions that lead to others, whatever else they say."""
     answers: Answers = {}
     leading: Leading = defaultdict(lambda: None)
     ask = Worker.ask
@@ -125,7 +125,7 @@ def mangled_frame(frame: Frame, chance: random.Random) -> Frame:
 
 
 class Bench:
-    """A marker without a box, and one submission's answers; a context manager."""
+    """A marker without a sandbox, and one submission's answers; a context manager."""
 
     def __init__(self, files: Files) -> None:
         self._answers, self._leading = recorded(files)
@@ -135,8 +135,8 @@ class Bench:
 
     @contextmanager
     def open(self) -> Iterator[Bench]:
-        def no_box(box: Box, *args: Any, **kwargs: Any) -> None:
-            box.isolation_level = UNWALLED
+        def no_box(sandbox: Sandbox, *args: Any, **kwargs: Any) -> None:
+            sandbox.isolation_level = UNWALLED
 
         write_down = Examination.end
 
@@ -150,8 +150,8 @@ class Bench:
             return Evidence(packed(LAB.charts(student, this._traces)), ())
 
         with (
-            mock.patch.object(Box, "__init__", no_box),
-            mock.patch.object(Box, "warm"),
+            mock.patch.object(Sandbox, "__init__", no_box),
+            mock.patch.object(Sandbox, "warm"),
             mock.patch.object(Examination, "end", noting),
             mock.patch.object(Marker, "_evidence", evidence),
         ):
@@ -194,13 +194,13 @@ class Bench:
         return self._marked(answer)
 
     def _sensors(self, steps: int, chance: random.Random) -> np.ndarray:
-        """As a box that runs nothing of a student's may answer: what is replayed is drawn, and its run may be anything finite."""
+        """As a sandbox that runs nothing of a student's may answer: what is replayed is drawn, and its run may be anything finite."""
         width = next((frame.arrays["sensordata"].shape[1] for key, frame in self._answers.items() if key.startswith("replay ")), 40)
         return np.random.default_rng(chance.randrange(99)).normal(size=(steps, width)) * 10.0 ** chance.randint(-9, 9)
 
     def _marked(self, answer: Ask) -> Result:
         self.troubles.clear()
-        with mock.patch.object(Box, "worker", lambda box: _Replay(answer)):
+        with mock.patch.object(Sandbox, "worker", lambda sandbox: _Replay(answer)):
             return self._marker.mark(self._submission)
 
 

@@ -183,7 +183,7 @@ def test_a_notebook_of_any_bytes_gives_cells_or_a_value_error(content: bytes) ->
         return
 
 
-# --- answers of the box --------------------------------------------------------------------------------------------------
+# --- answers of the sandbox --------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")

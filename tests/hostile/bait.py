@@ -36,7 +36,7 @@ class Bait:
     def __enter__(self) -> Bait:
         self._open = ExitStack()
         self.folder = Path(self._open.enter_context(tempfile.TemporaryDirectory(prefix="imugrade-bait-")))
-        os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the box, not of modes
+        os.chmod(self.folder, 0o777)  # reading and writing it is a matter of the sandbox, not of modes
         self._abstract = f"{SECRET} {self.folder.name}"
         self._ipc_key = hex(zlib.crc32(self.folder.name.encode()) >> 1)  # /proc shows keys as signed numbers
         self._lay_out()

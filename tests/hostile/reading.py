@@ -1,4 +1,4 @@
-"""Files that attack whoever reads them: each kind that the grader or the box opens has its hostile ones beside a sound submission."""
+"""Files that attack whoever reads them: each kind that the grader or the sandbox opens has its hostile ones beside a sound submission."""
 
 from __future__ import annotations
 

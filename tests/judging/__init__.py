@@ -1,1 +1,1 @@
-"""Tests of what judges: pure functions, arrays in and findings out, without a box."""
+"""Tests of what judges: pure functions, arrays in and findings out, without a sandbox."""

@@ -1,4 +1,4 @@
-"""Made-up students: their functions are in this process, and the lab's own questions are asked of them there, without a box.
+"""Made-up students: their functions are in this process, and the lab's own questions are asked of them there, without a sandbox.
 
 A case is a check, a made-up student, and what a fair marker says: all points (None), or the share that is kept and the mistakes. The
 words of each finding stand in `words.yaml`, which `python -m tests.regenerate` writes.

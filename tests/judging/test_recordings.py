@@ -78,7 +78,7 @@ def test_one_row_follows_where_it_is_another_one_under_gravity_that_leans(
 
 
 class Replaying:
-    """A box that says which runs it was asked for again; nine sensor values a row."""
+    """A sandbox that says which runs it was asked for again; nine sensor values a row."""
 
     def __init__(self) -> None:
         self.asked: list[int] = []

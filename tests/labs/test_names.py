@@ -1,4 +1,4 @@
-"""The engine, the box and what speaks of results name no lab: no word of one, no name, file or picture that one asks for."""
+"""The engine, the sandbox and what speaks of results name no lab: no word of one, no name, file or picture that one asks for."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ WORDS = {
 }  # fmt: skip
 ASKED = {*LAB.homes, *LAB.homes.values(), *LAB.pictures, *LAB.titles, *LAB.titles.values()}
 
-#: What is left: one package that the box has, as NumPy is one, and how it is made fit for a box.
+#: What is left: one package that the sandbox has, as NumPy is one, and how it is made fit for a sandbox.
 LEFT = {
     ("sandbox/packages.py", "mujoco"): "the packages of the box",
     ("sandbox/surroundings.py", "mujoco"): "it is told to look for no graphics card",
     ("worker/environment.py", "mujoco"): "used once beforehand; the files that it opens; its steps, watched",
     ("worker/environment.py", "gravity"): "what a watched step starts from",
     ("worker/desktop_stubs.py", "mujoco"): "its viewer, which has no window here",
-    ("engine/conversation.py", "mujoco"): "the packages of the box, told to who misses another one",
-    ("course/cluster_worker.py", "mujoco"): "the packages of the box, the same on all machines of a cluster",
+    ("engine/conversation.py", "mujoco"): "the packages of the sandbox, told to who misses another one",
+    ("course/cluster_worker.py", "mujoco"): "the packages of the sandbox, the same on all machines of a cluster",
     ("course/differences.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/overview.py", "mujoco"): "how a package of a result's provenance is called",
     ("report/pages.py", "mujoco"): "how a package of a result's provenance is called",

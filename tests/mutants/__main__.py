@@ -1,5 +1,5 @@
 """Mutants of the reference, handed in and graded: `python -m tests.mutants [--file NAME] [--only TEXT] [--jobs 2]`; with `--judging`,
-mutants of checks, diagnosis, findings, rubric and recordings, tested without a box: `--judging [--sample N] [--seed S]`.
+mutants of checks, diagnosis, findings, rubric and recordings, tested without a sandbox: `--judging [--sample N] [--seed S]`.
 
 A mutant is killed when it loses points, or when a test or a case of the corpus says that it judges otherwise. One that is not must stand in
 `equivalent.yaml` or `judging.yaml` with the reason why it is as good as the original; a survivor without one, and a reason without a

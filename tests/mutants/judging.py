@@ -1,4 +1,4 @@
-"""Mutants of the judging itself: checks, diagnosis, findings, rubric, recordings; each is looked at without a box.
+"""Mutants of the judging itself: checks, diagnosis, findings, rubric, recordings; each is looked at without a sandbox.
 
 A mutant meets the unit tests that come to the line it changes (arrays in, findings out), then recorded cases that do. It is killed by a test that
 fails, or by a case that is not judged as the corpus says. Each one runs in a process forked from one that has loaded everything: the

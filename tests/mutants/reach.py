@@ -1,6 +1,6 @@
 """Which tests, and which recorded cases, come to which line of what is mutated: measured once, so that a mutant meets those that can tell.
 
-The tests are those without a box. They are collected once, and every mutant runs some of them in a fork of the process that did.
+The tests are those without a sandbox. They are collected once, and every mutant runs some of them in a fork of the process that did.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.recordings.marker import recorded_corpus
 from tests.scoreboard import Case
 
 _ALSO = ("test_rubric",)
-"""Files of tests without a box that are not marked as quick, since they are few."""
+"""Files of tests without a sandbox that are not marked as quick, since they are few."""
 _BATCHES = "tests/recordings/test_corpus.py"
 """Judges all cases together; a mutant meets them one by one."""
 Lines = Mapping[str, Mapping[int, frozenset[str]]]
@@ -84,7 +84,7 @@ class Collected:
 
 
 def collecting(root: Path, then: Callable[[Collected], None]) -> int:
-    """Collect the tests without a box and hand them over."""
+    """Collect the tests without a sandbox and hand them over."""
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
     options = ["-o", "addopts=", "-s", "-p", "no:cacheprovider", "-p", "no:faulthandler", "-p", "no:terminal"]
     return int(pytest.main([*options, "--rootdir", str(root), str(root / "tests")], plugins=[Collected(then)]))

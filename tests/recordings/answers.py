@@ -16,7 +16,7 @@ import numpy as np
 
 from grader.base.errors import Crashed, Malformed, NoAnswer, TimedOut
 from grader.sandbox.isolation_levels import IsolationLevel, named
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 
 _FAILURES = {kind.__name__: kind for kind in (Crashed, Malformed)}
@@ -158,7 +158,7 @@ class RecordedBox:
     sandbox : opens the real one, or raises `UnrecordedError`
     """
 
-    def __init__(self, sandbox: Callable[[], Box]) -> None:
+    def __init__(self, sandbox: Callable[[], Sandbox]) -> None:
         self._sandbox, self._warm = sandbox, list[str]()
         self.recording = Recording()
 

@@ -14,8 +14,8 @@ from grader.engine.rubric import Rubric
 from grader.intake import Submission
 from grader.labs.imu import bundles
 from grader.labs.imu.lab import LAB
-from grader.sandbox.sandbox import Box
-from tests import boxes
+from grader.sandbox.sandbox import Sandbox
+from tests import sandboxes
 from tests.made_up import without_durations
 from tests.recordings import store
 from tests.recordings.answers import RecordedBox, UnrecordedError
@@ -47,8 +47,8 @@ class RecordedMarker:
     def __init__(self, by: Rubric, *, records: bool = True) -> None:
         self._rubric = by
         self._records = records
-        self._box = RecordedBox(boxes.shared if records else _nothing)
-        self._marker = Marker(by, bundles.shipped(), box=self._box)  # type: ignore[arg-type] # speaks as a box does
+        self._box = RecordedBox(sandboxes.shared if records else _nothing)
+        self._marker = Marker(by, bundles.shipped(), sandbox=self._box)  # type: ignore[arg-type] # speaks as a sandbox does
 
     def mark(self, submission: Submission, only: str | None = None) -> Result:
         key = store.key(submission, only, self._rubric.limits)
@@ -66,7 +66,7 @@ class RecordedMarker:
     def _compare(self, submission: Submission, only: str | None, result: Result, key: str) -> None:
         """Judge a submission in a real sandbox, too: the verdict has to be the same."""
         begun = time.perf_counter()
-        real = Marker(self._rubric, bundles.shipped(), box=boxes.Lasting(boxes.shared()))  # type: ignore[arg-type]
+        real = Marker(self._rubric, bundles.shipped(), sandbox=sandboxes.Lasting(sandboxes.shared()))  # type: ignore[arg-type]
         wanted = _without_chance(real.mark(submission, only=only))
         Counts.compared += 1
         Counts.seconds += time.perf_counter() - begun
@@ -76,7 +76,7 @@ class RecordedMarker:
         )
 
 
-def _nothing() -> Box:
+def _nothing() -> Sandbox:
     raise UnrecordedError("a question was asked that is not recorded")
 
 

@@ -11,7 +11,7 @@ import pytest
 from grader.sandbox.isolation_levels import LEVELS
 from grader.sandbox.level_choice import Tried, probe
 from grader.sandbox.plan import Contents
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 
 WORKER_CODE = Path(__file__).parent / "probe_worker"
 WALLED = [isolation_level.name for isolation_level in LEVELS if isolation_level.walled]
@@ -23,54 +23,54 @@ def isolation_levels() -> dict[str, Tried]:
 
 
 @pytest.fixture(scope="session")
-def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Box]]:
-    """The one box of a isolation level; skips the test where this machine does not allow the isolation level."""
-    boxes: dict[str, Box] = {}
+def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Sandbox]]:
+    """The one sandbox of a isolation level; skips the test where this machine does not allow the isolation level."""
+    sandboxes: dict[str, Sandbox] = {}
 
-    def get(name: str) -> Box:
+    def get(name: str) -> Sandbox:
         if not isolation_levels[name].usable:
             pytest.skip(f"no isolation level {name} here: {isolation_levels[name].reason}")
-        if name not in boxes:
-            boxes[name] = Box(Contents(WORKER_CODE), isolation_level=name)
-        return boxes[name]
+        if name not in sandboxes:
+            sandboxes[name] = Sandbox(Contents(WORKER_CODE), isolation_level=name)
+        return sandboxes[name]
 
     yield get
-    for box in boxes.values():
-        box.close()
+    for sandbox in sandboxes.values():
+        sandbox.close()
 
 
 @pytest.fixture(params=[isolation_level.name for isolation_level in LEVELS])
-def box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
+def sandbox(request: pytest.FixtureRequest, box_on: Callable[[str], Sandbox]) -> Sandbox:
     return box_on(request.param)
 
 
 @pytest.fixture(params=WALLED)
-def walled_box(request: pytest.FixtureRequest, box_on: Callable[[str], Box]) -> Box:
+def walled_box(request: pytest.FixtureRequest, box_on: Callable[[str], Sandbox]) -> Sandbox:
     return box_on(request.param)
 
 
 @pytest.fixture
-def worker(box: Box) -> Iterator[Worker]:
-    with box.worker() as worker:
+def worker(sandbox: Sandbox) -> Iterator[Worker]:
+    with sandbox.worker() as worker:
         yield worker
 
 
 @pytest.fixture(scope="session")
-def best() -> Iterator[Box]:
-    """A box on the best isolation level, for what is the same on all of them."""
-    with Box(Contents(WORKER_CODE)) as box:
-        yield box
+def best() -> Iterator[Sandbox]:
+    """A sandbox on the best isolation level, for what is the same on all of them."""
+    with Sandbox(Contents(WORKER_CODE)) as sandbox:
+        yield sandbox
 
 
 @pytest.fixture
-def anyone(best: Box) -> Iterator[Worker]:
+def anyone(best: Sandbox) -> Iterator[Worker]:
     """A worker on the best isolation level."""
     with best.worker() as worker:
         yield worker
 
 
 @pytest.fixture
-def walled(walled_box: Box) -> Iterator[Worker]:
+def walled(walled_box: Sandbox) -> Iterator[Worker]:
     """A worker behind walls, on each isolation level that has some."""
     with walled_box.worker() as worker:
         yield worker

@@ -1,4 +1,4 @@
-"""The choice of levels: what this machine allows, how a box chooses, and who else can use it."""
+"""The choice of levels: what this machine allows, how a sandbox chooses, and who else can use it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from grader.sandbox.launch import Zygote
 from grader.sandbox.level_choice import Tried
 from grader.sandbox.plan import Contents
 from grader.sandbox.process import WallsRefusedError
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 
 from .conftest import WORKER_CODE, run
 
@@ -54,7 +54,7 @@ def test_a_level_that_is_better_keeps_all_that_a_lower_one_does() -> None:
     assert [isolation_level.walled for isolation_level in LEVELS] == [True, True, True, False]
 
 
-def test_a_box_takes_the_best_level_that_holds(best: Box, isolation_levels: dict[str, Tried]) -> None:
+def test_a_box_takes_the_best_level_that_holds(best: Sandbox, isolation_levels: dict[str, Tried]) -> None:
     assert best.isolation_level.name == next(name for name, tried in isolation_levels.items() if tried.usable)
 
 
@@ -75,32 +75,32 @@ def test_a_box_says_why_it_is_not_on_a_higher_level(
     if not isolation_levels["landlock"].usable:
         pytest.skip(isolation_levels["landlock"].reason)
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap"))
-    with Box(Contents(WORKER_CODE)) as box, box.worker() as worker:
-        assert box.isolation_level.name == "landlock"
-        assert box.why == "full: no full today; bubblewrap: no bubblewrap today"
+    with Sandbox(Contents(WORKER_CODE)) as sandbox, sandbox.worker() as worker:
+        assert sandbox.isolation_level.name == "landlock"
+        assert sandbox.why == "full: no full today; bubblewrap: no bubblewrap today"
         assert run(worker, "result = 1") == {"result": 1}
 
 
 def test_a_box_without_any_walls_still_works_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full", "bubblewrap", "landlock"))
-    with Box(Contents(WORKER_CODE)) as box, box.worker() as worker:
-        assert not box.isolation_level.walled
-        assert box.why.endswith("landlock: no landlock today")
+    with Sandbox(Contents(WORKER_CODE)) as sandbox, sandbox.worker() as worker:
+        assert not sandbox.isolation_level.walled
+        assert sandbox.why.endswith("landlock: no landlock today")
         assert run(worker, "result = 1") == {"result": 1}
 
 
 def test_a_level_that_is_asked_for_and_cannot_be_had_is_never_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(level_choice, "raise_walls", refuse("full"))
     with pytest.raises(GraderError, match="does not allow the isolation level 'full': no full today"):
-        Box(Contents(WORKER_CODE), isolation_level="full")
+        Sandbox(Contents(WORKER_CODE), isolation_level="full")
 
 
 def test_an_unknown_level_is_named(tmp_path: Path) -> None:
     with pytest.raises(GraderError, match="'moat'"):
-        Box(Contents(tmp_path), isolation_level="moat")
+        Sandbox(Contents(tmp_path), isolation_level="moat")
 
 
-def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Box) -> None:
+def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.MonkeyPatch, walled_box: Sandbox) -> None:
     """The decoy is readable here, as if a wall had a hole: the trial from inside must notice."""
     monkeypatch.setattr("grader.sandbox.surroundings.decoy", lambda: os.__file__)
     with pytest.raises(WallsRefusedError, match="the grader's files could be read"):
@@ -114,7 +114,7 @@ def test_walls_that_do_not_hold_when_tried_are_refused(monkeypatch: pytest.Monke
     ids=lambda isolation_level: isolation_level.name,
 )  # what bwrap started outlives it, and goes on
 def test_a_zygote_that_is_killed_before_its_walls_are_up_is_no_lower_level(
-    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Box], isolation_level: IsolationLevel, times: int
+    monkeypatch: pytest.MonkeyPatch, box_on: Callable[[str], Sandbox], isolation_level: IsolationLevel, times: int
 ) -> None:
     box_on(isolation_level.name)
     kills, await_walls = iter(range(times)), Zygote._await_walls
@@ -160,8 +160,8 @@ def test_a_trial_of_the_walls_that_is_killed_is_no_lower_level(
 
     monkeypatch.setattr(Zygote, "_await_walls", killed)
     for _ in range(20):  # a trial is over in milliseconds, and on a busy machine it is not always seen
-        with Box(Contents(WORKER_CODE)) as box:
-            found = box.isolation_level.name, box.why
+        with Sandbox(Contents(WORKER_CODE)) as sandbox:
+            found = sandbox.isolation_level.name, sandbox.why
         if hit:
             break
     assert hit
@@ -199,8 +199,8 @@ def _can_be_used_by_all(program: Path) -> bool:
     return all(place.stat().st_mode & 0o005 == 0o005 for place in places)
 
 
-def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.sandbox.smoke", box.isolation_level.name]
+def test_when_the_grader_is_killed_everything_it_started_ends(sandbox: Sandbox, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tests.sandbox.smoke", sandbox.isolation_level.name]
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=environment) as lingering:
         assert lingering.stdout is not None
@@ -210,5 +210,5 @@ def test_when_the_grader_is_killed_everything_it_started_ends(box: Box, tmp_path
         ended, _, _ = select.select([pidfd], [], [], 10)
         os.close(pidfd)
         assert ended
-    if box.isolation_level.walled:
+    if sandbox.isolation_level.walled:
         assert list(tmp_path.iterdir()) == []

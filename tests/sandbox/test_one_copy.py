@@ -1,4 +1,4 @@
-"""No second copy: what lies beside the grader that runs (an install, a checkout, an egg) is not to be read in any box."""
+"""No second copy: what lies beside the grader that runs (an install, a checkout, an egg) is not to be read in any sandbox."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import grader
 import reference
 from grader.sandbox import one_copy, packages, surroundings
 from grader.sandbox.plan import Contents
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 
 from .conftest import WALLED, WORKER_CODE, run
 
@@ -102,7 +102,7 @@ def test_a_submission_that_searches_everything_finds_no_copy(
     roots = [str(checkout), str(checkout.parent), "/", *sys.path, *surroundings.visible()]
     phrase = b"get_imu_readings"
     assert phrase in (checkout / "reference/imu_reader.py").read_bytes()
-    with Box(Contents(WORKER_CODE), isolation_level=isolation_level) as box, box.worker() as worker:
+    with Sandbox(Contents(WORKER_CODE), isolation_level=isolation_level) as sandbox, sandbox.worker() as worker:
         source = SEARCH.replace("ROOTS", repr(list(dict.fromkeys(roots)))).replace("PHRASE", repr(phrase))
         assert run(worker, source, cpu_s=120) == {"result": []}
         for name in ("reference", "grader", "stray", "solutions"):
@@ -114,7 +114,7 @@ def test_what_was_installed_for_students_works_and_the_graders_own_tools_are_not
     isolation_level: str, checkout: Path, box_on: object
 ) -> None:
     box_on(isolation_level)  # type: ignore[operator]
-    with Box(Contents(WORKER_CODE), isolation_level=isolation_level) as box, box.worker() as worker:
+    with Sandbox(Contents(WORKER_CODE), isolation_level=isolation_level) as sandbox, sandbox.worker() as worker:
         assert run(worker, "import labtools; result = labtools.ANSWER") == {"result": 42}
         assert run(worker, "import theirtool; result = 1") == {"result": 1}
         assert run(worker, "import ourtool")["error"] == "ModuleNotFoundError"
@@ -125,9 +125,9 @@ def test_what_was_installed_for_students_works_and_the_graders_own_tools_are_not
 
 
 def test_the_search_of_the_doctor_finds_a_copy_where_one_is_shown(
-    checkout: Path, monkeypatch: pytest.MonkeyPatch, best: Box
+    checkout: Path, monkeypatch: pytest.MonkeyPatch, best: Sandbox
 ) -> None:
-    """Three copies that the box must not show, shown all the same: by name, by content, and within an archive."""
+    """Three copies that the sandbox must not show, shown all the same: by name, by content, and within an archive."""
     folder = checkout / ".venv/lib/python3/site-packages"
     visible = surroundings.visible
 

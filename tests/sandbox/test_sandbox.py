@@ -1,4 +1,4 @@
-"""What every isolation level must do: ask, answer, and outlive whatever the code in the box does instead of answering."""
+"""What every isolation level must do: ask, answer, and outlive whatever the code in the sandbox does instead of answering."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grader.base.errors import Crashed, GraderError, Malformed, TimedOut
 from grader.sandbox import surroundings
 from grader.sandbox.plan import Contents
 from grader.sandbox.printed import PLACE_AT
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 
 from .conftest import WORKER_CODE, run
 
@@ -204,12 +204,12 @@ def test_half_an_answer_ends_at_the_deadline(anyone: Worker) -> None:
 # From one worker to the next ------------------------------------------------------------------------------------------
 
 
-def test_nothing_of_one_worker_is_left_for_the_next(box: Box) -> None:
+def test_nothing_of_one_worker_is_left_for_the_next(sandbox: Sandbox) -> None:
     leave = "import os, sys, json\nopen('left', 'w').close()\nos.makedirs('a/b')\nos.environ['LEFT'] = '1'\n"
-    with box.worker() as first:
+    with sandbox.worker() as first:
         run(first, leave + "sys.modules['left'] = json\njson.loads = None\nnp.zeros = None")
     look = "import os, sys, json\n"
-    with box.worker() as second:
+    with sandbox.worker() as second:
         found = run(
             second,
             look + "result = [os.listdir('.'), 'LEFT' in os.environ, 'left' in sys.modules, json.loads is None,"
@@ -218,32 +218,35 @@ def test_nothing_of_one_worker_is_left_for_the_next(box: Box) -> None:
     assert found == {"result": [[], False, False, False, False]}
 
 
-def test_a_deep_tree_without_permissions_is_cleared_away(box: Box) -> None:
+def test_a_deep_tree_without_permissions_is_cleared_away(sandbox: Sandbox) -> None:
     dig = "import os\nfor _ in range(1500):\n    os.mkdir('d' * 60)\n    os.chdir('d' * 60)\nos.mkdir('shut', 0)\n"
-    with box.worker() as first:
+    with sandbox.worker() as first:
         assert run(first, dig + "result = 1") == {"result": 1}
-    with box.worker() as second:
+    with sandbox.worker() as second:
         assert run(second, "import os; result = os.listdir('.')") == {"result": []}
 
 
-def test_several_workers_live_at_the_same_time_and_do_not_meet(box: Box) -> None:
-    with box.worker() as one, box.worker() as two:
+def test_several_workers_live_at_the_same_time_and_do_not_meet(sandbox: Sandbox) -> None:
+    with sandbox.worker() as one, sandbox.worker() as two:
         run(one, "open('mine', 'w').close()")
         assert run(two, "import os; result = os.listdir('.')") == {"result": []}
         assert run(one, "import os; result = os.listdir('.')") == {"result": ["mine"]}
 
 
-def test_hashes_and_the_environment_are_the_same_every_time(box: Box) -> None:
+def test_hashes_and_the_environment_are_the_same_every_time(sandbox: Sandbox) -> None:
     source = "import os; result = [hash('imu'), sorted(os.environ)]"
-    with box.worker() as one:
+    with sandbox.worker() as one:
         first = run(one, source)
-    with box.worker() as two:
+    with sandbox.worker() as two:
         assert run(two, source) == first
 
 
-def test_the_environment_holds_nothing_of_the_graders(box: Box, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_environment_holds_nothing_of_the_graders(sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IMUGRADE_SEED", "hidden")
-    with Box(Contents(WORKER_CODE), isolation_level=box.isolation_level.name) as fresh, fresh.worker() as worker:
+    with (
+        Sandbox(Contents(WORKER_CODE), isolation_level=sandbox.isolation_level.name) as fresh,
+        fresh.worker() as worker,
+    ):
         found = run(worker, "import os; result = dict(os.environ)")["result"]
     assert "hidden" not in found.values()
     assert found["OPENBLAS_NUM_THREADS"] == "1"
@@ -258,31 +261,31 @@ def test_no_frame_of_the_zygote_is_on_the_stack(anyone: Worker) -> None:
 # Beginning and end ----------------------------------------------------------------------------------------------------
 
 
-def test_a_closed_worker_is_gone_at_once(box: Box) -> None:
-    with box.worker() as worker:
-        pid = worker._process._pid if box.isolation_level.walled else worker._process._popen.pid  # type: ignore[attr-defined]
+def test_a_closed_worker_is_gone_at_once(sandbox: Sandbox) -> None:
+    with sandbox.worker() as worker:
+        pid = worker._process._pid if sandbox.isolation_level.walled else worker._process._popen.pid  # type: ignore[attr-defined]
         os.kill(pid, 0)
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
 
-def test_worker_code_that_fails_to_start_is_our_fault_and_says_why(box: Box, tmp_path: Path) -> None:
+def test_worker_code_that_fails_to_start_is_our_fault_and_says_why(sandbox: Sandbox, tmp_path: Path) -> None:
     (tmp_path / "__init__.py").write_text("def warm_up(thorough):\n    raise LookupError('no such lab')\n")
     with (
-        Box(Contents(tmp_path), isolation_level=box.isolation_level.name) as broken,
+        Sandbox(Contents(tmp_path), isolation_level=sandbox.isolation_level.name) as broken,
         pytest.raises(GraderError, match="no such lab"),
     ):
         broken.worker()
 
 
-def test_a_box_outlives_the_thread_that_opened_it(walled_box: Box) -> None:
+def test_a_box_outlives_the_thread_that_opened_it(walled_box: Sandbox) -> None:
     with ThreadPoolExecutor(1) as pool:
-        opened = pool.submit(Box, Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name).result()
+        opened = pool.submit(Sandbox, Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name).result()
     with opened, opened.worker() as worker:
         assert run(worker, "result = 1") == {"result": 1}
 
 
-def test_threads_may_share_a_box(best: Box) -> None:
+def test_threads_may_share_a_box(best: Sandbox) -> None:
     def square(number: int) -> int:
         with best.worker() as worker:
             return int(run(worker, f"result = {number} ** 2")["result"])
@@ -291,52 +294,54 @@ def test_threads_may_share_a_box(best: Box) -> None:
         assert list(pool.map(square, range(12))) == [number**2 for number in range(12)]
 
 
-def test_a_closed_box_gives_no_worker(box: Box) -> None:
-    with Box(Contents(WORKER_CODE), isolation_level=box.isolation_level.name) as closed:
+def test_a_closed_box_gives_no_worker(sandbox: Sandbox) -> None:
+    with Sandbox(Contents(WORKER_CODE), isolation_level=sandbox.isolation_level.name) as closed:
         pass
     with pytest.raises(GraderError, match="closed"):
         closed.worker()
 
 
-def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Box) -> None:
-    with Box(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as fragile:
+def test_a_killed_zygote_takes_its_workers_along_and_comes_back(walled_box: Sandbox) -> None:
+    with Sandbox(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as fragile:
         with fragile.worker() as worker:
             os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
-            with pytest.raises(GraderError, match="the box is gone"):
+            with pytest.raises(GraderError, match="the sandbox is gone"):
                 run(worker, "while True: pass")
         with fragile.worker() as again:
             assert run(again, "result = 1") == {"result": 1}
 
 
-def test_what_is_wanted_later_is_imported_for_all_that_follow(walled_box: Box) -> None:
+def test_what_is_wanted_later_is_imported_for_all_that_follow(walled_box: Sandbox) -> None:
     there = "import sys; result = 'colorsys' in sys.modules"
-    with Box(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as box:
-        with box.worker() as before:
+    with Sandbox(Contents(WORKER_CODE), isolation_level=walled_box.isolation_level.name) as sandbox:
+        with sandbox.worker() as before:
             assert run(before, there) == {"result": False}
-        box.warm(["no_such_module", "colorsys"])
-        with box.worker() as first, box.worker() as second:
+        sandbox.warm(["no_such_module", "colorsys"])
+        with sandbox.worker() as first, sandbox.worker() as second:
             assert run(first, there) == run(second, there) == {"result": True}
-            os.kill(box._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
-            with pytest.raises(GraderError, match="the box is gone"):
+            os.kill(sandbox._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
+            with pytest.raises(GraderError, match="the sandbox is gone"):
                 run(second, "while True: pass")
-        with box.worker() as again:
+        with sandbox.worker() as again:
             assert run(again, there) == {"result": True}
 
 
-def test_a_zygote_that_is_killed_before_it_is_ready_comes_back(walled_box: Box, tmp_path: Path) -> None:
+def test_a_zygote_that_is_killed_before_it_is_ready_comes_back(walled_box: Sandbox, tmp_path: Path) -> None:
     slow = "import time\n\n\ndef warm_up(thorough):\n    time.sleep(0.3)\n\n\ndef answer(op, fields, arrays):\n    return {'op': op}, {}\n"
     (tmp_path / "__init__.py").write_text(slow)
-    with Box(Contents(tmp_path), isolation_level=walled_box.isolation_level.name) as fragile:
+    with Sandbox(Contents(tmp_path), isolation_level=walled_box.isolation_level.name) as fragile:
         os.kill(fragile._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
         with fragile.worker() as worker:
             assert worker.ask("hello").fields == {"op": "hello"}
 
 
-def test_a_zygote_that_dies_whenever_it_starts_is_our_fault_and_each_time_anew(walled_box: Box, tmp_path: Path) -> None:
+def test_a_zygote_that_dies_whenever_it_starts_is_our_fault_and_each_time_anew(
+    walled_box: Sandbox, tmp_path: Path
+) -> None:
     (tmp_path / "__init__.py").write_text("def warm_up(thorough):\n    import os\n    os._exit(7)\n")
-    with Box(Contents(tmp_path), isolation_level=walled_box.isolation_level.name) as broken:
+    with Sandbox(Contents(tmp_path), isolation_level=walled_box.isolation_level.name) as broken:
         for _ in range(2):
-            with pytest.raises(GraderError, match="the box died twice: it did not start"):
+            with pytest.raises(GraderError, match="the sandbox died twice: it did not start"):
                 broken.worker()
 
 
@@ -357,7 +362,7 @@ def test_what_runs_in_a_box_is_compiled_once_where_python_may_write(
 
 def test_the_worker_code_of_a_box_is_compiled(tmp_path: Path) -> None:
     worker_code = Path(shutil.copytree(WORKER_CODE, tmp_path / "worker", ignore=shutil.ignore_patterns("__pycache__")))
-    with Box(Contents(worker_code)) as box, box.worker() as worker:
+    with Sandbox(Contents(worker_code)) as sandbox, sandbox.worker() as worker:
         worker.ask("echo", {}, {})
     assert {path.name.partition(".")[0] for path in worker_code.glob("__pycache__/*.pyc")} == {
         path.stem for path in worker_code.glob("*.py")

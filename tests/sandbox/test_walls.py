@@ -11,7 +11,7 @@ import pytest
 import grader
 from grader.base.errors import NoAnswer
 from grader.sandbox.plan import Contents
-from grader.sandbox.sandbox import Box, Worker
+from grader.sandbox.sandbox import Sandbox, Worker
 
 from .conftest import WORKER_CODE, run
 
@@ -81,7 +81,7 @@ def test_a_file_outside_cannot_be_read_by_any_way(walled: Worker, tmp_path: Path
 
 
 def test_a_root_of_ones_own_does_not_even_tell_that_a_file_exists(
-    walled_box: Box, walled: Worker, tmp_path: Path
+    walled_box: Sandbox, walled: Worker, tmp_path: Path
 ) -> None:
     if not walled_box.isolation_level.own_root:
         pytest.skip("Landlock does not cover stat")
@@ -98,7 +98,7 @@ def test_the_graders_source_tree_cannot_be_imported(walled: Worker) -> None:
 
 
 def test_a_grader_among_the_packages_cannot_be_read(
-    walled_box: Box, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    walled_box: Sandbox, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     packages = tmp_path / "site-packages"
     for name in ("grader", "neighbour"):
@@ -108,7 +108,7 @@ def test_a_grader_among_the_packages_cannot_be_read(
         os.chmod(folder, 0o755)
     monkeypatch.setattr("grader.sandbox.surroundings.hidden", lambda: (str(packages / "grader"),))
     with (
-        Box(Contents(WORKER_CODE, readable=(packages,)), isolation_level=walled_box.isolation_level.name) as shown,
+        Sandbox(Contents(WORKER_CODE, readable=(packages,)), isolation_level=walled_box.isolation_level.name) as shown,
         shown.worker() as worker,
     ):
         assert run(worker, f"result = open('{packages}/neighbour/rubric.yaml').read()") == {"result": "points"}
@@ -122,7 +122,7 @@ def test_the_kernels_and_the_systems_files_are_shut(walled: Worker, path: str) -
     assert refused(walled, f"import os; os.close(os.open({path!r}, os.O_RDONLY))")
 
 
-def test_proc_is_absent_where_the_box_has_its_own_root(walled_box: Box, walled: Worker) -> None:
+def test_proc_is_absent_where_the_box_has_its_own_root(walled_box: Sandbox, walled: Worker) -> None:
     if not walled_box.isolation_level.own_root:
         pytest.skip("the root is the host's")
     found = run(walled, "import os; result = [os.path.exists(p) for p in ('/proc', '/tmp/.', '/dev/shm', '/home')]")
@@ -151,7 +151,7 @@ def test_the_files_of_the_same_user_keep_their_modes(walled: Worker, tmp_path: P
 
 
 @pytest.mark.parametrize("target", ["os.getppid()", "-1", "0", "GRADER"])
-def test_no_other_process_can_be_signalled(walled_box: Box, walled: Worker, target: str) -> None:
+def test_no_other_process_can_be_signalled(walled_box: Sandbox, walled: Worker, target: str) -> None:
     source = f"import os, signal; GRADER = {os.getpid()}\nif {target} != os.getpid(): os.kill({target}, signal.SIGTERM)"
     found = run(walled, source)
     assert found.get("error") in {"PermissionError", "ProcessLookupError"}
@@ -202,7 +202,7 @@ def test_memory_is_bounded(walled: Worker, source: str) -> None:
     assert run(walled, "result = 1") == {"result": 1}
 
 
-def test_when_memory_runs_out_the_kernel_takes_the_worker_first(walled_box: Box, walled: Worker) -> None:
+def test_when_memory_runs_out_the_kernel_takes_the_worker_first(walled_box: Sandbox, walled: Worker) -> None:
     if walled_box.isolation_level.program:
         pytest.skip("there is no /proc from the start")
     pid = walled._process._pid  # type: ignore[attr-defined]
@@ -228,7 +228,7 @@ def test_a_file_is_bounded(walled: Worker) -> None:
     assert found["error"] == "OSError"
 
 
-def test_the_disk_is_bounded_where_the_box_has_its_own(walled_box: Box, walled: Worker) -> None:
+def test_the_disk_is_bounded_where_the_box_has_its_own(walled_box: Sandbox, walled: Worker) -> None:
     if not walled_box.isolation_level.own_root:
         pytest.skip("Landlock has no quota")
     source = "result = 0\ntry:\n    for n in range(20):\n        with open(f'f{n}', 'wb', 0) as f:\n"

@@ -1,6 +1,6 @@
 """What came back over the wire, as frozen records of plain arrays: the shapes that the checks work with.
 
-Everything in here was said by the box and is believed of nobody: a record holds what a student's function returned, in a
+Everything in here was said by the sandbox and is believed of nobody: a record holds what a student's function returned, in a
 form that can be compared, and what was odd about its form.
 """
 
@@ -183,7 +183,7 @@ class Collection:
     extras : everything else with numbers in it, by the submission's own names
     oddities : what was odd about names and shapes, as misconception ids with a sentence
     changed : names of model fields that differ afterwards
-    first_step : what the box says of the state before the first step: a hint, to be run again before it is believed
+    first_step : what the sandbox says of the state before the first step: a hint, to be run again before it is believed
     absent : the sensor whose rows could not be made out, where the other's could: NaN stands in their place
     last_alone : whether the last row alone was filled, which stands for all of them then
     departs : as of `Readings`

@@ -23,7 +23,7 @@ from grader.labs.imu.answers import Array, Drawing, drawing_of
 from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot
 from grader.labs.imu.robot import robot_of
-from grader.sandbox.sandbox import Box
+from grader.sandbox.sandbox import Sandbox
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
 _METHODS = ("NoisyIMU.read", "LowPassFilter.update", "ComplementaryFilter.update")
@@ -41,7 +41,7 @@ class Plotting(Conversation):
     truth : holds the model that is graded with, which lies where the sheet loads it from
     """
 
-    def __init__(self, box: Box, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
+    def __init__(self, sandbox: Sandbox, lab: Lab, files: Mapping[str, bytes], *, truth: Traces, **limits: Any) -> None:
         robot = self.robot = robot_of(truth)
         lab_configuration: dict[str, Any] = {
             "model": robot.xml,
@@ -52,7 +52,7 @@ class Plotting(Conversation):
         lab_configuration |= {"methods": _METHODS, "libraries": ("mujoco", "np", "numpy", "plt")}
         own = with_graded_robot(files, robot.xml, truth.models.get("students"))
         self.pictures = lab.pictures
-        super().__init__(box, lab, own, lab_configuration=lab_configuration, **limits)
+        super().__init__(sandbox, lab, own, lab_configuration=lab_configuration, **limits)
 
     def drawings(self) -> list[Drawing]:
         """What the submission's files have drawn so far, imported or run."""

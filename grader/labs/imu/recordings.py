@@ -61,7 +61,7 @@ def torso_ids(truth: Traces) -> tuple[int, int]:
 
 
 def story_of(student: Student, truth: Traces, name: str, series: Collection) -> tuple[Story | None, Worlds]:
-    """What explains a series, and the worlds that were tried: those of the traces, then the one that the box claims.
+    """What explains a series, and the worlds that were tried: those of the traces, then the one that the sandbox claims.
 
     The claim is simulated again by a worker that has never seen the submission, and counts only if the rows are the same.
     """
@@ -97,7 +97,7 @@ def _with_claim(student: Student, truth: Traces, series: Collection, worlds: Wor
 
 
 def recognised(student: Student, truth: Traces, series: Collection, worlds: Worlds) -> str:
-    """The world that rows come from which no story predicts: a known one that they are near, else the one that the box claims.
+    """The world that rows come from which no story predicts: a known one that they are near, else the one that the sandbox claims.
 
     Rows that do not follow the simulation come from none, however near they are to one.
     """

@@ -1,6 +1,6 @@
 """A question that a check asked, as a program of a few lines: NumPy, MuJoCo and the student's own files, nothing of the grader's.
 
-Each function here writes the lines of one kind of question; `grader.labs.imu.worker` asks the same of the code in the box.
+Each function here writes the lines of one kind of question; `grader.labs.imu.worker` asks the same of the code in the sandbox.
 """
 
 from __future__ import annotations

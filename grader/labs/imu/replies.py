@@ -1,4 +1,4 @@
-"""What the box may answer to each of the lab's questions."""
+"""What the sandbox may answer to each of the lab's questions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Worker code that looks around in a box as a submission could: which files can be opened, and which of them are ours."""
+"""Worker code that looks around in a sandbox as a submission could: which files can be opened, and which of them are ours."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tup
 
 
 def _files(roots: Sequence[str], own: Collection[str]) -> Iterator[str]:
-    """Every regular file once; what the box itself is made of is left out."""
+    """Every regular file once; what the sandbox itself is made of is left out."""
     seen: set[tuple[int, int]] = set()
     for root in roots:
         for top, folders, names in os.walk(root):

@@ -1,4 +1,4 @@
-"""The toy lab's one question, as it runs in the box."""
+"""The toy lab's one question, as it runs in the sandbox."""
 
 from __future__ import annotations
 
