@@ -64,7 +64,7 @@ def test_lost_checks_are_failures_in_the_students_own_files_and_nothing_of_the_f
     assert any(line.startswith("FAILED filters.py::filtering::follows_recursion - ") for line in lines)
     assert any(line.split() == ["Noise", "model", "20", "/", "20"] for line in lines)
     assert not list(lab.glob("*.ran"))
-    assert "door.py" not in ran.stdout
+    assert "items.py" not in ran.stdout
     assert_junit_holds_the_points(lab / "junit.xml")
 
 

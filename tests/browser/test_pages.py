@@ -190,22 +190,22 @@ def test_without_scripts_the_class_page_is_whole(watched: Watched) -> None:
 
 def test_every_chart_is_drawn_inside_its_frame(watched: Watched) -> None:
     page = watched.open(REPORT)
-    sandboxes = page.evaluate(
+    boxes = page.evaluate(
         """() => Array.from(document.querySelectorAll("svg.plane"), svg => {
             const frame = svg.getBoundingClientRect();
             const strokes = Array.from(svg.querySelectorAll(".stroke, path.bars"), each => each.getBoundingClientRect());
-            const outside = strokes.filter(sandbox => box.left < frame.left - 1 || box.right > frame.right + 1
+            const outside = strokes.filter(box => box.left < frame.left - 1 || box.right > frame.right + 1
                 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1);
-            const widest = Math.max(...strokes.map(sandbox => box.width));
+            const widest = Math.max(...strokes.map(box => box.width));
             return { wide: frame.width, strokes: strokes.length, outside: outside.length, widest };
         })"""
     )
-    assert len(sandboxes) == 11
-    for sandbox in sandboxes:
-        assert sandbox["wide"] > 300
-        assert sandbox["strokes"] >= 1
-        assert sandbox["outside"] == 0
-        assert sandbox["widest"] > 0.7 * sandbox["wide"]
+    assert len(boxes) == 11
+    for box in boxes:
+        assert box["wide"] > 300
+        assert box["strokes"] >= 1
+        assert box["outside"] == 0
+        assert box["widest"] > 0.7 * box["wide"]
 
 
 def test_curves_have_the_colours_of_their_kind_in_light_and_dark(watched: Watched) -> None:
