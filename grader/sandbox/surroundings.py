@@ -24,7 +24,7 @@ SYSTEM = (
     "/usr/share/zoneinfo",
 )
 _BESIDE_THE_MODULES = ("lib-dynload", "__pycache__")
-_MODULES_OF_THE_BOX = (
+_MODULES_OF_THE_SANDBOX = (
     "arrays",
     "confine",
     "imports",
@@ -137,7 +137,7 @@ def decoy() -> str:
 
 def code() -> tuple[str, ...]:
     """The sandbox's modules that run in a sandbox."""
-    return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_BOX)
+    return tuple(str(_HERE / f"{name}.py") for name in _MODULES_OF_THE_SANDBOX)
 
 
 def compile_once(folders: Sequence[str]) -> None:
