@@ -13,6 +13,7 @@ import pytest
 from grader import __version__, cli
 from grader.course import classroom
 from grader.course.pool import Bounds
+from grader.engine.findings import Where
 from grader.engine.marks import marked
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric, shipped
@@ -23,6 +24,12 @@ from tests.desk import Student, result_of
 
 Run = Callable[..., tuple[int, str, str]]
 CHECK = "filtering.follows_recursion"
+STOPS = {
+    "outcome": "error",
+    "expected": "no exception",
+    "got": "NameError: name 'x' is not defined at filters.py, line 1",
+    "where": Where("filters.py", 1),
+}
 NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
 
 
@@ -52,8 +59,9 @@ def _result(submission: Submission, rubric: Rubric, traces: Traces) -> Result:
     if submission.status != "ready":
         made = result_of(Student(submission.id, dict.fromkeys((c.id for c in rubric.checks), 0.0), status="empty"))
     else:
-        kept = float(submission.files.get("filters.py", b"# 1").decode().strip("# \n"))
-        made = result_of(Student(submission.id, {CHECK: kept}))
+        said = submission.files.get("filters.py", b"# 1").decode().strip("# \r\n")
+        says = {CHECK: STOPS} if said == "stops" else {}
+        made = result_of(Student(submission.id, {CHECK: 0.0 if says else float(said)}, says))
     provenance = {
         "grader": __version__,
         "rubric_sha256": rubric.sha256,

@@ -252,7 +252,7 @@ def test_every_reason_is_told_with_its_sentence_and_a_sound_one_has_none(tmp_pat
     )
     with desk_over(out) as desk:
         page = words(desk.get("/").text)
-        for title in ("Grader failed", "Unreadable", "Empty", "Timed out", "Unclear answer", "Tampering", "Not assigned",
+        for title in ("Grader failed", "Unreadable", "Empty", "Does not run", "Unclear answer", "Tampering", "Not assigned",
                       "Not in the roster", "Unknown lateness", "Similar code", "Picture without code", "Picture of other curves", "Near a grade boundary"):  # fmt: skip
             assert f"{title} 1" in page, title
         assert "sound" not in words(desk.get("/").text.partition("<main")[2])  # the header lists everybody
@@ -275,7 +275,7 @@ def test_who_handed_in_the_same_files_is_not_listed_as_alike_as_well() -> None:
         SimilarityGroup(("ada", "bob"), (1.0, 1.0), (50, 50)),
         SimilarityGroup(("ada", "bob", "cyd"), (0.6, 1.0), (30, 50)),
     ]
-    listed = [(each.reason.kind, each.ids) for each in items(final_grades, groups, {}, (), {})]
+    listed = [(each.reason.kind, each.ids) for each in items(final_grades, groups, {}, (), {}, LAB)]
     assert listed == [("same-files", ("ada", "bob")), ("alike", ("ada", "bob", "cyd"))]
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from grader.base.errors import RequestError
-from grader.commands.common import RubricOption, login
+from grader.commands.common import RubricOption, SeedOption, login
 
 
 def review(
@@ -29,11 +29,15 @@ def review(
             help="Regrade requests to add: a .json, .csv or .txt file, or a folder of them.",
         ),
     ] = None,
+    seed: SeedOption = None,
+    trust: Annotated[
+        bool, typer.Option("--trust-submissions", help="Grade repaired files where nothing isolates students' code.")
+    ] = False,
     author: Annotated[
         str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
     ] = None,
 ) -> int:
-    """Review a graded class in a browser: review queue, code beside reports, overrides, regrade requests.
+    """Review a graded class in a browser: review queue, code beside reports, repairs, overrides, regrade requests.
 
     It runs on this machine alone, until Ctrl-C. Open the address that it prints.
 
@@ -47,7 +51,7 @@ def review(
         raise RequestError(f"review needs {missing.name}, which comes with: pip install 'imugrade[desk]'") from missing
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
-    with closing(classbook.Classbook(LAB, out, rubric)) as book:
+    with closing(classbook.Classbook(LAB, out, rubric, seed, trusted=trust)) as book:
         for file in read_in or ():
             print(f"{file}: {regrade_requests.read_in(book, file)}")
         serving.serve(book, author or login(), port, lambda address: print(address, flush=True))

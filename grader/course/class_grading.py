@@ -1,29 +1,55 @@
-"""Grading of single files' repairs by the settings that a class on record was graded by."""
+"""Grading of single submissions by the settings that a class on record was graded by."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from grader.course import class_settings, classroom
+from grader.course.pool import OpenMarker
 from grader.course.repairs import Grading
 from grader.engine.lab import Lab
+from grader.engine.rubric import Rubric
+from grader.engine.traces import Traces
 
 
-@contextmanager
-def grading(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> Iterator[Grading]:
-    """Open what grades a submission as the class in OUT was graded.
+@dataclass(frozen=True)
+class Recipe:
+    """Rubric and traces of a class, and what opens a marker that grades by them in the sandbox; `open_marker` can be pickled."""
+
+    rubric: Rubric
+    traces: Traces
+    open_marker: OpenMarker
+
+
+def recipe(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> Recipe:
+    """Return what grades a submission as the class in OUT was graded.
 
     Raises
     ------
     RequestError
-        If the class was graded on hidden scenarios and there is no secret, or nothing isolates students' code here.
+        If the class was graded on hidden scenarios and there is no secret.
     """
     settings = classroom.on_record(out)
     class_settings.refuse_without_secret(settings, secret)
     rubric = class_settings.rubric_of(lab, settings)
     traces = lab.truth(secret, rubric.settings)
     level = settings.isolation if settings else ""
-    with classroom.guarded_marker(rubric, traces, None, trusted, level) as marker:
-        yield Grading(rubric, traces, marker.mark)
+    return Recipe(rubric, traces, partial(classroom.guarded_marker, rubric, traces, None, trusted, level))
+
+
+@contextmanager
+def grading(lab: Lab, out: Path, secret: str | None, *, trusted: bool = False) -> Iterator[Grading]:
+    """Open a marker of `recipe` in this process.
+
+    Raises
+    ------
+    RequestError
+        As `recipe` does, and if nothing isolates students' code here.
+    """
+    made = recipe(lab, out, secret, trusted=trusted)
+    with made.open_marker() as marker:
+        yield Grading(made.rubric, made.traces, marker.mark)

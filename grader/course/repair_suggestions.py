@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from grader.course.patches import diff_of
 from grader.engine.lab import Lab
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
@@ -40,10 +41,11 @@ _WORDS = ("data", "model", "self", "range", "len", "print", "abs", "int", "float
 
 @dataclass(frozen=True)
 class Suggestion:
-    """An edited file, the result of the submission with it, and how many other edits led to the same grade."""
+    """An edited file with its diff, the result of the submission with it, and how many other edits led to the same grade."""
 
     file: str
     content: bytes
+    diff: str
     result: Result
     alike: int
 
@@ -71,7 +73,8 @@ def suggest(handed_in: Submission, graded: Result, lab: Lab, mark: Mark) -> Sugg
         found = list(_validated(handed_in, graded, place, mark))
         if found and len({each.score for _, each in found}) == 1:
             content, result = found[0]
-            return Suggestion(place.file, content, result, len(found) - 1)
+            diff = diff_of(place.file, handed_in.files[place.file], content)
+            return Suggestion(place.file, content, diff, result, len(found) - 1)
     return None
 
 

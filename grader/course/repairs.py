@@ -19,8 +19,8 @@ from grader.base.text import printable
 from grader.course.database import Database, read
 from grader.course.patches import LARGEST, applied, diff_of
 from grader.course.publishing import publish_all, write_class
-from grader.course.record import Key, Store
-from grader.course.repair_suggestions import Mark, suggest
+from grader.course.record import Key, OvertakenError, Store
+from grader.course.repair_suggestions import Mark, Suggestion, suggest
 from grader.course.submission_archive import unpack
 from grader.engine.results import Repair, Result, Unrepaired, from_dict
 from grader.engine.rubric import Rubric
@@ -135,7 +135,10 @@ def _now() -> str:
 
 @dataclass(frozen=True)
 class Wish:
-    """A repair that somebody wants: the whole text of the file as it should be, or a unified diff on it."""
+    """A repair that somebody wants: the whole text of the file as it should be, or a unified diff on it.
+
+    `seen_sha256` is the digest of the file that the author edited; "" does not matter.
+    """
 
     id: str
     file: str
@@ -143,6 +146,7 @@ class Wish:
     patch: str | None = None
     deduction: float = 0.0
     comment: str = ""
+    seen_sha256: str = ""
 
 
 @dataclass(frozen=True)
@@ -163,55 +167,86 @@ def repair(out: Path, wish: Wish, author: str, grading: Grading) -> str:
     Raises
     ------
     RequestError
+        As `record` does.
+    """
+    line = record(out, wish, author, grading)
+    _publish(out, wish.id, grading)
+    return line
+
+
+def record(out: Path, wish: Wish, author: str, grading: Grading) -> str:
+    """Grade the repaired copy and record the repair; return a line on it. The pages of OUT are left as they are.
+
+    Raises
+    ------
+    RequestError
         If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _standing(store, wish.id)
         handed_in = _handed_in(store, final_grade)
         before = _of_these_files(log.in_force(final_grade.id), handed_in)
-        made = _made(wish, final_grade, _patched(handed_in, before), handed_in, author)
+        made = _made(wish, final_grade, patched(handed_in.files, before), handed_in, author)
         result = repaired(handed_in, final_grade, [*before, made], grading, log)
         log.add(made)
         store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [*before, made])), result)
-        after = _published(out, store, final_grade.id, grading)
+        after = store.final_grades()[final_grade.id]
     was = _final(final_grade)
     return f"{printable(final_grade.id, 80)}: {printable(made.file, 80)} repaired, {was} before, {_final(after)} now"
 
 
-def preview(out: Path, wish: Wish, grading: Grading) -> tuple[FinalGrade, FinalGrade]:
-    """Return where the submission stands now, and where it would stand with a repair; nothing is recorded.
+@dataclass(frozen=True)
+class Preview:
+    """A submission as it is graded now and as it would be with a repair, which is not recorded.
+
+    `problem` says why this repair could not be recorded; "" if it could.
+    """
+
+    before: Result
+    after: Result
+    problem: str = ""
+
+
+def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
+    """Grade a submission with a repair in the sandbox. Nothing is recorded.
 
     Raises
     ------
     RequestError
-        As `repair` does.
+        If the submission or the file is not there, or the patch does not apply.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _standing(store, wish.id)
         handed_in = _handed_in(store, final_grade)
         before = _of_these_files(log.in_force(final_grade.id), handed_in)
-        made = _made(
-            replace(wish, comment=wish.comment or "preview"), final_grade, _patched(handed_in, before), handed_in, ""
-        )
-        return final_grade, replace(final_grade, result=repaired(handed_in, final_grade, [*before, made], grading, log))
+        complete = replace(wish, comment=wish.comment or "preview")
+        made = _made(complete, final_grade, patched(handed_in.files, before), handed_in, "")
+        original = _original(final_grade, handed_in, grading, log)
+        result = _graded(handed_in, original, [*before, made], grading)
+        return Preview(final_grade.result, result, _refusal(final_grade.id, result, original))
 
 
-def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
-    """Yield the diff of a suggested repair with a line on what it earns; one line where there is none. Nothing is recorded."""
+def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggestion | None]:
+    """Look for a repair of one place; return the grade as it was handed in and with it, and the suggestion. Nothing is recorded."""
     with Store.existing(out) as store, RepairLog.existing(out) as log:
         final_grade = _standing(store, who)
         handed_in = _handed_in(store, final_grade)
         original = log.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
     found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
+    return Preview(original, found.result if found else original), found
+
+
+def suggested(out: Path, who: str, grading: Grading) -> Iterator[str]:
+    """Yield the diff of a suggested repair with a line on what it earns; one line where there is none. Nothing is recorded."""
+    grades, found = suggestion(out, who, grading)
     if found is None:
-        yield f"{printable(final_grade.id, 80)}: no repair to suggest"
+        yield f"{printable(who, 80)}: no repair to suggest"
         return
     yield (
-        f"{printable(final_grade.id, 80)}: {printable(found.file, 80)} as below earns {words.number(found.result.score)} points, "
-        f"{words.number(original.score)} as it was handed in"
+        f"{printable(who, 80)}: {printable(found.file, 80)} as below earns {words.number(found.result.score)} points, "
+        f"{words.number(grades.before.score)} as it was handed in"
     )
-    diff = diff_of(found.file, handed_in.files[found.file], found.content)
-    yield from (printable(line, 200) for line in diff.splitlines())
+    yield from (printable(line, 200) for line in found.diff.splitlines())
 
 
 def _made(
@@ -230,12 +265,14 @@ def _made(
     if (wish.fixed is None) == (wish.patch is None):
         raise RequestError("repair: give the repaired file with --with, or a unified diff with --patch")
     content = now[wish.file]
+    if wish.seen_sha256 not in ("", sha256_of(content)):
+        raise OvertakenError(f"repair: somebody has repaired {printable(wish.file, 120)} since you opened it")
     fixed = applied(content, wish.patch) if wish.patch is not None else wish.fixed or b""
     if len(fixed) > LARGEST:
         raise RequestError(f"repair: the repaired file has more than {LARGEST} bytes")
     if fixed == content:
         raise RequestError(f"repair: nothing in {printable(wish.file, 120)} changes")
-    sha256, diff = _sha256(handed_in.files[wish.file]), diff_of(wish.file, content, fixed)
+    sha256, diff = sha256_of(handed_in.files[wish.file]), diff_of(wish.file, content, fixed)
     comment = wish.comment.strip().encode("utf-8", "replace").decode()
     return LoggedRepair(0, final_grade.id, wish.file, sha256, diff, wish.deduction, comment, author, _now())
 
@@ -250,24 +287,41 @@ def repaired(
     RequestError
         If the original was not graded by these settings, or earns more than the repaired copy.
     """
+    original = _original(final_grade, handed_in, grading, log)
+    if len(repairs) > MOST:
+        raise RequestError(
+            f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; take one back with --undo"
+        )
+    made = _graded(handed_in, original, repairs, grading)
+    if refusal := _refusal(final_grade.id, made, original):
+        raise RequestError(f"repair: {refusal}; nothing was recorded")
+    return made
+
+
+def _original(final_grade: FinalGrade, handed_in: Submission, grading: Grading, log: RepairLog) -> Result:
+    """Return the result of the submission as it was handed in, by the settings of the class."""
     original = log.result(grading.key(final_grade.id, handed_in.sha256))
     if original is None:
         raise RequestError(
             f"repair: {printable(final_grade.id, 80)} was graded by other settings or another version; run `imugrade grade` first"
         )
-    if len(repairs) > MOST:
-        raise RequestError(
-            f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; take one back with --undo"
-        )
-    result = grading.mark(replace(handed_in, files=_patched(handed_in, repairs)))
-    made = _with_repairs(result, original, repairs)
-    earned = round(made.score + made.repair_deduction, 2)
-    if made.status != "graded" or earned < original.score:
-        raise RequestError(
-            f"repair: {printable(final_grade.id, 80)} earns {words.number(earned)} points repaired, and "
-            f"{words.number(original.score)} as it was handed in; nothing was recorded"
-        )
-    return made
+    return original
+
+
+def _graded(handed_in: Submission, original: Result, repairs: Sequence[LoggedRepair], grading: Grading) -> Result:
+    result = grading.mark(replace(handed_in, files=patched(handed_in.files, repairs)))
+    return _with_repairs(result, original, repairs)
+
+
+def _refusal(id_: str, made: Result, original: Result) -> str:
+    """Return why a repaired copy does not count: it was not graded, or earns less than what was handed in."""
+    earned = round(sum(part.points for part in made.criteria), 2)
+    if made.status == "graded" and earned >= original.score:
+        return ""
+    return (
+        f"{printable(id_, 80)} earns {words.number(earned)} points repaired, and "
+        f"{words.number(original.score)} as it was handed in"
+    )
 
 
 def _with_repairs(result: Result, original: Result, repairs: Sequence[LoggedRepair]) -> Result:
@@ -292,18 +346,19 @@ def repaired_sha256(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> s
     It is no digest of files: a student who hands in exactly these files has repaired them without help.
     """
     facts = [handed_in.sha256, *((each.file, each.diff) for each in repairs)]
-    return f"repaired-{_sha256(json.dumps(facts).encode())}"
+    return f"repaired-{sha256_of(json.dumps(facts).encode())}"
 
 
-def _sha256(content: bytes) -> str:
+def sha256_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _patched(handed_in: Submission, repairs: Iterable[LoggedRepair]) -> dict[str, bytes]:
-    files = dict(handed_in.files)
+def patched(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]) -> dict[str, bytes]:
+    """Return submitted files with these repairs, in their order."""
+    now = dict(files)
     for each in repairs:
-        files[each.file] = applied(files[each.file], each.diff, f"repair {each.number}")
-    return files
+        now[each.file] = applied(now[each.file], each.diff, f"repair of {printable(each.file, 80)}")
+    return now
 
 
 def _standing(store: Store, who: str) -> FinalGrade:
@@ -325,11 +380,11 @@ def _handed_in(store: Store, final_grade: FinalGrade) -> Submission:
     return Submission(final_grade.id, final_grade.result.submission, kept.files, (), "ready", sha256)
 
 
-def _published(out: Path, store: Store, id_: str, grading: Grading) -> FinalGrade:
-    final_grades = store.final_grades()
-    write_class(out, final_grades, store, grading.rubric.lab)
-    publish_all(out, [final_grades[id_]], store, grading.rubric.lab)
-    return final_grades[id_]
+def _publish(out: Path, who: str, grading: Grading) -> None:
+    with Store.existing(out) as store:
+        final_grades = store.final_grades()
+        write_class(out, final_grades, store, grading.rubric.lab)
+        publish_all(out, [_standing(store, who)], store, grading.rubric.lab)
 
 
 def _final(final_grade: FinalGrade) -> str:
@@ -340,7 +395,20 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
-    """Take back the last repair in force of a submission, or of one of its files; return a line on it.
+    """Take back the last repair in force of a submission, or of one of its files, and write the pages anew; return a line on it.
+
+    Raises
+    ------
+    RequestError
+        If there is none.
+    """
+    line = take_back(out, who, file, author, grading)
+    _publish(out, who, grading)
+    return line
+
+
+def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
+    """Take back a repair as `undo` does, and leave the pages of OUT as they are.
 
     Raises
     ------
@@ -368,7 +436,7 @@ def undo(out: Path, who: str, file: str, author: str, grading: Grading) -> str:
                 f"repair: {printable(final_grade.id, 80)} was graded by other settings; run `imugrade grade` first"
             )
         log.undo(last.number, author)
-        after = _published(out, store, final_grade.id, grading)
+        after = store.final_grades()[final_grade.id]
     return f"{printable(final_grade.id, 80)}: repair of {printable(last.file, 80)} taken back, {_final(after)} now"
 
 
@@ -434,5 +502,5 @@ def _renewed(
 
 def _of_these_files(repairs: Iterable[LoggedRepair], handed_in: Submission) -> list[LoggedRepair]:
     """Return the repairs that were made for the files as they were handed in."""
-    present = {(path, _sha256(content)) for path, content in handed_in.files.items()}
+    present = {(path, sha256_of(content)) for path, content in handed_in.files.items()}
     return [each for each in repairs if each.is_for in present]

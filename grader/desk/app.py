@@ -18,6 +18,7 @@ from grader.desk.auth import Guard, Keys
 from grader.desk.classbook import Classbook
 from grader.desk.rendering import STATIC, page
 
+_A_MOMENT_S = 0.8
 Handler = Callable[[Classbook, Ask], Response]
 
 PAGES: dict[str, Handler] = {
@@ -40,6 +41,7 @@ WRITES: dict[str, Handler] = {
     "/regrade-requests": regrade_requests.add,
     "/what-if": rubric_what_if.save,
     "/submission/{id}/override": submissions.override,
+    "/submission/{id}/repair": submissions.repair,
 }
 
 
@@ -57,6 +59,7 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
         async def answer(request: Request) -> Response:
             try:
                 ask = await asking.read(request, called, author)
+                await _awaited(book, ask)
                 return await asyncio.get_running_loop().run_in_executor(book.thread, handler, book, ask)
             except asking.TooLargeError:
                 return _refused("The form is too large: at most 2 MB.", 413)
@@ -85,6 +88,13 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
     ]
     nothing = {404: lambda request, problem: _refused("This page does not exist.", 404)}
     return Guard(Starlette(routes=routes, exception_handlers=nothing), keys)
+
+
+async def _awaited(book: Classbook, ask: Ask) -> None:
+    """Wait a moment for the job that a page is about: most end within it, and the page shows the outcome at once."""
+    job = book.jobs.get(ask.number("job"))
+    if job is not None and not job.done:
+        await asyncio.get_running_loop().run_in_executor(None, job.ended.wait, _A_MOMENT_S)
 
 
 def _refused(message: str, status: int) -> Response:

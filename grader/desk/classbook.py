@@ -7,16 +7,18 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from grader.base.errors import RequestError
-from grader.course import class_settings
+from grader.course import class_grading, class_settings
 from grader.course.adjusting import Made, Wish, decide
 from grader.course.publishing import publish_all, publish_class
 from grader.course.record import Appeal, Store, Tick
 from grader.course.regrade import remark
 from grader.course.submission_archive import Kept, unpack
+from grader.desk.repair_jobs import RepairJobs
 from grader.desk.similarity_groups import SimilarityGroup, similarity_groups
 from grader.engine.fingerprint import of_the_sheet
 from grader.engine.lab import Lab
@@ -25,6 +27,8 @@ from grader.people.final_grade import Adjustment, FinalGrade
 from grader.report.similarity import Pair, own_hashes, pairs
 
 T = TypeVar("T")
+_DEDUCT = 5.0
+"""Points that the form of a repair proposes where the rubric says nothing."""
 _MOST_PAIRS = 20_000
 """Most similar pairs that are listed: 200 copies of one file are that many pairs."""
 
@@ -47,10 +51,15 @@ class Classbook:
         The folder that `imugrade grade` wrote.
     rubric
         What-if starts from it; None is the one that the class was graded by.
+    secret, trusted
+        See `class_grading.recipe`; edited copies are graded with them.
     """
 
-    def __init__(self, lab: Lab, out: Path, rubric: Path | None = None) -> None:
+    def __init__(
+        self, lab: Lab, out: Path, rubric: Path | None = None, secret: str | None = None, *, trusted: bool = False
+    ) -> None:
         self.lab, self.out = lab, out
+        self.jobs = RepairJobs(partial(class_grading.recipe, lab, out, secret, trusted=trusted))
         self.thread = ThreadPoolExecutor(1, thread_name_prefix="desk")
         self._store = self.on_thread(lambda: Store.existing(out))
         try:
@@ -72,7 +81,8 @@ class Classbook:
         return self.thread.submit(do).result()
 
     def close(self) -> None:
-        """Write pending pages and close the record."""
+        """End what is being graded, write pending pages and close the record."""
+        self.jobs.close()
         self._publisher.close()
         self.on_thread(self._store.close)
         self.thread.shutdown()
@@ -147,6 +157,15 @@ class Classbook:
     def settled(self) -> None:
         """Wait until the files of OUT match the record."""
         self._publisher.settled()
+
+    @property
+    def repair_deduction(self) -> float:
+        """Points that the form of a repair proposes."""
+        return _DEDUCT
+
+    def changed(self, ids: Iterable[str]) -> None:
+        """Write the pages of these submissions anew, in the background."""
+        self._publisher.changed(ids)
 
     @property
     def trouble(self) -> str:

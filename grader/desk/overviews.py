@@ -20,7 +20,7 @@ from grader.report import overview
 def queue(book: Classbook) -> list[Item]:
     """Return the review queue. It is computed again only after the record has changed."""
     facts = (book.final_grades(), book.similar().groups, book.store.told(), book.requests(), book.store.ticks())
-    return book.once("queue", facts, lambda: queue_of.items(*facts))
+    return book.once("queue", facts, lambda: queue_of.items(*facts, book.lab))
 
 
 def review_queue(book: Classbook, ask: Ask) -> Response:
@@ -82,7 +82,7 @@ def mark_reviewed(book: Classbook, ask: Ask) -> Response:
     return RedirectResponse(f"/?kind={ask.text('kind')}" if ask.text("kind") in KINDS else "/", 303)
 
 
-def framed(book: Classbook, ask: Ask, template: str, **values: object) -> Response:
+def framed(book: Classbook, ask: Ask, template: str, code: int = 200, /, **values: object) -> Response:
     """Render a page inside the frame that all pages share."""
     final_grades = book.final_grades()
     lab = next((each.result.lab for each in final_grades.values()), None)
@@ -92,4 +92,4 @@ def framed(book: Classbook, ask: Ask, template: str, **values: object) -> Respon
         "author": ask.author,
         "trouble": book.trouble,
     }
-    return page(template, 200, **(frame | values))
+    return page(template, code, **(frame | values))

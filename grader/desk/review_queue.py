@@ -9,20 +9,22 @@ from urllib.parse import quote
 from grader.base.text import printable
 from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick, about, why_empty
-from grader.course.warnings import equal, not_understood, timed_out
+from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
+from grader.engine.lab import Lab
 from grader.engine.results import Result
 from grader.people.final_grade import FinalGrade
 from grader.report import words
+from grader.report.causes import stops
 
 KINDS = {
+    "does-not-run": "Does not run",
     "request": "Regrade request",
     "not-judged": "Grader failed",
     "unreadable": "Unreadable",
     "empty": "Empty",
     "nothing": "No points",
-    "timed-out": "Timed out",
     "not-understood": "Unclear answer",
     "tampering": "Tampering",
     "not-placed": "Not assigned",
@@ -48,11 +50,15 @@ def address(group: Group) -> str:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a submission should be reviewed. `about` is a digest of the fact, so that a review holds for this fact only."""
+    """Why a submission should be reviewed. `about` is a digest of the fact, so that a review holds for this fact only.
+
+    `file` is the one to repair where code does not run.
+    """
 
     kind: str
     sentence: str
     who: tuple[str, ...] = ()
+    file: str = ""
 
     @property
     def about(self) -> str:
@@ -93,11 +99,12 @@ def items(
     told: Mapping[str, Sequence[str]],
     requests: Iterable[Appeal],
     ticks: Mapping[tuple[str, str, str], Tick],
+    lab: Lab,
 ) -> list[Item]:
     """Return the queue: in the order of `KINDS`, then in the order of the class."""
     found: list[tuple[tuple[str, ...], Reason]]
     found = [(("",), Reason("not-placed", printable(line, 500))) for line in told.get("leftover", ())]
-    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each)]
+    found += [((id_,), reason) for id_, each in final_grades.items() for reason in _own(each, lab)]
     found += _of_several(final_grades, groups)
     unknown = Reason("unknown-person", "Not in the roster, or the roster has several people who match.")
     found += [((id_,), unknown) for id_ in told.get("unknown", ()) if id_ in final_grades]
@@ -108,8 +115,9 @@ def items(
     return [Item(ids[0], each, ticks.get((ids[0], each.kind, each.about)), tuple(ids[1:])) for ids, each in found]
 
 
-def _own(final_grade: FinalGrade) -> Iterator[Reason]:
+def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
     result = final_grade.result
+    yield from (Reason("does-not-run", each.sentence, file=each.file) for each in stops(result, lab))
     if final_grade.final is None:
         open_ = [
             check.title for part in result.criteria for check in part.checks if final_grade.check_points(check) is None
@@ -119,8 +127,6 @@ def _own(final_grade: FinalGrade) -> Iterator[Reason]:
         yield Reason(result.status, why_empty(result))
     if result.status == "graded" and not result.score:
         yield Reason("nothing", "The submission has no points. Check whether it belongs to another lab.")
-    if timed_out(result):
-        yield Reason("timed-out", "Every check timed out. Check what the code does.")
     if not_understood(result):
         yield Reason("not-understood", "The grader could not interpret an answer. Check what the code returns.")
     if "tampering" in result.misconceptions:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from urllib.parse import quote
 
 from starlette.responses import RedirectResponse, Response
@@ -14,16 +14,20 @@ from grader.base.text import printable
 from grader.course import adjusting
 from grader.course.adjusting import ALONE, Wish
 from grader.course.record import Appeal
+from grader.desk import repairing
 from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook, now
 from grader.desk.code import Shelf, defined, named_lines, shelf, unshowable
+from grader.desk.editing import editable
 from grader.desk.overviews import framed, queue
+from grader.desk.repair_jobs import Job
+from grader.desk.repairing import Editor
 from grader.desk.review_queue import Item
 from grader.engine.chart_data import Chart
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult
 from grader.people.final_grade import BONUS, TOTAL, Adjustment, FinalGrade, summed, under, worth
 from grader.report import charts, words
-from grader.report.pages import Figure
+from grader.report.pages import Figure, repaired_file
 
 _MOST_COMMENTS = 30
 
@@ -85,11 +89,25 @@ class Part:
 
 def show(book: Classbook, ask: Ask) -> Response:
     final_grade = one(book, ask)
+    return _page(book, ask, final_grade, repairing.editor(book, final_grade, ask))
+
+
+def repair(book: Classbook, ask: Ask) -> Response:
+    """Preview, suggest, save or undo a repair: start it, and show the page that says how it goes on."""
+    final_grade = one(book, ask)
+    found = repairing.change(book, ask, final_grade)
+    if isinstance(found, Job):
+        return repairing.answer(final_grade, found)
+    return _page(book, ask, final_grade, repairing.editor(book, final_grade, ask, found), 422)
+
+
+def _page(book: Classbook, ask: Ask, final_grade: FinalGrade, editor: Editor | None, code_: int = 200) -> Response:
     items = queue(book)
     history = book.history(final_grade.id)
     requests = [each for each in book.requests() if each.id == final_grade.id]
-    kept = book.kept(final_grade)
+    kept = replace(book.kept(final_grade), files=repairing.current(book, final_grade))
     result = final_grade.result
+    job = book.jobs.get(ask.number("job"))
     marked = result.status not in ("empty", "unreadable")
     parts: Sequence[CriterionResult | ExtensionResult] = [*result.criteria, *(e for e in result.extensions if e.checks)]
     named = named_lines((check for part in parts for check in part.checks), kept.files)
@@ -103,6 +121,11 @@ def show(book: Classbook, ask: Ask) -> Response:
         book,
         ask,
         "submission.html.j2",
+        code_,
+        editor=editor,
+        job=job if job is not None and job.id == final_grade.id else None,
+        repairs=[repaired_file(each) for each in result.repairs],
+        editable=[path for path in kept.files if not editable(path, kept.files[path]).why],
         final_grade=final_grade,
         status=words.STATUS[result.status],
         late=words.late(final_grade),

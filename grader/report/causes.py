@@ -45,6 +45,51 @@ class Cause:
         return tuple(dict.fromkeys(check.lab_step for check in self.checks if check.lab_step is not None))
 
 
+@dataclass(frozen=True)
+class Stop:
+    """A place where a submission does not run.
+
+    Attributes
+    ----------
+    file, line
+        Where; "" and None if unknown.
+    error
+        Python's own message, or that the call had no answer.
+    lost
+        Points that it costs now.
+    """
+
+    file: str
+    line: int | None
+    error: str
+    lost: float
+
+    @property
+    def sentence(self) -> str:
+        """Return ``filters.py, line 19: SyntaxError: expected ':'. Costs 20 points.``"""
+        where = f"{self.file}, line {self.line}" if self.line else self.file
+        error = self.error.removesuffix(f" at {where}")
+        points = f"{words.number(round(self.lost, 2))} point{'s' * (self.lost != 1)}"
+        return f"{where}{': ' if where else ''}{error.rstrip('.')}. Costs {points}."
+
+
+def stops(result: Result, lab: Lab) -> list[Stop]:
+    """Return where code that the criteria need does not parse, does not import, raises, hangs or ends its process."""
+    if result.status in ("empty", "unreadable"):
+        return []
+    causes = causes_of(check for part in result.criteria for check in part.checks)
+    return [_stop(cause, lab) for cause in causes if cause.does_not_run and cause.lost]
+
+
+def _stop(cause: Cause, lab: Lab) -> Stop:
+    check = next((check for check in cause.checks if check.where), cause.checks[0])
+    file, line = (check.where.file, check.where.line) if check.where else ("", None)
+    name = lab.name_of(check.id)
+    error = (check.got or check.said or words.row(check, "", LabName()).outcome.word).partition("\n")[0]
+    said = error if check.where else f"{name}: {error.removeprefix('none: ')}"
+    return Stop(printable(file or lab.homes.get(name, ""), 200), line, printable(said, 500), cause.lost)
+
+
 def told_mistakes(check: CheckResult) -> tuple[str, ...]:
     """Return the ids of the check's faults that a student may see."""
     return tuple(each for each in check.misconceptions if each not in words.FOR_THE_INSTRUCTOR)

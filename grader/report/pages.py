@@ -174,7 +174,7 @@ def report_around(figures: Drawn, final_grade: FinalGrade, catalogue: Mapping[st
         automatic=words.total_points(result) if _changed(final_grade) else "",
         late=_late(final_grade),
         overrides=_overrides(final_grade),
-        repairs=[_repair(each) for each in result.repairs],
+        repairs=[repaired_file(each) for each in result.repairs],
         score_before=words.number(result.repairs[0].score_before) if result.repairs else "",
         status=words.STATUS[result.status],
         parts=[_criterion(criterion, final_grade, figures) for criterion in result.criteria],
@@ -433,16 +433,22 @@ def _overrides(final_grade: FinalGrade) -> list[Override]:
     return found
 
 
-def _repair(repair: Repair) -> RepairedFile:
-    kinds = {"+": "added", "-": "removed"}
-    shown = [printable(line, words.TEXT_LIMIT) for line in repair.diff.split("\n")[2:]]
+def repaired_file(repair: Repair) -> RepairedFile:
+    """Format a repair for a page."""
     return RepairedFile(
         printable(repair.file, 200),
         words.minus(repair.deduction) if repair.deduction else "0",
         printable(repair.comment, words.TEXT_LIMIT, newlines=True),
         printable(repair.author, 80),
-        tuple((kinds.get(line[:1], "same"), line) for line in shown if line),
+        diff_lines(repair.diff),
     )
+
+
+def diff_lines(diff: str) -> tuple[tuple[str, str], ...]:
+    """Return the lines of a unified diff below its head, each with its kind: "same", "added" or "removed"."""
+    kinds = {"+": "added", "-": "removed"}
+    shown = [printable(line, words.TEXT_LIMIT) for line in diff.split("\n")[2:]]
+    return tuple((kinds.get(line[:1], "same"), line) for line in shown if line)
 
 
 def _provenance(result: Result) -> list[tuple[str, str]]:

@@ -10,10 +10,15 @@ function follow(key) {
     wanted.click();
   }
 }
+// The button of a field: that of its group, else the first of the form that stands in no group.
+function chief(field) {
+  const group = field.closest("fieldset");
+  return (group && group.querySelector("button")) || field.form.querySelector("button:not(fieldset button)") || field.form.querySelector("button");
+}
 document.addEventListener("keydown", (event) => {
   const field = event.target.closest("input, textarea, select");
   if (field && event.key === "Escape") field.blur();
-  if (field && event.key === "Enter" && (event.ctrlKey || event.metaKey)) field.form.requestSubmit(field.form.querySelector("button"));
+  if (field && event.key === "Enter" && (event.ctrlKey || event.metaKey)) field.form.requestSubmit(chief(field));
   if (field || event.ctrlKey || event.metaKey || event.altKey) return;
   if (carrier(event.key)) event.preventDefault();
   if (document.readyState !== "loading") follow(event.key);
@@ -48,5 +53,49 @@ document.addEventListener("DOMContentLoaded", () => {
     });
     const chooser = document.getElementById(field.dataset.drop);
     if (chooser) chooser.addEventListener("change", () => take(chooser.files[0]));
+  }
+});
+
+// The page is loaded again while the grader works on something; a field that was refused has the cursor.
+document.addEventListener("DOMContentLoaded", () => {
+  if (document.querySelector("[data-reload]")) setTimeout(() => location.reload(), 1000);
+  const wrong = document.querySelector("[aria-invalid]");
+  if (wrong) wrong.focus();
+});
+
+// The editor: line numbers follow the text, Enter keeps the indentation, and a link to a line puts the cursor there.
+document.addEventListener("DOMContentLoaded", () => {
+  const field = document.querySelector(".edit textarea");
+  if (!field) return;
+  const gutter = document.querySelector(".edit .gutter");
+  const lines = () => field.value.split("\n");
+  function number() {
+    const many = lines().length;
+    while (gutter.children.length > many) gutter.lastElementChild.remove();
+    while (gutter.children.length < many) {
+      const next = document.createElement("li");
+      next.textContent = gutter.children.length + 1;
+      gutter.append(next);
+    }
+    field.rows = many + 1;
+  }
+  function go(line) {
+    const start = lines().slice(0, line - 1).reduce((sum, each) => sum + each.length + 1, 0);
+    field.focus({ preventScroll: true });
+    field.setSelectionRange(start, start);
+    if (gutter.children[line - 1]) gutter.children[line - 1].scrollIntoView({ block: "center" });
+  }
+  field.addEventListener("input", number);
+  field.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" || event.ctrlKey || event.metaKey || event.isComposing) return;
+    const before = field.value.slice(0, field.selectionStart);
+    const indent = before.slice(before.lastIndexOf("\n") + 1).match(/^[ \t]*/)[0];
+    if (indent && document.execCommand("insertText", false, `\n${indent}`)) event.preventDefault();
+  });
+  for (const link of document.querySelectorAll("[data-line]")) {
+    link.addEventListener("click", (event) => {
+      event.preventDefault();
+      go(Number(link.dataset.line));
+    });
   }
 });

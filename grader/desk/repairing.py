@@ -1,0 +1,281 @@
+"""The editor of the submission page: edit a file, preview the grade, save the repair with a deduction and a comment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from urllib.parse import quote
+
+from starlette.responses import RedirectResponse, Response
+
+from grader.base.errors import RequestError
+from grader.course import repairs
+from grader.course.patches import diff_of
+from grader.course.record import OvertakenError
+from grader.course.repairs import Grading, Preview, Wish, patched, sha256_of
+from grader.desk.asking import Ask
+from grader.desk.classbook import Classbook
+from grader.desk.editing import as_bytes, editable
+from grader.desk.repair_jobs import Job, Kind
+from grader.engine.results import Result
+from grader.people.final_grade import FinalGrade
+from grader.report.causes import Stop, stops
+from grader.report.pages import diff_lines
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One line of the comparison: a criterion or the sum, now and with the edit."""
+
+    title: str
+    now: float
+    then: float
+    of: float
+
+    @property
+    def change(self) -> float:
+        return round(self.then - self.now, 2)
+
+
+@dataclass(frozen=True)
+class Editor:
+    """The editor of one file.
+
+    Attributes
+    ----------
+    text, note, why
+        See `editing.Editable`; the text is the edited one where there is one.
+    stops
+        Where code of this submission does not run.
+    marked
+        Lines to mark: where this file stops.
+    base
+        Digest of the file that is edited.
+    job
+        What was asked last; None if nothing was.
+    rows, still, diff
+        The comparison, where the edited copy still does not run, and the change.
+    alike
+        Other submissions with the same file and the same error.
+    errors
+        What is wrong with each field.
+    """
+
+    file: str
+    text: str
+    note: str
+    why: str
+    stops: Sequence[Stop]
+    marked: frozenset[int]
+    base: str
+    deduct: str
+    comment: str
+    job: Job | None = None
+    rows: Sequence[Compared] = ()
+    still: Sequence[Stop] = ()
+    diff: Sequence[tuple[str, str]] = ()
+    alike: Sequence[FinalGrade] = ()
+    also: tuple[str, ...] = ()
+    errors: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def running(self) -> bool:
+        return self.job is not None and not self.job.done
+
+    @property
+    def lines(self) -> int:
+        return self.text.count("\n") + 1
+
+
+def editor(
+    book: Classbook, final_grade: FinalGrade, ask: Ask, errors: Mapping[str, str] | None = None
+) -> Editor | None:
+    """Return the editor that a request asks for: of a job, of a form that was refused, or of a file; None if of none."""
+    job = book.jobs.get(ask.number("job") or ask.number("seen"))
+    if job is not None and job.id != final_grade.id:
+        job = None
+    file = job.file if job else ask.text("file") if ask.form else ask.text("edit")
+    files = current(book, final_grade)
+    if file not in files or (job and job.done and not job.problem and job.kind in ("save", "undo")):
+        return None
+    content = files[file]
+    original = editable(file, content)
+    if errors is not None:
+        text, deduct, comment, also = _typed(ask), ask.text("deduct"), ask.text("comment"), tuple(ask.all("also"))
+    elif job:
+        text, deduct, comment, also = job.text, job.deduct, job.comment, job.also
+    else:
+        text, deduct, comment, also = original.text, "", "", ()
+    found = stops(final_grade.result, book.lab)
+    grades = job.grades if job and job.done and not job.problem else None
+    shown = Editor(
+        file,
+        text,
+        original.note,
+        original.why,
+        found,
+        frozenset(each.line for each in found if each.file == file and each.line)
+        if text == original.text
+        else frozenset(),
+        sha256_of(content),
+        deduct or f"{book.repair_deduction:g}",
+        comment,
+        job,
+        also=also,
+        errors=errors or {},
+    )
+    if grades is None:
+        return shown
+    edited = as_bytes(content, text)
+    return replace(
+        shown,
+        rows=compared(grades),
+        still=stops(grades.after, book.lab),
+        diff=diff_lines(diff_of(file, content, edited)),
+        alike=alike(book, final_grade, file),
+    )
+
+
+def compared(grades: Preview) -> list[Compared]:
+    """Return each criterion now and with the edit, and the sum before any deduction for this edit."""
+    after = {part.id: part for part in grades.after.criteria}
+    rows = [
+        Compared(part.title, part.points, after[part.id].points, part.max_points)
+        for part in grades.before.criteria
+        if part.id in after
+    ]
+    now, then = (round(sum(points), 2) for points in zip(*((row.now, row.then) for row in rows), strict=True))
+    return [*rows, Compared("Sum", now, then, grades.before.max_score)]
+
+
+def current(book: Classbook, final_grade: FinalGrade) -> dict[str, bytes]:
+    """Return the files of a submission with the repairs in force; as they were handed in where a repair does not fit."""
+    kept = book.kept(final_grade)
+    try:
+        return patched(kept.files, final_grade.result.repairs)
+    except (RequestError, KeyError):
+        return dict(kept.files)
+
+
+def alike(book: Classbook, final_grade: FinalGrade, file: str) -> list[FinalGrade]:
+    """Return the other submissions that hold the same file and stop in it with the same error, and have no repair yet."""
+    mine = _errors(final_grade.result, book, file)
+    if not mine or final_grade.result.repairs:
+        return []
+    content = book.kept(final_grade).files.get(file)
+    return [
+        each
+        for each in book.final_grades().values()
+        if each.id != final_grade.id
+        and not each.result.repairs
+        and _errors(each.result, book, file) == mine
+        and book.kept(each).files.get(file) == content
+    ]
+
+
+def _errors(result: Result, book: Classbook, file: str) -> list[tuple[int | None, str]]:
+    return [(each.line, each.error) for each in stops(result, book.lab) if each.file == file]
+
+
+def change(book: Classbook, ask: Ask, final_grade: FinalGrade) -> Job | Mapping[str, str]:
+    """Start what a form asks for: preview, suggest, save or undo. Return the job, or what is wrong with which field."""
+    do = ask.text("do")
+    if do == "undo":
+        job = Job("undo", final_grade.id, ask.text("file"))
+        return book.jobs.start(job, partial(_undo, book, job, ask.author))
+    content = current(book, final_grade).get(ask.text("file"))
+    if content is None:
+        raise RequestError("This file does not exist")
+    if ask.text("base") != sha256_of(content):
+        raise OvertakenError(f"Somebody has repaired {ask.text('file')} since you opened it")
+    seen = book.jobs.get(ask.number("seen"))
+    kind: Kind = "suggest" if do == "suggest" else "save" if do == "save" else "preview"
+    if kind == "save" and (seen is None or seen.text != _typed(ask)):
+        kind = "preview"  # nobody saves a grade that nobody has seen
+    wrong = _wrong(book, ask) if kind == "save" else {}
+    if wrong:
+        return wrong
+    job = Job(
+        kind,
+        final_grade.id,
+        ask.text("file"),
+        _typed(ask),
+        ask.text("deduct"),
+        ask.text("comment"),
+        tuple(ask.all("also")),
+    )
+    edited = as_bytes(content, job.text)
+    if kind != "suggest" and edited == content:
+        return {"text": "Nothing in the file has changed."}
+    wish = Wish(final_grade.id, job.file, edited, seen_sha256=sha256_of(content))
+    if kind == "save":
+        known = {each.id for each in alike(book, final_grade, job.file)}
+        ids = [final_grade.id, *(each for each in job.also if each in known)]
+        return book.jobs.start(job, partial(_save, book, job, wish, ids, ask.author))
+    return book.jobs.start(job, partial(_suggest if kind == "suggest" else _preview, book, job, wish))
+
+
+def _typed(ask: Ask) -> str:
+    return (ask.form.get("text") or [""])[0].replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _wrong(book: Classbook, ask: Ask) -> dict[str, str]:
+    found = {}
+    most = max((each.result.max_score for each in book.final_grades().values()), default=0.0)
+    points = _number(ask.text("deduct"))
+    if points is None or not 0 <= points <= most or round(points, 2) != points:
+        found["deduct"] = f"Enter points from 0 to {most:g}, with at most two decimals."
+    if not ask.text("comment"):
+        found["comment"] = "Say what you changed. The student reads this."
+    elif len(ask.text("comment")) > repairs.MAX_COMMENT:
+        found["comment"] = f"At most {repairs.MAX_COMMENT} characters."
+    return found
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        return None
+
+
+def _preview(book: Classbook, job: Job, wish: Wish, grading: Grading) -> None:
+    job.grades = repairs.preview(book.out, wish, grading)
+
+
+def _suggest(book: Classbook, job: Job, wish: Wish, grading: Grading) -> None:
+    job.step = "Trying edits of the line that fails"
+    _, found = repairs.suggestion(book.out, job.id, grading)
+    if found is None:
+        raise RequestError(
+            "No repair to suggest: no edit of one place makes the code run, or several do with different grades."
+        )
+    job.file = found.file
+    job.text = editable(found.file, found.content).text
+    job.grades = repairs.preview(book.out, Wish(job.id, found.file, found.content), grading)
+
+
+def _save(book: Classbook, job: Job, wish: Wish, ids: Sequence[str], author: str, grading: Grading) -> None:
+    """Record the repair for each of these submissions; one that fails for another is told and does not stop the rest."""
+    points = _number(job.deduct) or 0.0
+    for place, id_ in enumerate(ids):
+        job.step = f"Grading submission {place + 1} of {len(ids)}"
+        one = Wish(id_, wish.file, wish.fixed, None, points, job.comment, wish.seen_sha256)
+        try:
+            job.lines.append(repairs.record(book.out, one, author, grading))
+        except RequestError as problem:
+            if place == 0:
+                raise
+            job.lines.append(str(problem))
+        book.changed([id_])
+
+
+def _undo(book: Classbook, job: Job, author: str, grading: Grading) -> None:
+    job.lines.append(repairs.take_back(book.out, job.id, job.file, author, grading))
+    book.changed([job.id])
+
+
+def answer(final_grade: FinalGrade, job: Job) -> Response:
+    """Redirect to the page that shows the job, after a moment in which a quick one ends."""
+    return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}?job={job.number}#edit", 303)

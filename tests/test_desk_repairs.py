@@ -1,0 +1,268 @@
+"""Repairs at the review desk: code that does not run comes first, is edited, previewed and saved; no student code runs in the desk."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from grader.course.class_grading import Recipe, recipe
+from grader.desk.editing import as_bytes, editable
+from grader.desk.repair_jobs import RepairJobs
+from grader.labs.imu.lab import LAB
+from tests import class_commands
+from tests.class_commands import column, commands
+from tests.desk import Desk, desk_over, words
+
+STOPS, FIXED = "stops", "# 1"
+SENTENCE = "filters.py, line 1: NameError: name &#39;x&#39; is not defined. Costs 6 points."
+
+
+class Open:
+    """Opens the made-up marker in the marker's process; it writes down which process that is, and waits where it is asked to."""
+
+    def __init__(self, rubric: Any, traces: Any, seen: Path) -> None:
+        self._rubric, self._traces, self._seen = rubric, traces, seen
+
+    @contextmanager
+    def __call__(self) -> Iterator[Any]:
+        yield SimpleNamespace(mark=self._mark)
+
+    def _mark(self, submission: Any) -> Any:
+        with open(self._seen, "a", encoding="ascii") as file:
+            file.write(f"{os.getpid()}\n")
+        while self._seen.with_name("wait").exists():
+            time.sleep(0.01)
+        return class_commands._result(submission, self._rubric, self._traces)
+
+
+@pytest.fixture
+def out(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Path:
+    for id_, content in {"ada": STOPS, "bob": STOPS, "cyd": "# 0.5", "dan": STOPS}.items():
+        (tmp_path / "class" / id_).mkdir(parents=True)
+        (tmp_path / "class" / id_ / "filters.py").write_bytes(content.encode() + (b"\r\n" if id_ == "dan" else b"\n"))
+        (tmp_path / "class" / id_ / "imu_reader.py").write_text(f"# {id_}\n")
+    with commands(monkeypatch, capsys) as command:
+        assert command("grade", tmp_path / "class", "-o", tmp_path / "out")[0] == 0
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def desk(out: Path) -> Iterator[Desk]:
+    with desk_over(out) as opened:
+        made = recipe(LAB, out, None)
+        fake = Recipe(made.rubric, made.traces, Open(made.rubric, made.traces, out.parent / "seen"))
+        opened.book.jobs.close()
+        opened.book.jobs = RepairJobs(lambda: fake)
+        yield opened
+
+
+def fields(page: str) -> dict[str, str]:
+    """The hidden fields of the editor's form, and its text."""
+    form = page.partition('class="editor"')[2].partition("</form>")[0]
+    found = dict(re.findall(r'<input type="hidden" name="(\w+)" value="([^"]*)"', form))
+    return {**found, "text": re.search(r'name="text"[^>]*>\n(.*?)</textarea>', form, re.DOTALL)[1]}  # type: ignore[index]
+
+
+def sent(desk: Desk, id_: str, **form: object) -> str:
+    """The page after a form, when the job has ended."""
+    answer = desk.post(f"/submission/{id_}/repair", form)
+    if answer.status != 303:
+        return answer.text
+    address = answer.headers["location"]
+    for _ in range(100):
+        page = desk.get(address).text
+        if "data-reload" not in page:
+            desk.book.settled()
+            return page
+    raise AssertionError("the job does not end")
+
+
+def previewed(desk: Desk, id_: str = "ada", text: str = f"{FIXED}\n") -> str:
+    form = fields(desk.get(f"/submission/{id_}?edit=filters.py").text)
+    return sent(desk, id_, **{**form, "text": text.replace("\n", "\r\n"), "do": "preview"})
+
+
+def saved(desk: Desk, page: str, id_: str = "ada", **more: object) -> str:
+    form = {**fields(page), "deduct": "5", "comment": "x was never set", "do": "save", **more}
+    return sent(desk, id_, **form)
+
+
+def test_what_does_not_run_is_first_in_the_queue_with_file_line_and_error(desk: Desk) -> None:
+    page = desk.get("/").text
+    first = page.partition('<ul class="queue">')[2].partition("</li>")[0]
+    assert "Does not run" in first
+    assert SENTENCE in first
+    assert '<a href="/submission/ada?edit=filters.py#edit">Repair' in first
+    assert "cyd" not in page.partition("<main")[2]
+
+
+def test_the_editor_holds_the_file_and_marks_the_line(desk: Desk) -> None:
+    page = desk.get("/submission/ada?edit=filters.py").text
+    assert fields(page)["text"] == "stops\n"
+    assert re.search(r'<li id="file-\d-1" class="named">1</li>', page)
+    assert "Edit imu_reader.py" in words(page)
+    assert 'class="editor"' not in desk.get("/submission/ada?edit=nothing.py").text
+
+
+def test_a_preview_shows_both_grades_by_criterion_and_records_nothing(desk: Desk, out: Path) -> None:
+    before = (out / "gradebook.csv").read_bytes()
+    page = words(previewed(desk))
+    assert "Filtering of 20 14 20 +6" in page
+    assert "Sensor access of 20 20 20" in page
+    assert "Sum of 100 94 100 +6" in page
+    assert "-stops +# 1" in page
+    assert (out / "gradebook.csv").read_bytes() == before
+
+
+def test_the_copy_is_graded_in_another_process_and_once(desk: Desk, out: Path) -> None:
+    saved(desk, previewed(desk))
+    pids = (out.parent / "seen").read_text().split()
+    assert len(pids) == 1
+    assert str(os.getpid()) not in pids
+
+
+def test_a_saved_repair_is_one_of_the_command(desk: Desk, out: Path) -> None:
+    page = saved(desk, previewed(desk))
+    assert "ada: filters.py repaired, 94 points before, 95 points now" in words(page)
+    assert column(out / "gradebook.csv", "total")["ada"] == "95"
+    (repair,) = json.loads((out / "submissions/ada/result.json").read_text())["repairs"]
+    assert {key: repair[key] for key in ("file", "deduction", "author", "comment", "score_before")} == {
+        "file": "filters.py", "deduction": 5.0, "author": "prof", "comment": "x was never set", "score_before": 94.0,
+    }  # fmt: skip
+    assert "x was never set" in (out / "submissions/ada/report.html").read_text()
+    assert "/submission/ada?edit" not in desk.get("/").text
+    assert "<code># 1</code>" in re.sub(r"<(?!/?code)[^>]*>", "", page)
+
+
+def test_the_same_repair_is_offered_to_the_same_file_with_the_same_error(desk: Desk, out: Path) -> None:
+    page = previewed(desk)
+    assert re.findall(r'name="also" value="(\w+)"', page) == ["bob"]  # dan's bytes differ
+    told = words(saved(desk, page, also="bob"))
+    assert "bob: filters.py repaired, 94 points before, 95 points now" in told
+    assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "95", "cyd": "97", "dan": "94"}
+
+
+def test_nobody_else_is_repaired_unless_selected(desk: Desk, out: Path) -> None:
+    saved(desk, previewed(desk), also="cyd")
+    assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "94", "cyd": "97", "dan": "94"}
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"deduct": "x"}, "Enter points from 0 to 100, with at most two decimals."),
+        ({"deduct": "101"}, "Enter points from 0 to 100, with at most two decimals."),
+        ({"deduct": "nan"}, "Enter points from 0 to 100, with at most two decimals."),
+        ({"comment": ""}, "Say what you changed. The student reads this."),
+        ({"comment": "x" * 2001}, "At most 2000 characters."),
+    ],
+)
+def test_an_error_stands_beside_its_field_and_what_was_typed_stays(
+    desk: Desk, out: Path, given: dict[str, str], said: str
+) -> None:
+    page = saved(desk, previewed(desk), **{"comment": "kept <b>", "deduct": "3", **given})
+    (name,) = given
+    assert f'<span class="error" id="error-{name}">{said}</span>' in page
+    assert f'aria-invalid="true" aria-describedby="error-{name}"' in page
+    assert fields(page)["text"] == "# 1\n"
+    assert ("kept &lt;b&gt;" in page) == (name != "comment")
+    assert ('value="3"' in page) == (name != "deduct")
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+
+
+def test_a_text_that_was_not_previewed_is_previewed_first(desk: Desk, out: Path) -> None:
+    page = saved(desk, previewed(desk), text="# 0.75\n")
+    assert "Sum of 100 94 98.5 +4.5" in words(page)
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+    assert "98.5 points before" not in saved(desk, page)
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"  # 98.5 less 5, and never below
+
+
+def test_an_unchanged_file_and_a_worse_one_are_not_saved(desk: Desk) -> None:
+    assert "Nothing in the file has changed." in previewed(desk, text="stops\n")
+    page = previewed(desk, "cyd", "# 0.25\n")
+    assert "cyd earns 95.5 points repaired, and 97 as it was handed in. This edit cannot be saved." in words(page)
+    assert 'value="save"' not in page
+
+
+def test_of_two_people_the_slower_one_is_told(desk: Desk, out: Path) -> None:
+    first, second = previewed(desk), previewed(desk, text="# 0.9\n")
+    saved(desk, first)
+    assert "Somebody has repaired filters.py since you opened it" in saved(desk, second)
+    assert column(out / "gradebook.csv", "total")["ada"] == "95"
+
+
+def test_a_repair_is_undone_at_the_desk(desk: Desk, out: Path) -> None:
+    page = saved(desk, previewed(desk))
+    assert 'value="undo"' in page
+    page = sent(desk, "ada", file="", do="undo")
+    assert "ada: repair of filters.py taken back, 94 points now" in words(page)
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+    assert SENTENCE in desk.get("/").text
+
+
+def test_the_desk_answers_while_a_preview_runs_and_says_what_is_going_on(desk: Desk, out: Path) -> None:
+    wait = out.parent / "wait"
+    wait.touch()
+    form = fields(desk.get("/submission/ada?edit=filters.py").text)
+    address = desk.post("/submission/ada/repair", {**form, "text": "# 1\n", "do": "preview"}).headers["location"]
+    while "Grading the edited copy in the sandbox" not in (page := desk.get(address).text):
+        pass
+    assert "data-reload" in page
+    assert fields(page)["text"] == "# 1\n"
+    assert desk.get("/class").status == 200
+    wait.unlink()
+    for _ in range(100):
+        if "Sum of 100" in words(desk.get(address).text):
+            return
+    raise AssertionError("the preview does not end")
+
+
+def test_a_class_of_a_secret_is_not_graded_without_it(desk: Desk) -> None:
+    def refused() -> Recipe:
+        return recipe(LAB, Path("nowhere"), None)
+
+    desk.book.jobs.close()
+    desk.book.jobs = RepairJobs(refused)
+    assert "Traceback" not in previewed(desk)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"a", b"a\n", b"\na\n\n", b"a\r\nb\r\n", b"a\nb\r\nc\rd", "\ufeffa = 'ä'\r\n".encode(), b"a\x0cb\n"],
+)
+def test_a_browser_changes_no_byte_of_a_file_that_nobody_edited(content: bytes) -> None:
+    text = editable("a.py", content).text
+    assert as_bytes(content, text) == content
+    assert as_bytes(content, text.replace("\n", "\r\n")) == content
+
+
+def test_an_edited_line_gets_the_line_ending_of_its_file() -> None:
+    assert as_bytes(b"a\r\nb\r\nc\n", "a\nB\nc\n") == b"a\r\nB\r\nc\n"
+    assert as_bytes(b"a\nb", "a\nb\nc") == b"a\nb\nc"
+
+
+@pytest.mark.parametrize(
+    ("path", "content", "why"),
+    [
+        ("lab.ipynb", b"{}", "only .py files"),
+        ("a.py", b"#" * 200_001, "larger than 200 kB"),
+        ("a.py", b"a\x00b", "control characters"),
+    ],
+)
+def test_what_a_browser_cannot_keep_is_not_edited_in_it(path: str, content: bytes, why: str) -> None:
+    assert why in editable(path, content).why
+
+
+def test_a_file_of_another_encoding_says_so() -> None:
+    assert editable("a.py", "s = 'é'\n".encode("latin-1")).note.startswith("This file is not UTF-8.")
+    assert as_bytes("s = 'é'\n".encode("latin-1"), "s = 'é'\n") == "s = 'é'\n".encode()
