@@ -50,5 +50,5 @@ def test_a_check_that_passes_over_one_says_so_and_takes_nothing_for_it(tmp_path:
     line = source.splitlines().index("        breakpoint()") + 1
     assert result.score == 20.0
     assert result.notes[-1] == (
-        f"filters.py, line {line}: breakpoint() was passed over, as nobody can type here; a program from `imugrade repro` stops at it"
+        f"filters.py, line {line}: breakpoint() was skipped: nobody can type during grading. A program from `imugrade repro` stops there"
     )

@@ -163,6 +163,6 @@ def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
     told = {
         id_: feedback.told(Charged(charge), None, ROWS) for id_, charge in charges.items() if isinstance(charge, Charge)
     }
-    assert told["part.b"].said == "Not charged again: the same fault has cost points under “A holds”."
+    assert told["part.b"].said == "No further deduction: the same fault was deducted under “A holds”."
     taken = PART.judge(Facts("c", "nothing-there"), ROWS)["part.a"]
-    assert feedback.told(Charged(taken), None, ROWS).said == "Not reached: see “C holds”."  # type: ignore[arg-type]
+    assert feedback.told(Charged(taken), None, ROWS).said == "Not graded until “C holds” is fixed."  # type: ignore[arg-type]

@@ -94,7 +94,7 @@ def test_a_sound_submission_has_every_chart_and_asks_nothing_more_for_them(
         ("filtering", "Your filter at work"),
     ]
     assert shown[0].caption.endswith("They agree within 0.002 m/s² and 0.0002 rad/s.")
-    fed = [chart.title for chart in shown if "A test recording was fed in" in chart.caption]
+    fed = [chart.title for chart in shown if "The grader plotted a test recording" in chart.caption]
     assert fed == ["What plot_imu_data draws"]
     legend = [each.name for each in drawing.views(shown[2])[0].legend]
     assert legend == ["Raw Z-acceleration", "Filtered Z-acceleration", "True gravity"]
@@ -198,7 +198,7 @@ def test_what_nobody_sees_of_what_was_drawn_is_set_as_that() -> None:
         ("x", "drawn", 0.0, pytest.approx(3.1)), ("", "not-seen", pytest.approx(3.1), 5.0),
     ]  # fmt: skip
     assert [(c.name, c.role, len(c.x)) for c in second.curves] == [("x", "not-seen", 51), ("y", "drawn", 51)]
-    assert chart.caption.endswith("Nobody sees in the picture what is dotted.")
+    assert chart.caption.endswith("Dotted curves are drawn by the code but not visible in the picture.")
     (whole,) = drawn.charts(Sheet().drawing(), ())
     assert "dotted" not in whole.caption
 

@@ -26,7 +26,7 @@ def test_a_fault_is_explained_with_what_is_wrong_and_what_is_right(capsys: Captu
     code, out, _ = explained(capsys, "view-not-copy")
     assert code == 0
     assert out.startswith(
-        "# view-not-copy\n\nReturns a view of sensordata, or one array on every call; old readings change when"
+        "# view-not-copy\n\nReturns an array that changes later: a view of sensordata, or one array that every call"
     )
     assert out.index("Wrong:\n\n```python") < out.index("Right:\n\n```python") < out.index("Try: Return new arrays")
     assert out.endswith("Read: Lab 04-01, Step 2.\n\nRerun: `imugrade check --only sensor_access`\n")

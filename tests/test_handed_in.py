@@ -254,7 +254,7 @@ def test_a_picture_of_both_sensors_beside_code_that_draws_less_is_told_to_whoeve
     assert OTHER_CODE[plot] != PLOT_LOOP
     (note,) = _notes_of(_marked(marker, lab(plot=OTHER_CODE[plot]), content(figure)))
     missing = "acceleration and angular velocity" if plot == "zeros" else "angular velocity"
-    assert f"; what the code draws shows no {missing}: " in note
+    assert f" The plot that the code draws shows no {missing}: " in note
 
 
 @pytest.mark.parametrize("plot", MAY_BE_ITS_OWN)

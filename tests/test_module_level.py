@@ -63,12 +63,12 @@ def test_there_are_at_least_thirty_edits_and_each_is_another() -> None:
 @pytest.mark.parametrize(
     ("code", "said"),
     [
-        ("import os\nos._exit(0)", "imu_reader.py, line 50 was stepped over: it ends the process; what the file defines counts"),
-        ("1 / 0", "imu_reader.py, line 49 was stepped over: ZeroDivisionError: division by zero; what the file defines counts"),
+        ("import os\nos._exit(0)", "imu_reader.py, line 50 was skipped: it ends the process; the rest of the file was used"),
+        ("1 / 0", "imu_reader.py, line 49 was skipped: ZeroDivisionError: division by zero; the rest of the file was used"),
         (
             "import pandas as pd\nmean = pd.Series(accel).mean()",
-            "imu_reader.py, line 49 was stepped over: ModuleNotFoundError: No module named 'pandas'; 1 statement after it too; "
-            "what the file defines counts",
+            "imu_reader.py, line 49 was skipped: ModuleNotFoundError: No module named 'pandas'; so was 1 more statement; "
+            "the rest of the file was used",
         ),
     ],
 )  # fmt: skip

@@ -52,9 +52,9 @@ def test_what_sound_code_does_not_meet_is_lost_and_shown_to_a_person(
     result = _filtering(marker, SIGNED)
     assert result.status == "graded"
     assert {check.outcome for check in result.criteria[0].checks} == {"failed"}
-    assert "its answer could not be understood" in result.notes[0]
+    assert "the grader could not read what the code returned" in result.notes[0]
     (told,) = remarks({"a": FinalGrade("a", result)}, (), ())
-    assert told == "an answer that could not be understood (look at what the code returns): a"
+    assert told == "an answer that the grader could not read (review what the code returns): a"
 
 
 def test_what_sound_code_meets_too_is_a_fault_of_ours(marker: Marker, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,7 +59,7 @@ def test_a_reader_of_constants_earns_the_form_of_its_answer_alone(player: Markin
     assert {check.id: check.outcome for check in criterion.checks if check.points} == {
         "sensor_access.returns_two_vectors": "passed"
     }
-    assert criterion.checks[3].message.startswith("Needs a reading that follows the simulation")
+    assert criterion.checks[3].message.startswith("Needs a reading of the simulation: ")
 
 
 def test_an_unknown_treatment_of_the_right_sensor_costs_once(player: Marking) -> None:
@@ -145,11 +145,11 @@ def test_a_statement_that_fails_at_module_level_costs_nothing_and_is_told(player
     files = lab()
     files["noisy_imu.py"] += "\n\n1 / 0\n"
     result = player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
-    assert (result.score, [note for note in result.notes if "stepped" in note]) == (
+    assert (result.score, [note for note in result.notes if "was skipped" in note]) == (
         100.0,
         [
-            f"noisy_imu.py, line {files['noisy_imu.py'].count(chr(10))} was stepped over: "
-            "ZeroDivisionError: division by zero; what the file defines counts"
+            f"noisy_imu.py, line {files['noisy_imu.py'].count(chr(10))} was skipped: "
+            "ZeroDivisionError: division by zero; the rest of the file was used"
         ],
     )
 
@@ -176,10 +176,10 @@ def test_a_statement_that_fails_below_a_main_guard_costs_nothing_and_is_told(
 ) -> None:
     files = lab(compare=COMPARE.replace("    compare()\n", f"    {slip}\n    compare()\n"))
     result = player.mark(Submission("s", "s", {name: text.encode() for name, text in files.items()}, (), "ready", ""))
-    (note,) = [note for note in result.notes if "stepped" in note]
+    (note,) = [note for note in result.notes if "skipped this line" in note]
     line = files["filters.py"].split("\n").index(f"    {slip}") + 1
     assert result.score == 100.0
-    assert note.startswith(f"filters.py, line {line} was stepped over when the file was run: {why}")
+    assert note.startswith(f"filters.py, line {line} was stopped when the file was run: {why}")
 
 
 def test_biases_in_each_others_place_are_told_as_that(player: Marking) -> None:
@@ -198,7 +198,7 @@ def test_a_filter_that_is_negated_is_charged_for_its_recursion_and_the_report_sa
     constant = next(check for check in criterion.checks if check.id == "filtering.passes_constant")
     assert (constant.outcome, constant.hint, constant.misconceptions) == ("passed", "", ())
     assert constant.message.startswith(
-        "Not charged again: the same fault has cost points under “The filter computes y[n]"
+        "No further deduction: the same fault was deducted under “The filter computes y[n]"
     )
 
 

@@ -419,7 +419,7 @@ def test_what_was_supplied_is_noted(player: Marking) -> None:
 
 def test_a_misspelled_name_is_noted(player: Marking) -> None:
     notes = marked(player, _renamed(verbatim(), "LowPassFilter", "LowpassFilter")).notes
-    assert "filters.py defines LowpassFilter, which was taken for LowPassFilter" in notes
+    assert "filters.py defines LowpassFilter; the grader used it as LowPassFilter" in notes
 
 
 BORROWED_ON_PURPOSE = {

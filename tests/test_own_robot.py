@@ -154,8 +154,8 @@ def test_an_imu_that_no_push_moves_is_told_to_the_instructor(
     other = OTHERS["ant"]  # its torso hangs in the air, fixed
     bundle = bundles.obtain(None, cache, Model(wheel_of_robots / other.path, other.accelerometer, other.gyroscope))
     assert blind_spot(bundle) == (
-        "ant.xml: the push moves nothing that its IMU reads, so a run without a push or from another start can hardly be told "
-        "from a right one"
+        "ant.xml: the push does not change what its IMU reads, so the grader can hardly "
+        "distinguish a run without a push from a right one"
     )
     assert blind_spot(bundles.shipped()) == ""
     assert blind_spot(bundles.obtain(None, cache, Model(rover(tmp_path), "force", "rates"))) == ""

@@ -524,7 +524,7 @@ def test_what_cost_points_is_told_first_by_cause_the_dearest_first() -> None:
     large = [lost(title=f"A large loss {name}", id=f"sensor_access.{name}") for name in "bc"]
     told = losses(report_page(FinalGrade("x", result(check(), small, *large)), (), catalogue(LAB)))
     assert re.search(
-        r"−12\s*Indexes sensordata with the sensor's id; the place is sensor_adr\[id\]\s*data\.sensordata is one flat row[^−]*"
+        r"−12\s*Uses the sensor's id as its place in sensordata\s*data\.sensordata is one flat array[^−]*"
         r"A large loss b\s*0 / 6\s*Expected[^−]*A large loss c\s*0 / 6\s*Try\s*data\.sensordata is flat: sensor i starts[^−]*"
         r"Rerun\s*imugrade check --only sensor_access\s*−2\s*A small loss\s*✗failed\s*A small loss",
         told,
@@ -553,7 +553,7 @@ def test_what_could_not_be_reached_counts_for_the_cause_that_kept_it_from_being_
 def test_where_nothing_came_the_mistake_says_what_it_was() -> None:
     late = lost(misconceptions=("never-returns",), message="Expected  an answer within the time limit\nGot       none")
     told = losses(report_page(FinalGrade("x", result(late)), (), catalogue(LAB)))
-    assert re.search(r"−6\s*The code does not come back within its time\s*The limit is many times", told)
+    assert re.search(r"−6\s*The code does not end within its time limit\s*The limit is many times", told)
 
 
 def test_what_was_earned_or_not_reached_is_folded() -> None:

@@ -23,7 +23,7 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
     nothing = [s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable")]
     yield from _lines("no gradable files (review what was handed in)", nothing)
     odd = [s.id for s in final_grades.values() if not_understood(s.result)]
-    yield from _lines("an answer that could not be understood (look at what the code returns)", odd)
+    yield from _lines("an answer that the grader could not read (review what the code returns)", odd)
     stopped = [s.id for s in final_grades.values() if timed_out(s.result)]
     yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
     untimed = [s.id for s in final_grades.values() if s.late and s.late.due and s.late.seconds is None]

@@ -42,6 +42,7 @@ class Part(Generic[Facts]):
     measure : asks a student and returns the facts; it judges nothing
     reasons : every known fault, each with the property that it is a reason for
     others : properties that no check measures, by name
+    together : faults that do not exclude each other: all that fit are named, and the cheapest one alone deducts
     """
 
     lab: Lab
@@ -50,6 +51,7 @@ class Part(Generic[Facts]):
     reasons: Sequence[Reason[Facts]]
     others: Mapping[str, Measure[Facts]] = field(default_factory=dict)
     checks: dict[str, tuple[Check, Measure[Facts]]] = field(default_factory=dict)
+    together: frozenset[str] = frozenset()
 
     def check(self, check_id: str, *, lab_step: int) -> Callable[[Measure[Facts]], Callable[..., None]]:
         """Make a function of the facts a check that pytest runs; its docstring is the sentence that the student reads."""
@@ -84,7 +86,19 @@ class Part(Generic[Facts]):
                 stopped[name] = fault_of_ours
             else:
                 off |= {} if found is None else {name: found}
-        return {**stopped, **self._charged(off, self._reasons(off, facts), table, stopped)}
+        reasons = self._reasons(off, facts)
+        charges = self._charged(off, reasons, table, stopped)
+        return {**stopped, **{name: self._with_others(charge, facts) for name, charge in charges.items()}}
+
+    def _with_others(self, charge: Charge, facts: Facts) -> Charge:
+        """A charge for one of the faults that go together, with all others that fit as well; they deduct nothing more."""
+        named = {row for row, _ in charge.found}
+        if self.together.isdisjoint(named):
+            return charge
+        own = [r for r in self.reasons if self._full(r.of) == charge.check and r.told in self.together - named]
+        for row in dict.fromkeys(each.told for each in own if each.fits(facts)):
+            charge = charge.plus(row, 0.0, charge.found[0][1])
+        return charge
 
     def _reasons(self, off: Mapping[str, Deviation], facts: Facts) -> dict[str, Reason[Facts]]:
         """The reason for each property that has one of its own: where two that cost the same disagree, the general one."""

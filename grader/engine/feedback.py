@@ -84,18 +84,18 @@ def story(finding: BaseException, part: str) -> str | None:
     return f"{type(finding).__name__}: {finding}"
 
 
-STEP_BY_STEP = "Hold this part of your code against the sheet's step, line by line: look at the lines that differ."
-"""Where the measurement says no more than what was expected and what came."""
+STEP_BY_STEP = "Compare this part of your code line by line with the step in the lab sheet."
+"""Hint of a finding that names no fault."""
 
 
 def charged_with(title: str) -> Feedback:
     """Words for a check that is lost by the fault of another one."""
-    return Feedback("passed", 1.0, f"Not charged again: the same fault has cost points under “{title}”.")
+    return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{title}”.")
 
 
 def not_reached(title: str) -> Feedback:
     """Words for a check that had nothing to judge because of what another one tells."""
-    return Feedback("skipped", 0.0, f"Not reached: see “{title}”.")
+    return Feedback("skipped", 0.0, f"Not graded until “{title}” is fixed.")
 
 
 def seen_elsewhere(charge: Charge) -> Feedback | None:
@@ -189,7 +189,7 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
         return no_answer("crashed", f": {printable(str(finding), 200)}", ("kills-its-process",), mistakes)
     assert isinstance(finding, Malformed)
     named = ("tampering",) if "the worker code was changed" in str(finding) else ()
-    got = "something that is not an answer to the question asked"
+    got = "an answer that the grader cannot read"
     hint = NOT_UNDERSTOOD.hint
     return Feedback("crashed", 0.0, expected="an answer", got=got, hint=hint, mistakes=named, not_understood=not named)
 
@@ -205,8 +205,8 @@ NOT_UNDERSTOOD = Feedback(
     "failed",
     0.0,
     expected="an answer as the lab sheet describes it",
-    got="one that could not be understood",
-    hint="Return plain arrays and numbers of the sheet's shapes; a note asks your instructor to look at it.",
+    got="an answer that the grader cannot read",
+    hint="Return plain arrays and numbers with the sheet's shapes. A note asks your instructor to look at it.",
     not_understood=True,
 )
 """Words for an answer that the judging stumbles over, although it takes those of sound code."""

@@ -9,10 +9,10 @@ from typing import Any
 
 from grader.base.text import printable
 
-A_PERSON_MAY = "a person who looks at it may give more"
-"""In a note: a person should look at this."""
-ANOTHER_VERSION = "the picture may be of another version of the code, and a person may look at both"
-"""In a note: a picture shows what the code does not draw. It costs nothing, and there are honest reasons for it."""
+A_PERSON_MAY = "an instructor may give more points"
+"""Part of a note; it puts the submission into the review queue."""
+ANOTHER_VERSION = "the picture may come from another version of the code"
+"""Part of a note on a picture that shows what the code does not draw. It deducts nothing: there are honest reasons for it."""
 
 
 @dataclass(frozen=True)

@@ -175,7 +175,7 @@ class Marker:
         for id_, each in odd.items():
             control = self._control.get(id_)
             if each.check.criterion in bonuses or (control is not None and control.told is not None):
-                student.note(Ours(f"{id_}: its answer could not be understood; please look at it"))
+                student.note(Ours(f"{id_}: the grader could not read what the code returned; please review it"))
                 lost[id_] = replace(each, told=NOT_UNDERSTOOD)
         return {**judgements, **lost}
 

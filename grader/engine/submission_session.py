@@ -20,7 +20,7 @@ from grader.sandbox.wire import Frame
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
 _MOST_BREAKPOINTS = 3
-_DID = {"hints": "lost its type hints"}
+_DID = {"hints": "was run without its type hints"}
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
 
 T = TypeVar("T")
@@ -90,12 +90,12 @@ class Conversation(Asking):
         home = self._lab.homes[name]
         self._fresh_session()
         if (home in self.paths or home in self.deadly) and name in (loaded := self.load(home)).names:
-            self._note_what_was_stepped_over(home, loaded)
+            self._note_load_problems(home, loaded)
             return home
         for path in self._elsewhere(name, home):
             if name in (loaded := self.load(path)).names:
                 self.used += [path] if path not in self.used else []
-                self._note_what_was_stepped_over(path, loaded)
+                self._note_load_problems(path, loaded)
                 self._note_where_it_was_found(path, name, home)
                 return path
         raise self._missing(name, home)
@@ -111,29 +111,29 @@ class Conversation(Asking):
         else:
             self.note(_found_in(path, strays))
 
-    def _note_what_was_stepped_over(self, path: str, loaded: Loaded) -> None:
-        """One line a file: what stands first is mostly the reason of the rest."""
+    def _note_load_problems(self, path: str, loaded: Loaded) -> None:
+        """Add a note for each file. It names the first skipped statement, which usually causes the others."""
         if path in self._noted:
             return
         self._noted.add(path)
         for name, own in loaded.misspelled:
-            self.note(f"{printable(path, 120)} defines {printable(own, 60)}, which was taken for {name}")
+            self.note(f"{printable(path, 120)} defines {printable(own, 60)}; the grader used it as {name}")
         if names := ", ".join(dict.fromkeys(loaded.supplied)):
             them = "it" if "," not in names else "them"
             self.note(f"{printable(path, 120)} uses {names} without an import; the grader supplied {them}")
         for first in loaded.stepped_over[:1]:
-            did = _DID.get(first.how, "was stepped over")
+            did = _DID.get(first.how, "was skipped")
             more = len(loaded.stepped_over) - 1
-            others = f"; {more} statement{'s' * (more > 1)} after it too" if more else ""
-            self.note(f"{first.where} {did}: {first.why}{others}; what the file defines counts")
+            others = f"; so {'were' if more > 1 else 'was'} {more} more statement{'s' * (more > 1)}" if more else ""
+            self.note(f"{first.where} {did}: {first.why}{others}; the rest of the file was used")
         if path.endswith(".py") and path in self.files:  # a notebook may have written it
             self._note_breakpoints(path)
 
     def _note_breakpoints(self, path: str) -> None:
         for call, line in itertools.islice(breakpoints(self.files[path]), _MOST_BREAKPOINTS):
             self.note(
-                f"{printable(path, 120)}, line {line}: {printable(call, 60)}() was passed over, as nobody can type here; a program "
-                "from `imugrade repro` stops at it"
+                f"{printable(path, 120)}, line {line}: {printable(call, 60)}() was skipped: nobody can type during "
+                "grading. A program from `imugrade repro` stops there"
             )
 
     def _elsewhere(self, name: str, home: str) -> list[str]:

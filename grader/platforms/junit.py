@@ -88,7 +88,7 @@ def _verdict(check: CheckResult, result: Result) -> str:
         return ""
     if check.outcome == "not_judged":
         return "error"
-    # "Not reached" points to the check that tells. Where nothing was handed in, none does: skipped would look green.
+    # A skipped check names the check to fix first. An empty submission has none, and skipped would look green.
     return "skipped" if check.outcome == "skipped" and result.status in ("graded", "incomplete") else "failure"
 
 

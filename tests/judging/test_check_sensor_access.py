@@ -409,7 +409,10 @@ def test_a_view_is_told_by_the_sensor_that_moved(later: float, monkeypatch: pyte
     monkeypatch.setattr(checks, "_torso", lambda *_: _read(5, 2, later))
     with pytest.raises(CheckFailed) as lost:
         checks.check_reading_is_a_copy(Made(get_imu_readings=sound), truth())
-    assert lost.value.got == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] after the next step and call"
+    assert (
+        lost.value.got
+        == f"[{5 + later:.3f} {5 + later:.3f} {5 + later:.3f}] after data.sensordata had changed and the function had been called again"
+    )
 
 
 @pytest.mark.quick

@@ -743,14 +743,14 @@ _ONE, _OTHER = np.arange(50.0), np.arange(50.0) ** 2
 @pytest.mark.parametrize(
     ("series", "unseen", "words"),
     [
-        ([], [], "a plot whose curves are constant"),
-        ([_ONE], [], "a plot with one curve alone"),
+        ([], [], "a plot of constant curves"),
+        ([_ONE], [], "a plot with only one curve"),
         ([_ONE[:1]], [], "a plot with 1 samples at most"),
-        ([_ONE], ["raw"], "a plot with one curve alone"),
+        ([_ONE], ["raw"], "a plot with only one curve"),
         ([_ONE[:20], _OTHER[:49]], [], "a plot with 49 samples at most"),
         ([_ONE[:20], _OTHER], [], "a plot with 2 curves, none of which is a smoother version of another"),
-        ([_ONE, _ONE], [], "a plot with the same series in every curve"),
-        ([_ONE, _ONE], ["raw"], "a plot with the same series in every curve"),
+        ([_ONE, _ONE], [], "a plot that shows the same numbers in every curve"),
+        ([_ONE, _ONE], ["raw"], "a plot that shows the same numbers in every curve"),
         ([_ONE, _OTHER], ["raw"], "a plot on which the curve “raw” cannot be seen"),
         ([_ONE, _OTHER], [""], "a plot on which the curve cannot be seen"),
         ([_ONE, _OTHER, _ONE], [], "a plot with 3 curves, none of which is a smoother version of another"),
@@ -770,7 +770,7 @@ def test_a_plot_with_a_mark_alone_has_no_curve() -> None:
     mark = _curve(np.array([0.0, 1.0]), np.array([9.81, 9.81]), "", "#000000")
     assert checks._curves_in_words(_figure(_with_curves(panel, mark))) == "a plot without a curve"
     flat = _curve(np.arange(60.0), np.zeros(60), "", "#000000")
-    assert checks._curves_in_words(_figure(_with_curves(panel, mark, flat))) == "a plot whose curves are constant"
+    assert checks._curves_in_words(_figure(_with_curves(panel, mark, flat))) == "a plot of constant curves"
 
 
 @pytest.mark.quick
@@ -790,7 +790,7 @@ def test_what_is_in_a_figure_that_is_not_meant_is_not_told() -> None:
     other = Drawing((replace(_figure(_with_curves(panel, panel.curves[0])), path="a.png"),))
     with pytest.raises(CheckFailed) as lost:
         checks.check_comparison_plot(Plotted(Drawing(()), (other,)), truth())
-    assert lost.value.got == "no code that draws it and no readable filtered_imu.png"
+    assert lost.value.got == "no code that draws it, and no readable filtered_imu.png"
 
 
 @pytest.mark.quick
@@ -803,4 +803,4 @@ def test_a_script_that_stops_is_told_and_one_that_is_no_python_is_charged_where_
         with pytest.raises(CheckFailed) as lost:
             checks.check_comparison_plot(Plotted(Drawing(()), scripts), truth())
         assert (lost.value.belongs_to, lost.value.where, lost.value.mistakes) == ((belongs,), fault.at, ())
-        assert lost.value.hint.startswith("Run the file by itself")
+        assert lost.value.hint.startswith("Run the file with python")

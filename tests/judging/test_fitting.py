@@ -17,7 +17,7 @@ def test_a_definition_with_the_sheets_parameters_loses_nothing() -> None:
 def test_two_globals_in_place_of_parameters() -> None:
     with pytest.raises(CheckFailed) as lost:
         fits_in("get_imu_readings", ("global model", "global data"), belongs_to="sensor_access.follows_address")
-    assert (lost.value.got, lost.value.keeps) == ("a global in place of model and data", 0.5)
+    assert (lost.value.got, lost.value.keeps) == ("it uses a global variable instead of model and data", 0.5)
     assert lost.value.mistakes == ("global-for-parameter",)
     assert lost.value.belongs_to == ("sensor_access.follows_address",)
 
@@ -25,5 +25,5 @@ def test_two_globals_in_place_of_parameters() -> None:
 def test_other_parameters_are_named_by_the_sheets_names() -> None:
     with pytest.raises(CheckFailed) as lost:
         fits_in("NoisyIMU", ("accel_id", "gyro_id"), keeps=0.0)
-    assert lost.value.got == "others in place of, or beside, these: accel_id, gyro_id"
+    assert lost.value.got == "other parameters for accel_id, gyro_id"
     assert (lost.value.keeps, lost.value.mistakes) == (0.0, ("other-parameters",))

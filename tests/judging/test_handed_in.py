@@ -125,7 +125,9 @@ BESIDE_CODE: dict[str, tuple[Handing, bool]] = {
 def test_a_picture_counts_where_no_code_draws_a_plot(student: Handing, counts: bool) -> None:
     student.notes.clear()
     assert handed_in.counts(student, truth()) is counts
-    told = f"imu_data.png was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them"
+    told = (
+        f"imu_data.png was handed in, and no code draws it. The grader cannot read its labels; {A_PERSON_MAY} for them"
+    )
     assert student.notes == ([told] if counts else [])
 
 
@@ -191,8 +193,8 @@ def test_a_picture_of_what_no_code_draws_is_told_to_whoever_looks(student: Handi
     student.notes.clear()
     handed_in.hold_against_code(student, truth())
     told = (
-        "imu_data.png was handed in and shows both sensors as they are recorded; what the code draws shows no "
-        f"{missing}: the picture may be of another version of the code, and a person may look at both"
+        "imu_data.png was handed in and shows both sensors. The plot that the code draws shows no "
+        f"{missing}: the picture may come from another version of the code"
     )
     assert student.notes == ([told] if missing else [])
 

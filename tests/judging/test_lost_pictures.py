@@ -28,7 +28,7 @@ def _notes(*, counts: bool) -> list[str]:
 
 
 def test_who_reads_the_note_may_look_at_the_picture() -> None:
-    told = "imu_data.png was handed in, and no code draws it: a person who looks at it may give more for what it shows"
+    told = "imu_data.png was handed in, and no code draws it; an instructor may give more points for what it shows"
     assert _notes(counts=False) == [told]
 
 

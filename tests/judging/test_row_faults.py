@@ -45,10 +45,10 @@ def test_of_rows_without_a_story_the_sensor_that_is_off_is_told() -> None:
     lost = _unexplained(_series(gyro=_GYRO + np.eye(10, 3)), _worlds())
     assert (lost.keeps, lost.mistakes) == (0.5, ())
     assert lost.expected == "[0.000 0.100 0.200] rad/s in row 0"
-    assert lost.got == "[1.000 0.100 0.200] (RMS difference over the series 0.316 rad/s)"
+    assert lost.got == "[1.000 0.100 0.200] (RMS difference over all rows 0.316 rad/s)"
     lost = _unexplained(_series(accel=_ACCEL - np.eye(10, 3)), _worlds())
     assert (lost.keeps, lost.expected) == (0.5, "[0.000 1.000 2.000] m/s² in row 0")
-    assert str(lost.off) == "the rows differ over the series by 0.1 to 1 m/s²"
+    assert str(lost.off) == "the rows differ by 0.1 to 1 m/s²"
     lost = _unexplained(_series(_ACCEL - np.eye(10, 3), _GYRO + 1), _worlds())
     assert (lost.keeps, lost.expected) == (0.0, "[0.000 1.000 2.000] m/s² in row 0")
 
@@ -132,8 +132,8 @@ def test_early_rows_begin_with_the_first_step(first: float) -> None:
 _LATE = ("each row read after its step", "every row late by one sample", ("read-before-step",), 0.5, "")
 _ZEROS = np.concatenate([np.zeros((1, 3)), _ACCEL[1:]])
 _MORE = {"steps": np.array([11.0])}
-_START = "Begin with the first mj_step after the push, and store a row for it"
-_LEFT_OUT = ("a row for every step from the start on", "none for the first step", (), 0.5, _START)
+_START = "Store a row for the first mj_step after the push. Look for a step before the loop, or for rows that are left out (Step 3)."
+_LEFT_OUT = ("a row for every step, from the first on", "no row for the first step", (), 0.5, _START)
 _LESS = {"steps": np.array([9.0])}
 
 
@@ -148,18 +148,29 @@ def _found(fault: Callable[[], object]) -> tuple[str, str, tuple[str, ...], floa
 @pytest.mark.parametrize(
     ("story", "told"),
     [
-        (Story(world="another IMU 2"), ("those of another IMU of the model", (), "")),
+        (
+            Story(world="another IMU 2"),
+            (
+                "readings of another IMU of the model",
+                (),
+                "Pass the accelerometer's and the gyroscope's ids that are given on to get_imu_readings (Step 3).",
+            ),
+        ),
         (
             Story(world=LEARNT_IDS),
             (
-                "those of the sensors that have their ids in your copy of the model",
+                "readings of other sensors: the ids are those of your own copy of the model",
                 ("hard-coded-address",),
-                "Look each id up by its sensor's name, with mj_name2id as in Step 2",
+                "Look up each id by the sensor's name in the model that is given, with mj_name2id as in Step 2.",
             ),
         ),
         (
             Story(world=LAST_SENSOR),
-            ("those of the model's last sensor, which the id -1 of an unknown name reads", ("sensor-not-found",), ""),
+            (
+                "readings of the model's last sensor, which is what the id -1 of an unknown name gives",
+                ("sensor-not-found",),
+                "",
+            ),
         ),
     ],
 )
@@ -186,8 +197,8 @@ def test_rows_of_the_sensors_that_were_asked_for_are_no_fault() -> None:
             1,
             Collection(None, _ZEROS, _GYRO, first_step=_LESS),
             (
-                "a row for every step, the first one too",
-                "a first row that was never filled: the loop makes a step less than there are rows",
+                "a row for every step, also for the first",
+                "a first row that was never filled: there is one step less than rows",
                 ("first-row-empty",), 0.5, "",
             ),
         ),
@@ -196,12 +207,12 @@ def test_rows_of_the_sensors_that_were_asked_for_are_no_fault() -> None:
             Collection(None, _ZEROS, _GYRO, first_step=_LESS),
             (
                 "each row read after its step", "every row early by one sample", (), 0.5,
-                "Read the sensors once after every mj_step, and store that reading and data.time in the same pass (Step 3).",
+                "Read the sensors once after every mj_step, and store this reading and data.time in the same pass of the loop (Step 3).",
             ),
         ),
         (-1, Collection(None, _ACCEL, _GYRO, first_step=_MORE), _LEFT_OUT),
         (-1, Collection(None, _ACCEL[:9], _GYRO[:9], first_step=_STEPPED), _LEFT_OUT),
-        (-2, _series(), ("a row for every step from the start on", "none for the first 2 steps", (), 0.5, _START)),
+        (-2, _series(), ("a row for every step, from the first on", "no row for the first 2 steps", (), 0.5, _START)),
     ],
     ids=[
         "late", "later", "no step is known", "a first row of zeros", "a step less", "both", "early", "a step more",
@@ -217,8 +228,8 @@ def test_rows_that_are_late_or_early_are_told_as_that(
 _RNG = np.random.default_rng(5)
 _MOVING, _TURNING = _RNG.normal(0, 5, (40, 3)), _RNG.normal(0, 1, (40, 3))
 _MOVED = Worlds({TRUE_WORLD: (_MOVING, _TURNING)}, 0.002, 0.08, 40)
-_OTHERS = ", while the other sensor is right"
-_AS_IT_IS = "Store what get_imu_readings returns, as it is (Step 3)."
+_OTHERS = "; the other sensor is right"
+_AS_IT_IS = "Compare your loop with the sheet: one call of mj_step, then one reading, stored unchanged. A reading between mj_step1 and mj_step2 holds old values (Step 3)."
 _ODD = _TURNING + 0.1 * np.sin(np.arange(40.0))[:, None]
 
 
@@ -229,7 +240,7 @@ _ODD = _TURNING + 0.1 * np.sin(np.arange(40.0))[:, None]
         ((1,), (_MOVING, -_TURNING), ": the reading with other signs" + _OTHERS, True, 0.5),
         ((0,), (_MOVING[:, [1, 0, 2]], _TURNING), ": the reading with its axes in another order" + _OTHERS, True, 0.5),
         ((0,), (_MOVING / 9.81, _TURNING), ": the reading in another unit" + _OTHERS, True, 0.5),
-        ((0,), (_MOVING.round(1), _TURNING), ": the reading with digits cut off" + _OTHERS, True, 0.5),
+        ((0,), (_MOVING.round(1), _TURNING), ": the reading with fewer digits" + _OTHERS, True, 0.5),
         ((0,), (_MOVING * 1.2 + 3, _TURNING), ": the reading scaled, shifted or mixed" + _OTHERS, True, 0.5),
         ((1,), (_MOVING, _ODD), _OTHERS, False, 0.5),
         ((0, 1), (-_MOVING, -_TURNING), ": the reading with other signs", True, 0.0),
@@ -252,19 +263,19 @@ def test_altered_rows_are_told_by_what_was_done_to_them(
     assert (said.mistakes, said.keeps) == (("rows-altered",) if mistakes else (), keeps)
     assert said.hint == ("" if mistakes else _AS_IT_IS)
     off = np.sqrt(np.mean((got - true) ** 2))
-    beside = "the other sensor's rows as they should be, and " if len(which) == 1 else ""
+    beside = "the other sensor is right; " if len(which) == 1 else ""
     kind = ending.removesuffix(_OTHERS).removeprefix(": ") or "rows"
     assert said.off == Size(f"{beside}{kind} under '{key}', off", pytest.approx(off), unit)
 
 
-_BOTH = "Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3)."
+_BOTH = "Store all three components of both sensors in every pass, in arrays of shape (n_steps, 3) (Step 3)."
 
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_rows_that_cannot_be_made_out_leave_half_to_the_others(which: int) -> None:
     pair = [None if which == n else rows for n, rows in enumerate((_MOVING, _TURNING))]
     series = Collection(None, *pair).with_gap()
-    gone = f"none that can be made out under '{SENSORS[which]}'"
+    gone = f"no readings of this sensor under '{SENSORS[which]}'"
     with pytest.raises(CheckFailed) as lost:
         row_faults.altered(Story(altered=(SENSORS[which],)), _MOVED, series)
     said = lost.value
@@ -274,7 +285,9 @@ def test_rows_that_cannot_be_made_out_leave_half_to_the_others(which: int) -> No
         row_faults.unexplained(series, _MOVED)
     said = lost.value
     assert (said.expected, said.keeps, said.hint) == ("the readings of both sensors", 0.0, _BOTH)
-    found = f"no rows that can be made out under '{SENSORS[which]}', and others than the truth of the other sensor"
+    found = (
+        f"no readings of this sensor under '{SENSORS[which]}', and other numbers than the truth for the other sensor"
+    )
     assert said.got == found
 
 
@@ -293,7 +306,13 @@ def test_one_number_that_is_none_is_told(both: bool, keeps: float) -> None:
 
 @pytest.mark.parametrize(("n", "rows"), [(1, "1 row, then nothing"), (5, "5 rows, then nothing")])
 def test_rows_that_end_at_once_are_counted(n: int, rows: str) -> None:
-    told = ("10 rows", rows, (), 0.0, "Return after the loop, when all rows are stored (Step 3).")
+    told = (
+        "10 rows",
+        rows,
+        (),
+        0.0,
+        "The recording ends too early. Make int(duration_seconds / model.opt.timestep) steps, store a row for each, and return after the loop (Step 3).",
+    )
     assert _found(lambda: row_faults.broken_off(n, _worlds())) == told
     with pytest.raises(CheckFailed) as lost:
         row_faults.broken_off(n, _worlds())
@@ -318,5 +337,5 @@ def test_rows_that_stand_still_are_told_by_whether_a_step_was_made() -> None:
     assert isinstance(stepped.value.hint, Ours)
     with pytest.raises(CheckFailed) as never:
         row_faults.standing_still(10, Collection(_TIME, _ACCEL, _GYRO))
-    assert (never.value.expected, never.value.mistakes) == ("rows that a simulation made", ("nothing-simulated",))
-    assert never.value.got == stepped.value.got == "10 rows, all alike, whatever gravity is"
+    assert (never.value.expected, never.value.mistakes) == ("rows of a simulation", ("nothing-simulated",))
+    assert never.value.got == stepped.value.got == "10 equal rows, whatever gravity is"

@@ -114,7 +114,7 @@ def _lost(claim: Claim) -> CheckFailed:
 def test_another_velocity_is_another_push(qvel: list[float]) -> None:
     lost = _lost(replace(_CLAIM, qvel=np.array(qvel, float)))
     assert lost.mistakes == ("wrong-perturbation",)
-    assert lost.got.startswith("a series that starts with qvel[")
+    assert lost.got.startswith("a recording that starts with qvel[")
 
 
 @pytest.mark.parametrize("qvel", [[0.5, 1e-9, 0, 0], [0.5 + 5e-10, 0, 0, 0], [0.5, -5e-10, 0, 0]])
@@ -124,10 +124,10 @@ def test_the_push_of_the_sheet_is_not_charged(qvel: list[float]) -> None:
 
 def test_a_force_is_charged_first_and_by_its_largest_part() -> None:
     lost = _lost(replace(_CLAIM, qvel=np.zeros(4), force=np.array([2.0, -3.0]), set_at=np.array([4.0])))
-    assert (lost.got, lost.mistakes) == ("a series under a force of up to 3 N or Nm", ("wrong-perturbation",))
+    assert (lost.got, lost.mistakes) == ("a recording with a force of up to 3 N or Nm", ("wrong-perturbation",))
     assert lost.expected == "data.qvel[0] = 0.5 after the reset, and no force"
 
 
 def test_a_push_that_comes_later_is_told_by_the_first_step_before_which_it_comes() -> None:
     lost = _lost(replace(_CLAIM, qvel=np.zeros(4), set_at=np.array([40.0, 80.0])))
-    assert lost.got == "a series whose velocity is set before step 41, and not at the start"
+    assert lost.got == "a velocity that is set before step 41, and not at the start"

@@ -244,7 +244,7 @@ class Collection:
 def as_collection(node: Node | None, arrays: Arrays) -> Collection:
     """Take the three series out of whatever was returned: by their names, else by similar names, else by their shapes."""
     if node is None or node["kind"] == "none":
-        return _nothing_collected("got None: the function returns nothing")
+        return _nothing_collected("got None")
     oddities: list[tuple[str, str]] = []
     members: dict[str, Array | None]
     if node["kind"] == "dict":
@@ -252,7 +252,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
         nested = [name for name, item in node["items"] if item["kind"] in ("dict", "object")]
         if nested and not {name for name, _ in node["items"]}.difference(nested) >= set(KEYS):
             told = ", ".join(repr(name) for name in nested[:3])
-            oddities.append(("wrong-return-type", f"got names within {told}, and no array"))
+            oddities.append(("wrong-return-type", f"got the keys inside {told}, not in the dictionary itself"))
     elif node["kind"] == "object":
         members = _members(node, arrays)
         oddities.append(("wrong-return-type", f"got an object of type {node['type']}, not a dictionary"))
@@ -368,7 +368,7 @@ def _upright(found: dict[str, Array], oddities: list[tuple[str, str]]) -> dict[s
         elif value.ndim == 2 and value.shape[1] == 3:
             out[key] = value
         elif value.ndim == 1 and value.size == 3 * _length(found):
-            oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}: rows of three in one line"))
+            oddities.append(("wrong-return-type", f"'{key}' has shape {value.shape}: all components in one row"))
             out[key] = value.reshape(-1, 3)
         elif value.ndim == 2 and value.shape[0] == 3:
             oddities.append(("arrays-transposed", f"'{key}' has shape {value.shape}"))

@@ -17,5 +17,5 @@ def blind_spot(truth: Traces) -> str:
         still = push[f"alt_no_push_{key}"]
         if np.abs(push[key][: len(still)] - still).max() > _UNMOVED:
             return ""
-    what = "the push moves nothing that its IMU reads"
-    return f"{robot_of(truth).file}: {what}, so a run without a push or from another start can hardly be told from a right one"
+    what = "the push does not change what its IMU reads"
+    return f"{robot_of(truth).file}: {what}, so the grader can hardly distinguish a run without a push from a right one"

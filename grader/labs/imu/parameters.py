@@ -20,4 +20,4 @@ def departure(name: str, departs: Sequence[str]) -> Deviation | None:
         return None
     read = [each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)]
     told = " and ".join(read) if read else ", ".join(departs)
-    return Deviation({"name": name, "departs": told}, size=Size(f"those that differ: {told}"))
+    return Deviation({"name": name, "departs": told}, size=Size(f"other parameters for {told}"))

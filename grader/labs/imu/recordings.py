@@ -15,7 +15,7 @@ from .lab_copies import learnt_ids
 from .student import Student
 
 _LONGEST_REPLAY = 3000
-FOLLOWING = "a series that follows the simulation: its rows do not change as the robot's motion does"
+FOLLOWING = "a recording of the simulation: these rows do not change when the robot's motion changes"
 _LEANING_S = 0.5
 _LEAN = 1.2
 """m/s² by which gravity leans, once, to see whether the rows follow: the robot sways and has no time to fall."""
@@ -50,7 +50,7 @@ def after_dirt(student: Student, truth: Traces) -> Collection:
         timestep=float(scalars["timestep"]),
         dirty=dirty,
     )
-    raised(series.fault, "collecting data with another time step, from a state that was left by an earlier run")
+    raised(series.fault, "collecting data with another time step, after an earlier run")
     return series.with_last_for_all().with_gap()
 
 
@@ -135,7 +135,7 @@ def complete(series: Collection) -> bool:
 
 def has_rows(series: Collection) -> None:
     if not complete(series):
-        raise Skipped("accelerations and angular velocities, which the returned value does not hold")
+        raise Skipped("accelerations and angular velocities; the returned value does not have both")
 
 
 def arrays_of(series: Collection) -> tuple[np.ndarray | None, ...]:

@@ -19,8 +19,8 @@ _FIGURES = 3
 _PANELS = 6
 _CURVES = 12
 _PIECES = 20  # of a curve that goes in and out
-_UNSEEN = "Nobody sees in the picture what is dotted."
-_FED = "A test recording was fed in, so the curves are not those of your own simulation."
+_UNSEEN = "Dotted curves are drawn by the code but not visible in the picture."
+_FED = "The grader plotted a test recording, so these are not the curves of your own simulation."
 _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 
@@ -38,11 +38,11 @@ def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Cha
 
 def _chart(figure: Figure, panels: tuple[Panel, ...], *, by_function: bool) -> Chart:
     width, height = figure.size_px
-    saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn and not saved"
+    saved = f"Saved, {width} × {height} pixels" if figure.is_saved else "Drawn, not saved"
     who = "What plot_imu_data draws" if by_function else "What your files draw"
     title = _words(figure.title, 80)
     unseen = any(each.role == "not-seen" for panel in panels for each in panel.curves)
-    said = [f"{saved}; set here from what the grader read of it and judges.", _FED * by_function, _UNSEEN * unseen]
+    said = [f"{saved}; redrawn from what the grader read in it.", _FED * by_function, _UNSEEN * unseen]
     return Chart("visualization", f"{who}: {title}" if title else who, " ".join(filter(None, said)), panels)
 
 

@@ -29,7 +29,7 @@ def chart(runs: Sequence[FilterRun] | None, truth: Scenario) -> Chart | None:
     if output is None or output.shape != signal.shape or not np.isfinite(output).all():
         return None
     caption = (
-        f"The z axis of a noisy signal through your LowPassFilter with alpha {alpha:g}, and the share of each frequency that "
+        f"The z axis of a noisy signal, filtered by your LowPassFilter with alpha {alpha:g}, and the share of each frequency that "
         "it lets through. The sheet's filter is the wide grey line."
     )
     panels = (_in_time(signal, output, truth["low_passed"][0]), _in_frequency(signal, output, alpha))

@@ -17,7 +17,7 @@ def chart(name: str, picture: Picture | None) -> Chart | None:
     return Chart(
         "visualization",
         f"{name} as it was handed in",
-        f"{width} × {height} pixels, set here in fewer. It counts where no code of the submission draws it.",
+        f"{width} × {height} pixels, shown here with fewer. It counts only if no code of the submission draws it.",
         png=_png(picture),
     )
 

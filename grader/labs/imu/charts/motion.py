@@ -30,9 +30,7 @@ def chart(series: Collection | None, truth: Scenario) -> Chart | None:
     sizes = " and ".join(size for _, size in known if size)
     within = f"{ATOL_ACCELERATION:g} m/s² and {ATOL_RATE:g} rad/s"
     said = f"Largest difference: {sizes}." if sizes else f"They agree within {within}."
-    caption = (
-        f"Your rows in colour, the truth as the wide pale line of the same colour beneath them, row by row. {said}"
-    )
+    caption = f"Your rows in colour, over the truth as a wide pale line of the same colour. {said}"
     return Chart(
         "data_collection", "Your series and the truth", caption, tuple(p for panels, _ in known for p in panels)
     )

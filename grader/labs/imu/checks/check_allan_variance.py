@@ -32,7 +32,7 @@ def check_returns_times_and_deviations(student: Student, truth: Traces) -> None:
         raise CheckFailed("two arrays of one length, (taus_s, adev)", run.shape, mistakes=["wrong-return-type"])
     odd = (~np.isfinite(run.adev)).sum() + (~np.isfinite(run.taus)).sum()
     if odd:
-        raise CheckFailed("finite numbers", f"{odd} that are NaN or infinite", mistakes=["not-finite"], keeps=0.5)
+        raise CheckFailed("finite numbers", f"{odd} with NaN or infinity", mistakes=["not-finite"], keeps=0.5)
 
 
 @check("allan_variance.averaging_times")
@@ -68,7 +68,9 @@ def check_matches_definition(student: Student, truth: Traces) -> None:
         "the Allan deviation at each of its averaging times",
         f"{ratio:.3g} times that at the shortest one, {taus[0]:.3g} s, and another curve at others",
         mistakes=diagnosis.mistakes(records, rate),
-        hint="This is the variance; the deviation is its root." if diagnosis.unit_of_times(roots, rate) else "",
+        hint="This is the Allan variance. Return its square root, the deviation."
+        if diagnosis.unit_of_times(roots, rate)
+        else "",
     )
 
 
@@ -112,7 +114,7 @@ def check_takes_three_axes(student: Student, truth: Traces) -> None:
         same = diagnosis.thinned(np.arange(float(len(known))), known[:, axis])[1]
         if len(taus) != len(same) or not np.allclose(same, curve, rtol=1e-9, atol=0.0):
             raise CheckFailed(
-                "the same curve for an axis as when it comes alone", f"another one for axis {'xyz'[axis]}"
+                "the same curve for an axis as when it is the only one", f"another curve for axis {'xyz'[axis]}"
             )
 
 

@@ -72,7 +72,7 @@ def check_beats_accelerometer_alone(student: Student, truth: Traces) -> None:
     turned = [run.output for run in tilt(student, [TiltCase(tilting.DT, *s) for s in tilting.probes()[:2]])]
     if tilting.ignores_gyroscope(turned):
         raise CheckFailed(
-            "angles that follow a turn at once", "angles that take no notice of the gyroscope", mistakes=["accel-only"]
+            "angles that follow a turn at once", "angles that do not depend on the gyroscope", mistakes=["accel-only"]
         )
     _beats(student, truth, "tilt_shaken", "accel_alone_rms", _BETTER_THAN_ACCEL)
 

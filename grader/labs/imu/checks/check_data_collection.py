@@ -11,7 +11,7 @@ from grader.engine.findings import CheckFailed, Ours, Size, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import KEYS, Collection
 from grader.labs.imu.checks import row_faults, run_starts
-from grader.labs.imu.checks.fitting import fits_in
+from grader.labs.imu.checks.fitting import fits_in, if_nothing
 from grader.labs.imu.checks.run_starts import PUSH
 from grader.labs.imu.compare import Array, vector
 from grader.labs.imu.diagnosis import collection as diagnosis
@@ -39,10 +39,9 @@ from grader.labs.imu.student import Student
 _BUT_FOR_ONE = 0.75
 """Of the rows' points, where the last one alone was never filled."""
 _IN_THE_LOOP = Ours(
-    "The last row alone is there: let the lines that read and store stand as far in as mj_step does, so that they belong to the "
-    "loop (Step 3)."
+    "Only the last row is there. Indent the lines that read and store as far as mj_step, so that they belong to the loop (Step 3)."
 )
-_ONE_A_STEP = Ours("Store one row for each step: n_steps = duration_seconds / model.opt.timestep (Step 3).")
+_ONE_A_STEP = Ours("Store one row for each step: n_steps = int(duration_seconds / model.opt.timestep) (Step 3).")
 _NAMED, _ROWS, _COUNT, _PUSH = (
     "data_collection.returns_named_arrays",
     "data_collection.matches_truth",
@@ -59,14 +58,11 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
     if series.oddities:
         mistakes = tuple(dict.fromkeys(mistake for mistake, _ in series.oddities))
         got = "; ".join(sentence.removeprefix("got ") for _, sentence in series.oddities[:3])
-        raise CheckFailed(_SHAPES, got, mistakes=mistakes)
+        raise CheckFailed(_SHAPES, got, mistakes=mistakes, hint=if_nothing(got))
     present = [(key, value) for key, value in zip(KEYS, arrays_of(series), strict=True) if key != series.absent]
     sizes = {key: len(value) for key, value in present if value is not None}
     if not sizes:
-        hint = Ours(
-            "The names are there, and no row: store one for each step, n_steps = duration_seconds / model.opt.timestep (Step 3)."
-        )
-        raise CheckFailed("rows in every array", "none", hint=hint)
+        raise CheckFailed("rows in every array", "all keys, but empty arrays", hint=_ONE_A_STEP)
     if len(sizes) < len(KEYS):
         raise CheckFailed(
             _SHAPES, f"no numbers under {', '.join(sorted(set(KEYS) - set(sizes)))}", mistakes=["wrong-return-type"]
@@ -160,7 +156,7 @@ def check_time_axis(student: Student, truth: Traces) -> None:
     if series.time is None:
         if complete(series):
             raise CheckFailed("a time stamp for each sample", "none", belongs_to=_NAMED)
-        raise Skipped("time stamps, which the returned value does not hold")
+        raise Skipped("time stamps; the returned value has none")
     story, worlds = story_of(student, truth, "push", series)
     filled = series.filled_rows if complete(series) else None
     time = series.time[:filled] if filled else series.time
@@ -219,11 +215,11 @@ def _of_stamps(time: Array, apart: float) -> str:
 
 
 _STILL = Ours(
-    "Your time stands still: store data.time anew in each pass of the loop, and reset the data once, before the loop (Step 3)."
+    "Your time stamps are all equal. Store data.time in each pass of the loop, and reset only once, before the loop (Step 3)."
 )
 _OFF_BY_THE_SAME = Ours(
-    "Your stamps are as far apart as they should be, and all off by the same: begin to store with the first step after the reset, "
-    "and add nothing to data.time (Step 3)."
+    "All your time stamps are off by the same amount. Start to store with the first step after the reset, and add nothing to "
+    "data.time (Step 3)."
 )
 
 
@@ -237,7 +233,7 @@ def _keeps_timestep(time: Array, timestep: float, usual: float) -> None:
     """Stamps that are as far apart as the model's usual time step, where it has another."""
     apart = np.abs(np.diff(time) - usual)
     if len(apart) and apart.max() <= TIME_ATOL and abs(timestep - usual) > TIME_ATOL:
-        got = f"{usual:g} s apart, as with the model's usual time step"
+        got = f"{usual:g} s apart, the time step of the lab model"
         raise CheckFailed(f"time stamps {timestep:g} s apart", got, mistakes=["hard-coded-timestep"], keeps=0.5)
 
 
@@ -266,7 +262,10 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
         row_faults.broken_off(filled, worlds)
     if _is_last_alone(series, story):
         raise CheckFailed(
-            f"{worlds.steps} rows", "one, of the last step", off=Size("one row, of the last step"), hint=_IN_THE_LOOP
+            f"{worlds.steps} rows",
+            "one row, of the last step",
+            off=Size("one row, of the last step"),
+            hint=_IN_THE_LOOP,
         )
     if story.altered:
         row_faults.altered(story, worlds, series)
@@ -275,15 +274,17 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
     if all_alike(series) and not one_row_follows(student, truth):
         row_faults.standing_still(n, series)
     if series.last_alone:
-        raise CheckFailed(f"{n} filled rows", "one, which is the last", mistakes=["rows-left-zero"], hint=_IN_THE_LOOP)
+        raise CheckFailed(
+            f"{n} filled rows", "only the last row filled", mistakes=["rows-left-zero"], hint=_IN_THE_LOOP
+        )
     if story.aliased:
         raise CheckFailed(
             "rows that differ from step to step", f"{n} rows, all equal to the last sample", mistakes=["aliased-rows"]
         )
     if story.exchanged:
         raise CheckFailed(
-            "accelerations under 'acceleration'",
-            "angular velocities there, and the other way round",
+            "accelerations under 'acceleration', angular velocities under 'angular_velocity'",
+            "each under the key of the other",
             mistakes=["channels-swapped"],
         )
     if story.skip != 1 and not story.covers(n, worlds.steps):  # else too few rows, which sample_count charges
@@ -309,14 +310,12 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         raise CheckFailed(f"the rows of a run of {duration}", "none", hint=_ONE_A_STEP, belongs_to=_COUNT)
     has_rows(series)
     if series.changed:
-        raise CheckFailed(
-            "a model that is the same afterwards", f"{', '.join(series.changed)} changed", mistakes=["modifies-model"]
-        )
+        raise CheckFailed("an unchanged model", f"{', '.join(series.changed)} changed", mistakes=["modifies-model"])
     push = after_push(student, truth)
     left = diagnosis.rows_left(push), diagnosis.rows_left(after_dirt(student, truth), push)
     if any(left):
-        got = f"a series that begins with {max(left)} rows of the run before"
-        raise CheckFailed("the same series as from a fresh start", got, mistakes=["keeps-old-rows"])
+        got = f"a recording that begins with {max(left)} rows of the previous run"
+        raise CheckFailed("the same recording as from a fresh start", got, mistakes=["keeps-old-rows"])
     first, first_worlds = story_of(student, truth, "push", pushed(student, truth))
     story, worlds = story_of(student, truth, "push_dirty", series)
     start = truth["reading_lab"]["qpos"][-1]
@@ -326,8 +325,8 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         or (run_starts.with_other_velocities(story, worlds, push) and not _pushes_at_random(student, truth))
     )
     if goes_on:
-        got = "a series that goes on from where the data was left"
-        raise CheckFailed("the same series as from a fresh start", got, mistakes=["no-reset"])
+        got = "a recording that continues from the state in which data was left"
+        raise CheckFailed("the same recording as from a fresh start", got, mistakes=["no-reset"])
     unknown = story is None and not (first or Story()).fits((series, worlds))
     near = recognised(student, truth, series, worlds) if unknown else TRUE_WORLD
     elsewhere = near == diagnosis.CLAIMED_WORLD and run_starts.in_another_pose(Story(near), worlds, start)
@@ -335,8 +334,8 @@ def check_starts_from_reset(student: Student, truth: Traces) -> None:
         accel = worlds.series[TRUE_WORLD][0]
         assert series.acceleration is not None
         wanted = f"{vector(accel[0])} m/s² in the first row, as from a fresh start"
-        hint = Ours("Call mujoco.mj_resetData(model, data) first, and push the robot right after it (Step 3).")
-        off = Size("another series than from a fresh start")
+        hint = Ours("Call mujoco.mj_resetData(model, data) first, and set the push right after it (Step 3).")
+        off = Size("another recording than from a fresh start")
         raise CheckFailed(wanted, vector(series.acceleration[0]), off=off, hint=hint)
 
 
@@ -354,16 +353,16 @@ def check_applies_push(student: Student, truth: Traces) -> None:
     world = recognised(student, truth, series, worlds) if story is None else story.world
     if world != TRUE_WORLD and _pushes_at_random(student, truth):
         first, second = (run_starts.velocities(each) for each in (series, pushed_again(student, truth)))
-        got = f"a series that starts with {first}, and one from the same state that starts with {second}"
-        off = Size("a series that starts with another velocity in every run")
+        got = f"a recording that starts with {first}, and the next one with {second}"
+        off = Size("a recording that starts with another velocity in every run")
         raise CheckFailed(f"{PUSH}, in every run", got, mistakes=["random-push"], off=off)
     if world == "no_push":
-        raise CheckFailed(PUSH, "a series that starts without a push", mistakes=["no-perturbation"])
+        raise CheckFailed(PUSH, "a recording that starts without a push", mistakes=["no-perturbation"])
     if world in (diagnosis.CLAIMED_WORLD, diagnosis.OWN_WORLD):
         assert worlds.claim is not None
         run_starts.with_another_push(worlds.claim)
     elif world.startswith("push"):
-        got = f"a series after another push ({world.removeprefix('push_')})"
+        got = f"a recording after another push ({world.removeprefix('push_')})"
         raise CheckFailed(PUSH, got, mistakes=["wrong-perturbation"])
 
 

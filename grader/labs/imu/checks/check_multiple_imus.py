@@ -56,7 +56,7 @@ def check_matches_truth(student: Student, truth: Traces) -> None:
             vector(world.stacked(place)[state]),
             mistakes=_mistakes(worlds),
             keeps=0.5 if all(w.scenario is not _lab(truth) for w, _ in wrong) else 0.0,
-            off=Size("readings that are not those of their place"),
+            off=Size("readings of other places"),
         )
 
 
@@ -82,8 +82,8 @@ def check_readings_are_copies(student: Student, truth: Traces) -> None:
         raise Skipped("a reading with numbers in it")
     changed = [p for p in read if not np.array_equal(_six(world.got.later.get(p)), now[p], equal_nan=True)]
     if changed:
-        got = f"readings of {len(changed)} of {len(read)} places that change with the next step"
-        raise CheckFailed("readings that stay", got, mistakes=["view-not-copy"])
+        got = f"the readings of {len(changed)} of {len(read)} places change with the next step"
+        raise CheckFailed("readings that keep their values", got, mistakes=["view-not-copy"])
 
 
 # --- what the checks share -----------------------------------------------------------------------------------------------

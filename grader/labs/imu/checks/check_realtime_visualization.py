@@ -42,13 +42,13 @@ def check_grows_while_stepping(student: Student, truth: Traces) -> None:
     once = len(run.events) <= 2
     replayed = liveplot.changes_after(run.events) >= _UPDATES
     hint = (
-        "The curves grow only when the simulation is over: step it between two pictures, not before the first."
+        "The curves grow only after the simulation. Call mj_step between two updates of the plot, not before the first."
         if replayed
         else ""
     )
     raise CheckFailed(
-        f"curves that change {_UPDATES} times or more in {duration:g} s of simulation",
-        f"{updates} changes while it went on",
+        f"curves that change at least {_UPDATES} times in {duration:g} s of simulation",
+        f"{updates} changes during the simulation",
         mistakes=["plot-not-live"] if once else [],
         keeps=0.5 if updates >= _UPDATES - 2 and not once and not replayed else 0.0,
         hint=hint,

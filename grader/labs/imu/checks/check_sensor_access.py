@@ -11,7 +11,7 @@ from grader.engine.check_runner import check
 from grader.engine.findings import CheckFailed, Ours, Size, Skipped, Unusable, raised
 from grader.engine.traces import Scenario, Traces
 from grader.labs.imu.answers import Readings
-from grader.labs.imu.checks.fitting import fits_in
+from grader.labs.imu.checks.fitting import fits_in, if_nothing
 from grader.labs.imu.compare import SHEETS_NOISE, Array, Deviation, deviation, told, vector
 from grader.labs.imu.diagnosis import reader_faults
 from grader.labs.imu.diagnosis import reading as diagnosis
@@ -31,7 +31,7 @@ def check_returns_two_vectors(student: Student, truth: Traces) -> None:
     _is_usable(readings)
     got = _oddities(readings)
     if "dictionary" in got or "object" in got or (got and readings.alone):
-        raise CheckFailed(_FORM, got, mistakes=["wrong-return-type"])
+        raise CheckFailed(_FORM, got, mistakes=["wrong-return-type"], hint=if_nothing(got))
     if got:
         raise CheckFailed(_FORM, got, mistakes=[_of_form(readings)], belongs_to=(_VALUES, _PLACE))
     fits_in("get_imu_readings", readings.departs, keeps=0.0, belongs_to=_PLACE)
@@ -52,7 +52,8 @@ def _of_form(readings: Readings) -> str:
 def _is_usable(readings: Readings) -> None:
     """There are numbers in it, in whatever form: otherwise nothing can be judged."""
     if readings.oddities and not _has_numbers(readings):
-        raise Unusable(_FORM, _oddities(readings), mistakes=["wrong-return-type"])
+        got = _oddities(readings)
+        raise Unusable(_FORM, got, mistakes=["wrong-return-type"], hint=if_nothing(got))
 
 
 def _has_numbers(readings: Readings) -> bool:
@@ -136,7 +137,7 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], me
     )
     keeps, finite = 0.5 if any(right) or near else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
     if readings.oddities and not (finite and readings.whole):  # what is there may be right; the rest is not there
-        mistake, off = _of_form(readings), Size("a vector that has not three numbers")
+        mistake, off = _of_form(readings), Size("a vector that does not have three numbers")
         raise CheckFailed("three numbers of each sensor", _oddities(readings), mistakes=[mistake], keeps=keeps, off=off)
     if not finite:
         raise CheckFailed("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"], keeps=keeps)
@@ -149,7 +150,7 @@ def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], me
         off=Size(f"{name} is off", gap.worst, unit),
         hint=""
         if mistakes
-        else Ours("Return the three numbers of each sensor as data.sensordata holds them now (Step 2)."),
+        else Ours("Return the three numbers of each sensor as data.sensordata holds them in this call (Step 2)."),
     )
 
 
@@ -262,7 +263,7 @@ def _ignores_ids(readings: Readings) -> None:
     raise CheckFailed(
         "a reading of the sensors whose ids are given, in a model with other sensor names",
         f"{fault.type}: {printable(fault.message, 200)}{place}",
-        off=Size("an exception, as the sensors have other names there"),
+        off=Size("an exception in a model with other sensor names"),
         fault=fault,
         mistakes=["hard-coded-address"] if fault.type in ("KeyError", "ValueError", "IndexError") else [],
     )
@@ -275,7 +276,7 @@ def _place_lost(readings: Readings, scene: Scene, mistakes: list[str]) -> None:
         f"{name} = {told(got[gap.row], true[gap.row])}",
         mistakes=mistakes,
         off=Size(f"{name} is off", gap.worst, unit),
-        hint="" if mistakes else Ours("The ids are arguments: use model.sensor_adr[id] of each, whatever the model."),
+        hint="" if mistakes else Ours("Use the ids that are given: start each slice at model.sensor_adr[id] (Step 2)."),
     )
 
 
@@ -284,20 +285,18 @@ def follows_the_simulation(student: Student, truth: Traces) -> None:
     first, again = _twice(student, truth)
     both = np.concatenate([first.accel, first.gyro])
     if not np.isfinite(both).any():
-        raise Skipped("a reading with numbers in it")
+        raise Skipped("a reading with numbers")
     never_moves = _never_moves(first, again)
     if never_moves and first.disturbance[:, 1].max(initial=0.0) > DISTURBED:
         return  # it follows a simulation that it puts back itself
     if never_moves and _mostly_right(again, _torso_scene(truth)):
         return  # so does the robot's own sensor
     if never_moves:
-        raise Skipped("a reading that follows the simulation: the same numbers came in every state")
+        raise Skipped("a reading of the simulation: the function returns the same numbers in every state")
     if _value_mistakes(student, truth, None):
         return
     if _likeness(both, np.concatenate([again.accel, again.gyro])) < _ALIKE:
-        raise Skipped(
-            "a reading that follows the simulation: other numbers came when the same states were visited again"
-        )
+        raise Skipped("a reading of the simulation: the function returns other numbers when the same state comes again")
 
 
 def _never_moves(first: Readings, again: Readings) -> bool:
@@ -329,7 +328,7 @@ def check_reading_is_a_copy(student: Student, truth: Traces) -> None:
     moved = np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1))
     raise CheckFailed(
         f"{vector(now[moved])}, as it was read",
-        f"{vector(later[moved])} after the next step and call",
+        f"{vector(later[moved])} after data.sensordata had changed and the function had been called again",
         mistakes=["view-not-copy"],
     )
 
@@ -345,7 +344,7 @@ def check_leaves_simulation_alone(student: Student, truth: Traces) -> None:
     ]
     if changed:
         raise CheckFailed(
-            "the same state before and after the call", "; ".join(changed), mistakes=["disturbs-simulation"]
+            "the same simulation state before and after the call", "; ".join(changed), mistakes=["disturbs-simulation"]
         )
 
 

@@ -38,7 +38,7 @@ from grader.labs.imu.student import Student
 _COMPARISON = "filtered_imu.png"
 _CURVES = "visualization.curves_match_data"
 """This charges what another check sees as well."""
-_ALIKE = "a plot with the same series in every curve"
+_ALIKE = "a plot that shows the same numbers in every curve"
 _SMALLEST_PX = (400, 250)
 """Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
 _OTHER_FORMS = ("pdf", "svg", "svgz", "eps", "ps", "pgf")
@@ -55,7 +55,7 @@ def _to_the_end(judge: Callable[[Student, Traces], None]) -> Callable[[Student, 
             if handed_in.counts(student, truth):
                 raise CheckFailed(
                     "code that draws and saves the plot",
-                    f"{handed_in.PICTURE}, which shows both sensors, and no code that draws it",
+                    f"a picture {handed_in.PICTURE} that shows both sensors, but no code that draws it",
                     mistakes=["plot-not-saved"],
                     keeps=0.5,
                 ) from None
@@ -96,10 +96,10 @@ def _saved_in_the_end(student: Student, truth: Traces, plot: Plot | None) -> Non
         return
     raise CheckFailed(
         "a picture of the finished figure",
-        "a picture that was saved before all was drawn and labelled",
+        "a picture that was saved before the figure was finished",
         keeps=0.5 if gains == 1 else 0.0,
         hint=lost_pictures.SAVE_LAST,
-        off=Size("a picture that was saved before all was drawn and labelled"),
+        off=Size("a picture that was saved before the figure was finished"),
     )
 
 
@@ -123,8 +123,8 @@ def check_saves_image(student: Student, truth: Traces) -> None:
         wanted = f"a picture of at least {_SMALLEST_PX[0]} × {_SMALLEST_PX[1]} pixels"
         raise CheckFailed(wanted, f"{width} × {height} pixels", mistakes=["low-resolution"], keeps=0.5)
     if all(figure.format in _OTHER_FORMS for figure in full):
-        hint = Ours("The sheet asks for imu_data.png; a PDF or an SVG may lie beside it (Step 4).")
-        raise CheckFailed("a PNG picture", f"a picture as {full[0].format.upper()} alone", keeps=0.8, hint=hint)
+        hint = Ours("Save imu_data.png, as the sheet asks. A PDF or an SVG may be saved as well (Step 4).")
+        raise CheckFailed("a PNG picture", f"a picture only as {full[0].format.upper()}", keeps=0.8, hint=hint)
 
 
 def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
@@ -162,17 +162,17 @@ def _panels_say_what_they_show(plot: Plot) -> None:
             belongs_to=_CURVES if has_empty_panel(plot, missing[0]) else "",
         )
     if unlabelled:
-        got = f"nothing on the panel that says {' or '.join(unlabelled)}"
-        raise CheckFailed("panels that say what they show, by title or axis label", got, keeps=0.5)
+        got = f"no text on the panel that says {' or '.join(unlabelled)}"
+        raise CheckFailed("panels whose title or axis label says what they show", got, keeps=0.5)
 
 
 def _named_as_the_other(panel: Panel, sensor: int, wrong: list[str]) -> None:
-    expected = f"{SENSOR_WORDS[sensor]} under its own name"
+    expected = f"a panel of the {SENSOR_WORDS[sensor]} that says so"
     got = f"a panel labelled {quoted(' | '.join(wrong))} that shows the {SENSOR_WORDS[sensor]}"
     if all(text in wrong for text in (panel.axes.title, panel.axes.ylabel) if text.strip()):
         raise CheckFailed(expected, got, mistakes=["panels-swapped"])
     hint = Ours(
-        "Let the title and the label of a panel name the sensor that it shows; a copied line names the other (Step 4)."
+        "Let title and label of a panel name the sensor that it shows. One of them names the other sensor (Step 4)."
     )
     raise CheckFailed(expected, got, mistakes=["panels-swapped"], keeps=0.5, hint=hint)
 
@@ -241,7 +241,7 @@ def _curves_have_names(plot: Plot) -> None:
                 raise CheckFailed("legend entries that name their curves", got, mistakes=["legend-order-wrong"])
     if nameless:
         keeps = 0.5 if len(nameless) < len(crowded) else 0.0
-        got = "curves that no legend and no text names" + (
+        got = "curves without a name in a legend or a text" + (
             "" if len(nameless) == len(crowded) else " in one of the panels"
         )
         raise CheckFailed("a name for each curve of a panel", got, mistakes=["no-legend"], keeps=keeps)
@@ -281,15 +281,17 @@ _FILTER = "filtering.follows_recursion"
 _NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
 """What a file cannot be read with: nobody knows what it would draw, and what it defines is charged where it is missed."""
 _DRAW_NOISE = Ours(
-    "Read NoisyIMU in the loop, filter that and draw both: without noise nobody sees what a filter does (Step 6)."
+    "Read NoisyIMU in the loop, filter its reading, and draw both. Without noise the filter's effect cannot be seen (Step 6)."
 )
-_MORE_SAMPLES = Ours("Read, filter and draw a few hundred samples: on so few nobody sees what a filter does (Step 6).")
+_MORE_SAMPLES = Ours(
+    "Read, filter and draw a few hundred samples. With fewer the filter's effect cannot be seen (Step 6)."
+)
 _OF_THEIR_OWN = Ours(
     "Raw and filtered data are one series: give each a list or an array of its own, as raw = filtered = [] makes one list with two "
     "names, and draw both (Step 6)."
 )
 _MEND_SCRIPT = Ours(
-    "Run the file by itself and mend what stops it: what it draws after that line is not drawn (Step 6)."
+    "Run the file with python and fix the line where it stops. Nothing after that line is drawn (Step 6)."
 )
 
 
@@ -320,7 +322,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         late = late or any(_compared(student, figure.finished) for figure in drawing.figures if figure.finished)
         few = max([few, *(comparing.too_few(figure) for figure in drawing.figures if figure.is_saved)])
     if late and not drawn:
-        got = "a picture that was saved before both were drawn"
+        got = "a picture that was saved before both curves were drawn"
         raise CheckFailed("a picture of raw and filtered data", got, keeps=0.5, hint=lost_pictures.SAVE_LAST)
     if few and not drawn:
         wanted = f"raw and filtered data of {plots.FEWEST_POINTS} samples or more"
@@ -335,9 +337,9 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             keeps=0.5,
         )
     if handed_in.shows_something(student, _COMPARISON):
-        why = f"and code that draws {seen}" if seen else "which no code of the submission draws"
+        why = f"but code that draws {seen}" if seen else "but no code of the submission draws it"
         if broken_off:
-            why = "and code that stops with an exception before it is drawn"
+            why = "but the code stops with an exception before it is drawn"
         got = f"{_COMPARISON}, {why}"
         raise CheckFailed(
             "code that draws raw and filtered data",
@@ -346,14 +348,14 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             keeps=0.5,
             belongs_to=belongs_to,
         )
-    got = seen or f"no code that draws it and no readable {_COMPARISON}"
+    got = seen or f"no code that draws it, and no readable {_COMPARISON}"
     if broken_off is not None and broken_off.where:
         got += f"; the code stops with {broken_off.type} at {broken_off.where}"
     mistakes = (
         [] if broken_off else ["comparison-missing"]
     )  # an exception came first: what the script would draw is not known
     raise CheckFailed(
-        "a picture with the raw and the filtered series in it",
+        "a picture with the raw and the filtered data",
         got,
         mistakes=mistakes,
         hint=_MEND_SCRIPT if broken_off else _OF_THEIR_OWN if seen == _ALIKE else "",
@@ -377,8 +379,8 @@ def _tell_of(fault: Fault | None, student: Student) -> None:
     if fault is not None and fault.where and not any(note.startswith(f"{fault.where} ") for note in student.notes):
         why = printable(fault.type or fault.message, 60)
         student.note(
-            f"{fault.where} was stepped over when the file was run: {why}; what it draws after it counts",
-            Ours("A statement was stepped over when a file was run as a script; what is drawn after it counts"),
+            f"{fault.where} was stopped when the file was run: {why}. The grader skipped this line and ran the rest",
+            Ours("A statement was stopped when a file was run as a script. The grader skipped it and ran the rest"),
         )
 
 
@@ -411,8 +413,8 @@ def _curves_in_words(figure: Figure) -> str:
         named = f" {quoted(unseen[0])}" if unseen[0] else ""
         return f"a plot on which the curve{named} cannot be seen"
     if len(series) < 2:
-        nothing = "a plot whose curves are constant" if has_curves(figure) else "a plot without a curve"
-        return "a plot with one curve alone" if series else nothing
+        nothing = "a plot of constant curves" if has_curves(figure) else "a plot without a curve"
+        return "a plot with only one curve" if series else nothing
     if alike:
         return _ALIKE
     return f"a plot with {len(series)} curves, none of which is a smoother version of another"
@@ -421,8 +423,8 @@ def _curves_in_words(figure: Figure) -> str:
 def _names_are_right(saved: list[list[comparing.Compared]]) -> None:
     """No names are asked for here; but names that are exchanged tell the reader the opposite."""
     if all(any(pair.exchanged for pair in of_it) and not any(pair.in_order for pair in of_it) for of_it in saved):
-        got = "the raw curve under the name of the filtered one"
-        raise CheckFailed("each curve under its own name", got, mistakes=["legend-order-wrong"], keeps=0.5)
+        got = "the raw curve with the name of the filtered one"
+        raise CheckFailed("each curve with its own name", got, mistakes=["legend-order-wrong"], keeps=0.5)
 
 
 def _noise_is_shown(saved: list[list[comparing.Compared]], student: Student) -> None:

@@ -10,20 +10,20 @@ import numpy as np
 from grader.engine.figures import Mask, Sight
 from grader.engine.findings import CheckFailed, Ours, Size
 from grader.labs.imu.checks.panel_words import quoted
-from grader.labs.imu.checks.plot_runs import CHANNELS, SENSOR_WORDS, Plot
+from grader.labs.imu.checks.plot_runs import CHANNELS, SENSOR_WORDS, Plot, sensors_in_words
 from grader.labs.imu.diagnosis import labels, plots
 from grader.labs.imu.diagnosis.plots import Channel
 
 _NONE_AS_GIVEN = Ours(
-    "Draw what plot_imu_data is given: its arrays from the first row to the last, against its time in s (Step 4)."
+    "Draw the arrays that plot_imu_data is given, from the first row to the last, against their time in seconds (Step 4)."
 )
 _IN_BOTH_PANELS = (
-    Ours("Every panel draws the angular velocity: let one of them draw the acceleration that was recorded (Step 4)."),
-    Ours("Every panel draws the acceleration: let one of them draw the angular velocity that was recorded (Step 4)."),
+    Ours("Every panel draws the angular velocity. Draw imu_data['acceleration'] in one of them (Step 4)."),
+    Ours("Every panel draws the acceleration. Draw imu_data['angular_velocity'] in one of them (Step 4)."),
 )
 """By the sensor that is missing."""
 _IN_UNIT = Ours(
-    "Let each label name the unit of the values that are drawn; those that were recorded are in m/s² and rad/s (Step 4)."
+    "Let each label name the unit of the numbers that are drawn. The recorded numbers are in m/s² and rad/s (Step 4)."
 )
 _IN_PART = 0.8
 """Of a channel's points at most, where some of its rows are not drawn; of those that show less of it the share that they show."""
@@ -35,18 +35,16 @@ _BESIDE_OTHERS = 0.5
 def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
     """Charge the channels of which nothing is drawn, nothing is seen, or the most lies outside the limits."""
     shown = plot.drawn - set(cut_off)
-    strange = len(plot.strange)
+    strange = bool(plot.strange)
     missing = set(CHANNELS) - plot.drawn - plot.hidden
     got, mistakes = [], []
     if missing:
         twice = len(plot.shown) > len(plot.drawn)
-        got.append(
-            f"no curve that shows {_named(missing)}" + (f"; {strange} that show something else" if strange else "")
-        )
+        got += [f"no curve that shows {_named(missing)}", *_in_their_place(plot)]
         mistakes.append("wrong-data-plotted" if strange or twice else "curves-missing")
     if plot.hidden:
         got.append(
-            f"{_named(plot.hidden)} in the code and not in the picture: covered, clipped, or in the colour of what is behind"
+            f"{_named(plot.hidden)} drawn and not visible: covered, outside the limits, or in the background's colour"
         )
         mistakes.append("curves-not-seen")
     if cut_off:
@@ -61,6 +59,22 @@ def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
         keeps=_worth(plot, shown) * (_BESIDE_OTHERS if "wrong-data-plotted" in mistakes else 1.0),
         hint=_hint_for(plot, missing),
     )
+
+
+def _in_their_place(plot: Plot) -> list[str]:
+    """Return what is drawn instead of the missing curves: a channel of the other sensor, a channel twice, or unknown numbers."""
+    found = []
+    for panel in plot.main_panels:
+        if others := {shown.channel for shown in panel.shown if panel.mainly and shown.sensor not in panel.mainly}:
+            found.append(f"{_named(others)} in the panel of the {sensors_in_words(panel.mainly)}")
+        channels = [shown.channel for shown in panel.shown if shown.channel not in others]
+        if twice := {channel for channel in channels if channels.count(channel) > 1}:
+            found.append(f"{_named(twice)} more than once")
+    strange = len(plot.strange)
+    return [
+        *found,
+        *([f"{strange} {'curves show' if strange > 1 else 'curve shows'} other numbers"] if strange else []),
+    ]
 
 
 def _hint_for(plot: Plot, missing: set[Channel]) -> str:
@@ -89,7 +103,7 @@ def drawn_in_part(plot: Plot) -> None:
             _over_a_part(parts),
             keeps=_worth(plot, CHANNELS),
             hint=_NONE_AS_GIVEN,
-            off=Size("curves over a part of the recorded time alone"),
+            off=Size("curves over only a part of the recorded time"),
         )
 
 
@@ -99,7 +113,7 @@ def _over_a_part(parts: Mapping[Channel, Mask]) -> str:
     share, (first, last) = f"{round(100 * float(part.mean()))} %", part[[0, -1]]
     where = f"the {'first' if first else 'last'} {share}" if first != last else share
     what = "all six curves" if len(parts) == len(CHANNELS) else _named(parts)
-    return f"{what} over {where} of the recorded time alone"
+    return f"{what} over only {where} of the recorded time"
 
 
 def _named(channels: Iterable[Channel]) -> str:

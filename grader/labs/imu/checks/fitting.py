@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from grader.engine.findings import CheckFailed, Size
+from grader.engine.findings import CheckFailed, Ours, Size
 
 _GLOBAL, _NAME = "global ", "name for "
 
@@ -40,17 +40,25 @@ def fits_in(name: str, departs: Collection[str], *, keeps: float = 0.5, belongs_
         )
 
 
+def if_nothing(got: str) -> str:
+    """Return the hint for a function that returned None; "" for any other value."""
+    return _NOTHING_RETURNED if got.removeprefix("got ").startswith("None") else ""
+
+
+_NOTHING_RETURNED = Ours("The function returns None: it is still to be written, or a return statement is missing.")
+
+
 def _departures(name: str, departs: Collection[str]) -> Iterator[_Departure]:
     if read := " and ".join(each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)):
-        got = f"a global in place of {read}"
-        yield _Departure(f"the {read} that {name} is given", got, got, "global-for-parameter")
+        got = f"it uses a global variable instead of {read}"
+        yield _Departure(f"{name} uses its parameter {read}", got, got, "global-for-parameter")
     if any(each.startswith(_NAME) for each in departs):
         got, off = (
-            "names: it stops at ids, and was called with the names of the sensors",
-            "names of sensors in place of ids",
+            "a function that takes the names of the sensors; it was called with the names",
+            "names of sensors instead of ids",
         )
         yield _Departure("the ids of both sensors, as mj_name2id gives them", got, off, "other-parameters")
     if odd := ", ".join(departs):
-        expected = "the sheet's parameters, under its names and in its order"
-        got, off = f"others in place of, or beside, these: {odd}", f"those that differ: {odd}"
+        expected = "the sheet's parameters, with its names and in its order"
+        got, off = f"other parameters for {odd}", f"other parameters for {odd}"
         yield _Departure(expected, got, off, "other-parameters")

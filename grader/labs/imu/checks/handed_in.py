@@ -48,7 +48,9 @@ def counts(student: Student, truth: Traces) -> bool:
     if picture is None or _is_drawn(student, truth) or not _shows_both(picture, truth):
         return False
     student.note(
-        Ours(f"{PICTURE} was handed in, and no code draws it: its labels were not read, and {A_PERSON_MAY} for them")
+        Ours(
+            f"{PICTURE} was handed in, and no code draws it. The grader cannot read its labels; {A_PERSON_MAY} for them"
+        )
     )
     return True
 
@@ -111,7 +113,7 @@ def hold_against_code(student: Student, truth: Traces) -> None:
     if missing:
         student.note(
             Ours(
-                f"{PICTURE} was handed in and shows both sensors as they are recorded; what the code draws shows no "
+                f"{PICTURE} was handed in and shows both sensors. The plot that the code draws shows no "
                 f"{sensors_in_words(missing)}: {ANOTHER_VERSION}"
             )
         )

@@ -13,7 +13,7 @@ from grader.labs.imu.checks.plot_runs import Plot, has_curves, sensors_in_words
 from grader.labs.imu.student import Student
 
 SAVE_LAST = Ours(
-    "What is drawn or written after savefig is not in the picture: call savefig last, before plt.show and plt.close (Step 4)."
+    "Call savefig last, before plt.show() and plt.close(): what is drawn after savefig is not in the picture (Step 4)."
 )
 
 
@@ -27,8 +27,8 @@ def some_overwritten(drawn: list[Plot]) -> None:
         path = next(plot.figure.path for plot in drawn if plot.figure.event == "overwritten")
         missing = sensors_in_words({sensor for sensor, _ in gone - still_shown})
         raise CheckFailed(
-            "each figure in a picture file of its own",
-            f"{printable(path or handed_in.PICTURE, 60)}, saved a second time, without the {missing}",
+            "a file of its own for each figure",
+            f"{printable(path or handed_in.PICTURE, 60)}, saved again, without the {missing}",
             mistakes=["picture-overwritten"],
         )
 
@@ -39,13 +39,13 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
     broken = next((picture for picture in drawing.strange if picture.reason), None)
     if events & {"overwritten", "forgotten"} and broken is not None:
         hint = Ours(
-            "Let savefig write the whole file, under a name that ends in .png, and leave it as it is afterwards (Step 4)."
+            "Let savefig write the file, with a name that ends in .png. Do not change the file afterwards (Step 4)."
         )
-        got = f"{printable(broken.path, 60)}, which no program can open"
+        got = f"{printable(broken.path, 60)}, a file that no program can open"
         raise CheckFailed("a picture that can be read", got, hint=hint)
     if "overwritten" in events:
-        hint = Ours("Save the figure last, under a name that nothing else is written to afterwards (Step 4).")
-        got = "a file in which the figure no longer stands at the end"
+        hint = Ours("Save the figure last. Write nothing else to the same file afterwards (Step 4).")
+        got = "a file that was overwritten with something else"
         raise CheckFailed(
             f"a picture of the curves, {handed_in.PICTURE}", got, mistakes=["picture-overwritten"], hint=hint
         )
@@ -57,11 +57,11 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
     if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
         if not handed_in.counts(student, truth):
             student.note(
-                Ours(f"{handed_in.PICTURE} was handed in, and no code draws it: {A_PERSON_MAY} for what it shows")
+                Ours(f"{handed_in.PICTURE} was handed in, and no code draws it; {A_PERSON_MAY} for what it shows")
             )
-        got = f"{handed_in.PICTURE}, which no code draws, and on which the recording was not recognised"
+        got = f"a picture {handed_in.PICTURE} that no code draws, and that does not show the recording"
         raise CheckFailed("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
-    drawn = "a figure that is drawn and never saved" if events else "no figure"
+    drawn = "a figure that is drawn but not saved" if events else "no figure"
     if "forgotten" in events:
-        drawn = "a figure that is saved to memory, and never written to a file"
+        drawn = "a figure that is saved to memory, but not written to a file"
     raise CheckFailed(f"a saved picture, {handed_in.PICTURE}", drawn, mistakes=["plot-not-saved"])

@@ -82,7 +82,7 @@ def _of_sensor(texts: list[str], beside: list[str], sensor: int) -> list[Problem
         return [] if told else [("no-axis-labels", f"no label on the y axis of the {what}")]
     if any(labels.has_unit_of(sensor, text) for text in written + beside):
         return []
-    return [("no-units", f"{quoted(written[0])} without a unit of {what} on its y axis")]
+    return [("no-units", f"{quoted(written[0])} on the y axis, which names no unit of {what}")]
 
 
 def _of_time(plot: Plot) -> list[Problem]:
@@ -91,8 +91,8 @@ def _of_time(plot: Plot) -> list[Problem]:
         return [("no-axis-labels", "no label on the time axis")]
     with_unit = [label for label in written if labels.has_time_unit(label)]
     if not with_unit and not any(map(labels.counts_samples, written)):
-        return [("no-units", f"{quoted(written[0])} without a unit on the time axis")]
+        return [("no-units", f"{quoted(written[0])} on the time axis, which names no unit of time")]
     seconds = plot.abscissae <= {"s", "s from start"}
     if with_unit and all(map(labels.in_milliseconds, with_unit)) and seconds and not plot.own_ticks:
-        return [("no-units", f"{quoted(with_unit[0])} under a time axis in seconds")]
+        return [("no-units", f"{quoted(with_unit[0])} on a time axis whose numbers are seconds")]
     return []

@@ -161,7 +161,7 @@ def plot_of(student: Student, truth: Traces) -> Plot:
     plot = drawn_plot(student, truth)
     outside = cut_off(student, truth, plot)
     if not plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()} and not plot.strange:
-        raise Skipped("a figure with curves that can be seen")
+        raise Skipped("a figure with visible curves")
     return plot
 
 
@@ -170,7 +170,7 @@ def drawn_plot(student: Student, truth: Traces) -> Plot:
     drawing = drawing_or_fault(student, truth)
     best = best_of(candidates(student, truth, drawing))
     if best is None or not best.panels:
-        raise Skipped("a figure with curves in it")
+        raise Skipped("a figure with curves")
     return best
 
 

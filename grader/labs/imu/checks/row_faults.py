@@ -12,18 +12,26 @@ from grader.labs.imu.compare import SHEETS_NOISE, deviation, told
 from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 
-_BOTH = Ours("Store both vectors of every reading, each whole, in arrays of shape (n_steps, 3) (Step 3).")
+_BOTH = Ours("Store all three components of both sensors in every pass, in arrays of shape (n_steps, 3) (Step 3).")
 _FROM_THE_FIRST = Ours(
-    "Begin with the first mj_step after the push, and store a row for it: look for a step before the loop, or for first rows "
-    "that are left out (Step 3)."
+    "Store a row for the first mj_step after the push. Look for a step before the loop, or for rows that are left out (Step 3)."
 )
 _IN_THE_SAME_PASS = Ours(
-    "Read the sensors once after every mj_step, and store that reading and data.time in the same pass (Step 3)."
+    "Read the sensors once after every mj_step, and store this reading and data.time in the same pass of the loop (Step 3)."
+)
+_READ_AFTER_STEP = Ours(
+    "Compare your loop with the sheet: one call of mj_step, then one reading, stored unchanged. A reading between mj_step1 and "
+    "mj_step2 holds old values (Step 3)."
+)
+_GIVEN_IDS = Ours("Pass the accelerometer's and the gyroscope's ids that are given on to get_imu_readings (Step 3).")
+_ENDS_EARLY = Ours(
+    "The recording ends too early. Make int(duration_seconds / model.opt.timestep) steps, store a row for each, and return after "
+    "the loop (Step 3)."
 )
 _KINDS = {
     "sign-flipped": "the reading with other signs",
     "axes-permuted": "the reading with its axes in another order",
-    "precision-lost": "the reading with digits cut off",
+    "precision-lost": "the reading with fewer digits",
     "wrong-units": "the reading in another unit",
     "gravity-removed": "the reading with gravity added or taken away",
     "treated": "the reading scaled, shifted or mixed",
@@ -33,16 +41,17 @@ _KINDS = {
 def of_other_sensors(story: Story) -> None:
     """Charge rows of sensors whose ids were not given."""
     if story.world.startswith(diagnosis.OTHER_IMU):
-        raise CheckFailed("readings of the IMU whose ids are given", "those of another IMU of the model")
+        got = "readings of another IMU of the model"
+        raise CheckFailed("readings of the IMU whose ids are given", got, hint=_GIVEN_IDS)
     if story.world == diagnosis.LEARNT_IDS:
         raise CheckFailed(
-            "readings of the robot's IMU, its ids looked up by their names",
-            "those of the sensors that have their ids in your copy of the model",
+            "readings of the robot's IMU, with ids that are looked up by name in this model",
+            "readings of other sensors: the ids are those of your own copy of the model",
             mistakes=["hard-coded-address"],
-            hint=Ours("Look each id up by its sensor's name, with mj_name2id as in Step 2: another model has others."),
+            hint=Ours("Look up each id by the sensor's name in the model that is given, with mj_name2id as in Step 2."),
         )
     if story.world == diagnosis.LAST_SENSOR:
-        got = "those of the model's last sensor, which the id -1 of an unknown name reads"
+        got = "readings of the model's last sensor, which is what the id -1 of an unknown name gives"
         raise CheckFailed("readings of the IMU whose ids are given", got, mistakes=["sensor-not-found"])
 
 
@@ -68,17 +77,17 @@ def _steps(series: Collection) -> int:
 
 
 def _begins_late(steps: int) -> NoReturn:
-    got = f"none for the first {f'{steps} steps' if steps > 1 else 'step'}"
-    off = Size("no row for the first of the steps")
-    raise CheckFailed("a row for every step from the start on", got, keeps=0.5, hint=_FROM_THE_FIRST, off=off)
+    got = f"no row for the first {f'{steps} steps' if steps > 1 else 'step'}"
+    off = Size("no row for the first steps")
+    raise CheckFailed("a row for every step, from the first on", got, keeps=0.5, hint=_FROM_THE_FIRST, off=off)
 
 
 def _by_one(story: Story, series: Collection) -> NoReturn:
     """A first row of zeros is one that was never filled if a step less was made."""
     assert series.acceleration is not None
     if story.lag > 0 and _steps(series) == len(series.acceleration) - 1 and not series.acceleration[0].any():
-        got = "a first row that was never filled: the loop makes a step less than there are rows"
-        raise CheckFailed("a row for every step, the first one too", got, mistakes=["first-row-empty"], keeps=0.5)
+        got = "a first row that was never filled: there is one step less than rows"
+        raise CheckFailed("a row for every step, also for the first", got, mistakes=["first-row-empty"], keeps=0.5)
     late, mistakes = ("late", ["read-before-step"]) if story.lag > 0 else ("early", [])
     got = f"every row {late} by one sample"
     hint = "" if mistakes else _IN_THE_SAME_PASS
@@ -104,26 +113,26 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
     got, true, unit = series.sensors[which], worlds.series[story.world][which], SENSOR_UNITS[which]
     assert got is not None
     if key == series.absent:
-        gone = f"none that can be made out under {key!r}"
-        off = Size(f"no rows that can be made out under {key!r}")
+        gone = f"no readings of this sensor under {key!r}"
+        off = Size(f"no readings of this sensor under {key!r}")
         raise CheckFailed("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
     alone = len(story.altered) == 1
     keeps, others = (
-        (0.5, ", while the other sensor is right") if alone else (0.5 if _is_near(story, worlds, series) else 0.0, "")
+        (0.5, "; the other sensor is right") if alone else (0.5 if _is_near(story, worlds, series) else 0.0, "")
     )
     if not np.isfinite(got).all():
         raise CheckFailed("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
     gap = deviation(got, true)
     treatment = diagnosis.treatment(key, got, true)
     kind = _KINDS.get(treatment or "", "")
-    beside = "the other sensor's rows as they should be, and " if alone else ""
+    beside = "the other sensor is right; " if alone else ""
     raise CheckFailed(
         f"{told(true[gap.row], got[gap.row])} {unit} under {key!r} in row {gap.row}",
         f"{told(got[gap.row], true[gap.row])}{kind and ': '}{kind}{others}",
         mistakes=["rows-altered"] if treatment else [],
         keeps=keeps,
         off=Size(f"{beside}{kind or 'rows'} under {key!r}, off", gap.rms, unit),
-        hint="" if treatment else Ours("Store what get_imu_readings returns, as it is (Step 3)."),
+        hint="" if treatment else _READ_AFTER_STEP,
     )
 
 
@@ -136,15 +145,16 @@ def _is_near(story: Story, worlds: Worlds, series: Collection) -> bool:
 def broken_off(n: int, worlds: Worlds) -> NoReturn:
     """The first rows are right, and the others are not there."""
     rows = f"{n} row{'s' * (n != 1)}, then nothing"
-    hint = Ours("Return after the loop, when all rows are stored (Step 3).")
-    raise CheckFailed(f"{worlds.steps} rows", rows, hint=hint, off=Size("a few rows from the start, then nothing"))
+    raise CheckFailed(
+        f"{worlds.steps} rows", rows, hint=_ENDS_EARLY, off=Size("a few rows from the start, then nothing")
+    )
 
 
 def standing_still(n: int, series: Collection) -> NoReturn:
     """All rows are alike, and others would be too: no step was made, or none was read."""
-    got, stepped = f"{n} rows, all alike, whatever gravity is", bool(series.first_step)
+    got, stepped = f"{n} equal rows, whatever gravity is", bool(series.first_step)
     raise CheckFailed(
-        "a reading after every step" if stepped else "rows that a simulation made",
+        "a reading after every step" if stepped else "rows of a simulation",
         got,
         mistakes=[] if stepped else ["nothing-simulated"],
         hint=Ours("Read the sensors in every pass of the loop, after mj_step (Step 3).") if stepped else "",
@@ -154,7 +164,9 @@ def standing_still(n: int, series: Collection) -> NoReturn:
 def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     """Rows that no story predicts: told by the sensor that is off, and by the row where it is furthest off."""
     if series.absent:
-        found = f"no rows that can be made out under {series.absent!r}, and others than the truth of the other sensor"
+        found = (
+            f"no readings of this sensor under {series.absent!r}, and other numbers than the truth for the other sensor"
+        )
         raise CheckFailed("the readings of both sensors", found, hint=_BOTH)
     accel, gyro = worlds.series.get(diagnosis.CLAIMED_WORLD, worlds.series[diagnosis.TRUE_WORLD])
     assert series.acceleration is not None
@@ -174,11 +186,11 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     nothing = [] if series.first_step else ["nothing-simulated"]
     raise CheckFailed(
         f"{told(true[at.row], got[at.row])} {unit} in row {at.row}",
-        f"{told(got[at.row], true[at.row])} (RMS difference over the series {at.rms:.3g} {unit})",
+        f"{told(got[at.row], true[at.row])} (RMS difference over all rows {at.rms:.3g} {unit})",
         keeps=0.5 if any(right) else 0.0,
-        off=Size("the rows differ over the series", at.rms, unit),
+        off=Size("the rows differ", at.rms, unit),
         mistakes=nothing,
         hint=""
         if nothing
-        else Ours("In each pass of the loop step once, read once and store that reading as it is (Step 3)."),
+        else Ours("In each pass of the loop call mj_step once, read once, and store the reading unchanged (Step 3)."),
     )

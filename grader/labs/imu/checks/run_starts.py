@@ -67,21 +67,23 @@ def with_another_push(claim: Claim) -> None:
     """Charge what is not the sheet's push, once and at the start, or is none."""
     pushed = np.flatnonzero(np.abs(claim.qvel) > _SAME)
     if claim.force.any():
-        got = f"a series under a force of up to {np.abs(claim.force).max():.3g} N or Nm"
+        got = f"a recording with a force of up to {np.abs(claim.force).max():.3g} N or Nm"
         raise CheckFailed(f"{PUSH}, and no force", got, mistakes=["wrong-perturbation"])
     if not len(pushed) and len(claim.set_at):
-        got = f"a series whose velocity is set before step {claim.set_at[0] + 1:.0f}, and not at the start"
-        _wrongly_pushed(got, Size("a series whose velocity is set later, and not at the start"))
+        got = f"a velocity that is set before step {claim.set_at[0] + 1:.0f}, and not at the start"
+        _wrongly_pushed(got, Size("a velocity that is set later, and not at the start"))
     if not len(pushed):
-        raise CheckFailed(PUSH, "a series without a push", mistakes=["no-perturbation"])
+        raise CheckFailed(PUSH, "a recording without a push", mistakes=["no-perturbation"])
     if len(pushed) != 1 or pushed[0] != 0 or abs(claim.qvel[0] - 0.5) > _SAME:
         _wrongly_pushed(
-            f"a series that starts with {_in_words(claim.qvel)}", Size("a series that starts with another push")
+            f"a recording that starts with {_in_words(claim.qvel)}", Size("a recording that starts with another push")
         )
     if len(claim.set_at):
-        times = "once more" if len(claim.set_at) == 1 else f"{len(claim.set_at)} times more"
-        got = f"a series whose state is set {times}, first before step {claim.set_at[0] + 1:.0f}"
-        _wrongly_pushed(got, Size("a series whose state is set again while it runs"))
+        times = "once" if len(claim.set_at) == 1 else f"{len(claim.set_at)} times"
+        got = (
+            f"qpos, qvel or a force set {times} while the simulation runs, first before step {claim.set_at[0] + 1:.0f}"
+        )
+        _wrongly_pushed(got, Size("qpos, qvel or a force set again while the simulation runs"))
 
 
 def _wrongly_pushed(got: str, off: Size) -> None:

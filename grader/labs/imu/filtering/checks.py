@@ -60,13 +60,17 @@ def check_preserves_signal(facts: Facts) -> Deviation | None:
 def check_instances_independent(facts: Facts) -> Deviation | None:
     """Each instance keeps a state of its own, which nobody else can change"""
     own = facts.own
-    alike = all(same(y, own.alone, ATOL) for y in (own.beside, own.spoilt_input, own.spoilt_output))
-    if alike and not (own.stumbles or own.input_changed or own.output_changed):
+    others = (own.beside, own.spoilt_input, own.spoilt_output)
+    other = next((y for y in others if not same(y, own.alone, ATOL)), None)
+    if other is None and not (own.stumbles or own.input_changed or own.output_changed):
         return None
     fault = own.stumbles
-    came = f"{fault.type}: {printable(fault.message, 200)}" if fault else "another output"
+    row = 0 if other is None else int(np.argmax(np.abs(other - own.alone).max(axis=1)))
+    alone, came = told_apart(own.alone[row], own.alone[row] if other is None else other[row])
+    if fault:
+        came = f"{fault.type}: {printable(fault.message, 200)}"
     size = Size("no output where another filter was before") if fault else None
-    return Deviation({"came": came}, size=size, fault=fault)
+    return Deviation({"alone": alone, "sample": row + 1, "came": came}, size=size, fault=fault)
 
 
 def _off(wanted: Array, came: Array, *, share: float = 1.0, **numbers: object) -> Deviation:

@@ -280,4 +280,5 @@ PART: Part[Facts] = Part(
         "default": _default,
         "parameters": lambda facts: departure("LowPassFilter", facts.departs),
     },
+    together=frozenset({"aliased-output", "mutates-input", "aliased-input"}),
 )
