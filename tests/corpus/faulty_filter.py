@@ -129,7 +129,7 @@ FILTER_FAULTS = [
     fault("filter-never-settles", "never-returns", increment((STEP, "while np.any(self.state != x + 1):\n                self.state = self.state + self.alpha * (x - self.state)"))),
     fault("filter-exits", "kills-its-process", increment((STEP, "import os\n            os._exit(3)"))),
     fault("filter-under-another-name", "name-missing", edit(verbatim(), "filters.py", ("class LowPassFilter:", "class LowPass:"), ("accel_filter = LowPassFilter(", "accel_filter = LowPass("), ("gyro_filter = LowPassFilter(", "gyro_filter = LowPass("))),
-    fault("method-under-another-name", "raises", lab(low_pass=FILTER_LFILTER.replace("def update", "def filter"), compare=lab()["filters.py"].split("from noisy_imu import NoisyIMU\n\n\n", 1)[1].split("\n\n\n", 1)[1].replace("low_pass.update", "low_pass.filter"))),
+    fault("method-under-another-name", "name-missing", lab(low_pass=FILTER_LFILTER.replace("def update", "def filter"), compare=lab()["filters.py"].split("from noisy_imu import NoisyIMU\n\n\n", 1)[1].split("\n\n\n", 1)[1].replace("low_pass.update", "low_pass.filter"))),
     fault("state-stays-the-first-sample", "state-not-kept", increment((STEP, "return self.alpha * x + (1 - self.alpha) * self.state")), reason="what is returned is never stored"),
     fault("three-quarters-of-the-measurement", "does-not-filter", sheet((RECURSION, "self.value = 0.75 * measurement"))),
     fault("state-of-three-decimals", "output-rounded", sheet((RECURSION, "self.value = np.round(self.alpha * measurement + (1 - self.alpha) * self.value, 3)")), loses=("filtering.follows_recursion",)),
