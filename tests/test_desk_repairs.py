@@ -36,7 +36,7 @@ class Open:
     def __call__(self) -> Iterator[Any]:
         yield SimpleNamespace(mark=self._mark)
 
-    def _mark(self, submission: Any) -> Any:
+    def _mark(self, submission: Any, cpu_s: float | None = None) -> Any:
         with open(self._seen, "a", encoding="ascii") as file:
             file.write(f"{os.getpid()}\n")
         while self._seen.with_name("wait").exists():

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import ast
 import itertools
+import time
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
-from grader.course.repair_suggestions import MOST, _candidates, _Place
+from grader.course import repair_suggestions
+from grader.course.repair_candidates import Made, candidates, limited
+from grader.course.repair_suggestions import MOST, suggest
+from grader.engine.findings import Where
+from grader.engine.results import CheckResult, CriterionResult, Result
+from grader.intake import Submission
+from grader.labs.imu.lab import LAB
 from tests.corpus.pieces import tidy, verbatim
 from tests.corpus.repairable import REPAIRABLE, Repairable
 
@@ -33,9 +41,8 @@ def _row(case: Repairable) -> int:
 
 def _is_found(case: Repairable) -> bool:
     sound = {ast.dump(ast.parse(str(base[case.path]))) for base in (verbatim(), tidy())}
-    place = _Place(case.path, _row(case), DEFINED[case.path])
-    candidates = itertools.islice(_candidates(case.text.encode(), place), MOST)
-    return any(ast.dump(ast.parse(each.decode())) in sound for each in candidates)
+    made = itertools.islice(candidates(case.text.encode(), _row(case), DEFINED[case.path]), MOST)
+    return any(ast.dump(ast.parse(each.decode())) in sound for each in made)
 
 
 def test_the_sound_program_is_among_the_candidates_of_as_many_as_before() -> None:
@@ -45,4 +52,39 @@ def test_the_sound_program_is_among_the_candidates_of_as_many_as_before() -> Non
 
 @pytest.mark.parametrize("content", [b"\xff", b"x" * 100_001, b"(" * 5000, b""])
 def test_what_cannot_be_read_has_no_candidates(content: bytes) -> None:
-    assert list(itertools.islice(_candidates(content, _Place("f.py", 0, "f")), MOST)) == []
+    assert list(itertools.islice(candidates(content, 0, "f"), MOST)) == []
+
+
+def test_edits_are_made_in_a_process_that_a_limit_ends() -> None:
+    assert limited(b"def f(x)\n    return x\n", 0, "f", 1).files == (b"def f(x):\n    return x\n",)
+    began = time.monotonic()
+    endless = b"x = ((((\n" + b"a, " * 30_000 + b"\n" + b"b, " * 300  # no edit closes it; 1500 are read to the end
+    assert limited(endless, 2, "f", MOST, cpu_s=1) == Made(cpu_s=1)
+    assert time.monotonic() - began < 20
+
+
+def test_candidates_and_cpu_time_are_those_of_the_whole_submission(monkeypatch: pytest.MonkeyPatch) -> None:
+    budgets: list[float | None] = []
+
+    def mark(submission: Submission, cpu_s: float | None = None) -> Result:
+        budgets.append(cpu_s)
+        return replace(broken, cpu_s=1.0)
+
+    def made(content: bytes, row: int, name: str, most: int) -> Made:
+        return Made(tuple(b"%d" % number for number in range(most)), 2.0)
+
+    check = CheckResult("filtering.follows_recursion", "", "error", 0.0, 6.0, where=Where("filters.py", 1))
+    other = replace(check, id="noise_model.noise_size", where=Where("noisy_imu.py", 1))
+    broken = Result(
+        "x",
+        "graded",
+        (CriterionResult("filtering", "", 20.0, (check,)), CriterionResult("noise_model", "", 20.0, (other,))),
+    )
+    monkeypatch.setattr(repair_suggestions, "limited", made)
+    handed_in = Submission("x", "x", {"filters.py": b"a", "noisy_imu.py": b"b"}, (), "ready", "0")
+    assert suggest(handed_in, broken, LAB, mark) is None
+    assert budgets == [float(left) for left in range(18, 0, -1)]
+    budgets.clear()
+    monkeypatch.setattr(repair_suggestions, "limited", lambda *each: Made(made(*each).files))
+    assert suggest(handed_in, broken, LAB, lambda each, cpu_s=None: replace(mark(each, cpu_s), cpu_s=0.1)) is None
+    assert len(budgets) == MOST

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +14,10 @@ from typing import Any
 import jsonschema
 import pytest
 
-from grader.course import classroom
+from grader.course import classroom, repairs
+from grader.course.repair_suggestions import Suggestion
+from grader.engine import rubric
+from grader.labs.imu.lab import LAB
 from tests import class_commands
 from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
 
@@ -33,7 +37,7 @@ def run(
 ) -> Iterator[Run]:
     @contextmanager
     def marker(rubric: Any, traces: Any, *_: Any) -> Iterator[Any]:
-        def mark(submission: Any) -> Any:
+        def mark(submission: Any, cpu_s: float | None = None) -> Any:
             ran.append(submission.files["filters.py"].decode())
             return class_commands._result(submission, rubric, traces)
 
@@ -221,3 +225,75 @@ def test_the_result_follows_the_schema(run: Run) -> None:
 def test_code_that_runs_has_no_repair_to_suggest(run: Run) -> None:
     code, out, _ = run("repair", "out", "alice", "--suggest")
     assert (code, out) == (0, "alice: no repair to suggest\n")
+
+
+# ---- repairs that the rubric applies ----
+
+SUGGESTED = ("# repairs:\n#   apply: suggested # or none\n#   deduct: 5", "repairs:\n  apply: suggested\n  deduct: 5")
+
+
+@pytest.fixture
+def suggestions(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Ids for which a repair was looked for; one is always found."""
+    asked: list[str] = []
+
+    def suggest(handed_in: Any, original: Any, lab: Any, mark: Any) -> Suggestion:
+        asked.append(handed_in.id)
+        made = mark(replace(handed_in, files={**handed_in.files, "filters.py": FIXED.encode()}))
+        return Suggestion("filters.py", FIXED.encode(), "", made, 0)
+
+    monkeypatch.setattr(repairs, "suggest", suggest)
+    return asked
+
+
+def test_a_suggested_repair_is_applied_only_if_the_rubric_says_so(run: Run, suggestions: list[str]) -> None:
+    Path("class/alice/filters.py").write_text("stops\n")
+    run("grade", "class", "-o", "out")
+    assert (total(), suggestions) == (94.0, [])
+    rubric_with(Path("auto.yaml"), SUGGESTED)
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "auto.yaml")
+    assert code == 2
+    assert (
+        "repairs are applied by themselves: no score changes, 1 that does not run may get a repair; add --change" in err
+    )
+    code, _, err = run("grade", "class", "-o", "out", "--rubric", "auto.yaml", "--change")
+    assert (code, total(), total("bob"), suggestions) == (0, 95.0, 100.0, ["alice"])
+    assert "repaired automatically (review the change): alice" in err
+    (repair,) = result()["repairs"]
+    assert (repair["author"], repair["deduction"]) == ("imugrade", 5.0)
+    assert "Applied automatically: with this edit of one place the code runs." in repair["comment"]
+    page = Path("out/submissions/alice/report.html").read_text()
+    assert "imugrade: Applied automatically" in page
+
+
+def test_an_applied_repair_that_somebody_took_back_stays_taken_back(run: Run, suggestions: list[str]) -> None:
+    Path("class/alice/filters.py").write_text("stops\n")
+    rubric_with(Path("auto.yaml"), SUGGESTED)
+    run("grade", "class", "-o", "fresh", "--rubric", "auto.yaml")
+    assert suggestions == ["alice"]
+    run("repair", "fresh", "alice", "--undo", "--author", "Eve")
+    run("grade", "class", "-o", "fresh", "--force")
+    assert column(Path("fresh/gradebook.csv"), "total")["alice"] == "94"
+    assert suggestions == ["alice"]
+
+
+@pytest.mark.parametrize(
+    ("lines", "problem"),
+    [
+        ("repairs: {apply: always, deduct: 5}", "apply must be suggested or none, not 'always'"),
+        ("repairs: {apply: suggested}", "deduct"),
+        ("repairs: {apply: suggested, deduct: -1}", "deduct must be a number from 0 to"),
+        ("repairs: {apply: suggested, deduct: 5, most: 3}", "most"),
+        ("repairs: suggested", "repairs"),
+    ],
+)
+def test_a_slip_in_the_repairs_of_a_rubric_is_told_with_its_line(lines: str, problem: str, tmp_path: Path) -> None:
+    path = rubric_with(tmp_path / "rubric.yaml", (SUGGESTED[0], lines))
+    with pytest.raises(rubric.RubricError) as told:
+        rubric.load(LAB, path)
+    assert problem in str(told.value)
+    assert f"rubric.yaml:{path.read_text().split(lines)[0].count(chr(10)) + 1}" in str(told.value)
+
+
+def test_the_shipped_rubric_applies_nothing() -> None:
+    assert rubric.load(LAB).repairs == rubric.RepairPolicy(suggested=False, deduct=5.0)

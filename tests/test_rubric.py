@@ -621,7 +621,7 @@ def test_a_file_that_is_no_tree_is_refused_in_one_line(data: bytes, problem: str
 
 
 def test_a_list_is_no_rubric() -> None:
-    keys = "criteria, extensions, limits, model, extra_credit, late, mistakes"
+    keys = "criteria, extensions, limits, model, extra_credit, late, mistakes, repairs"
     assert problems("- a") == [f"rubric.yaml:1: the rubric must be `key: value` lines with the keys {keys}"]
 
 

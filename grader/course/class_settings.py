@@ -22,6 +22,7 @@ from grader.engine.traces import Traces
 from grader.people import late_policy, roster
 from grader.people.final_grade import FinalGrade, HandIn
 from grader.people.roster import NO_ROSTER, Roster
+from grader.report.causes import stops
 
 _SCENARIOS = "other scenarios (another secret, model or version of MuJoCo)"
 
@@ -48,6 +49,8 @@ class ClassSettings:
         Version of imugrade.
     isolation
         Weakest isolation level that a submission of the class was graded at; "" before the first one.
+    repairs
+        Whether `grade` applies suggested repairs.
     """
 
     rubric: str
@@ -63,6 +66,7 @@ class ClassSettings:
     hidden: bool
     grader: str = __version__
     isolation: str = ""
+    repairs: bool = False
 
     @classmethod
     def of(cls, rubric: Rubric, people: Roster, attempts: str, traces: Traces) -> ClassSettings:
@@ -89,6 +93,7 @@ def _of_rubric(rubric: Rubric) -> dict[str, Any]:
         "own_checks": rubric.own_checks,
         "rubric_sha256": rubric.sha256,
         "late": repr(rubric.late),
+        "repairs": rubric.repairs.suggested,
     }
 
 
@@ -162,6 +167,8 @@ class Change:
         Whether another of several attempts may count.
     left
         How many on record are not in the download and stay as they are.
+    to_repair
+        How many on record do not run and may get a repair.
     """
 
     causes: tuple[str, ...]
@@ -171,11 +178,12 @@ class Change:
     regraded: int = 0
     chosen_anew: bool = False
     left: int = 0
+    to_repair: int = 0
 
     @property
     def moves_scores(self) -> bool:
         """Whether a score on record changes, or may change."""
-        return bool(self.moved or self.regraded or self.chosen_anew)
+        return bool(self.moved or self.regraded or self.chosen_anew or self.to_repair)
 
     def told(self) -> str:
         """Return one line: what differs and what it does."""
@@ -186,6 +194,9 @@ class Change:
             effects.append(f"{self.regraded} on record {'is' if self.regraded == 1 else 'are'} graded again")
         if self.chosen_anew:
             effects.append("of several attempts another one may count")
+        if self.to_repair:
+            many = "1 that does" if self.to_repair == 1 else f"{self.to_repair} that do"
+            effects.append(f"{many} not run may get a repair")
         if self.left and self.moves_scores:
             effects.append(
                 f"{self.left} not in the download stay{'s' * (self.left == 1)} as {'it is' if self.left == 1 else 'they are'}"
@@ -227,6 +238,8 @@ def change(
     known = [(was, now) for was, now in finals if was is not None and now is not None]
     means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
     moved = sum(was != now for was, now in finals)
+    broken = (each for each in kept.values() if not each.result.repairs and stops(each.result, rubric.lab))
+    to_repair = sum(1 for _ in broken) if new.repairs and not old.repairs else 0
     several = new.attempts == "latest" or None in hand_ins.values()
     chosen_anew = old.attempts != new.attempts and several and bool(final_grades)
     return Change(
@@ -237,6 +250,7 @@ def change(
         len(final_grades) - len(kept),
         chosen_anew,
         len(everyone) - len(final_grades),
+        to_repair,
     )
 
 
@@ -245,6 +259,7 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
     rubric = "another rubric" if old.rubric_sha256 != new.rubric_sha256 else "another late policy"
     found = {
         rubric: (old.rubric_sha256, old.late) != (new.rubric_sha256, new.late),
+        f"repairs are {'' if new.repairs else 'not '}applied by themselves": old.repairs != new.repairs,
         "another roster" if old.roster else "a roster": old.roster != new.roster,
         f"another attempt rule ({new.attempts} in place of {old.attempts})": old.attempts != new.attempts,
         _SCENARIOS: old.traces_sha256 != new.traces_sha256,

@@ -337,14 +337,22 @@ class _Run:
         order = self._order
         with ExitStack() as stack:
             marker = cache(lambda: stack.enter_context(opener(order)()))
-            grading = repairs.Grading(order.rubric, order.traces, lambda submission: marker().mark(submission))
+            grading = repairs.Grading(
+                order.rubric, order.traces, lambda submission, cpu_s=None: marker().mark(submission, cpu_s)
+            )
             for id_, found in repairs.renew(self._store, order.out, list(self._outcome.results), grading):
                 if isinstance(found, str):
                     self.lost_repairs.append(found)
                 else:
-                    final_grade = self._store.final_grades()[id_]
-                    self._count(final_grade)
-                    self._publisher.put(final_grade)
+                    self._repaired(id_)
+            if order.rubric.repairs.suggested:
+                for id_, _ in repairs.apply_suggested(self._store, order.out, list(self._outcome.results), grading):
+                    self._repaired(id_)
+
+    def _repaired(self, id_: str) -> None:
+        final_grade = self._store.final_grades()[id_]
+        self._count(final_grade)
+        self._publisher.put(final_grade)
 
     def grade(self, entries: Sequence[Entry]) -> None:
         with Reader() as reader:
@@ -456,10 +464,10 @@ def guarded_marker(
 class _Drawing:
     """A marker that draws the charts, too: there are several of them, and one process that has the pages of all to write."""
 
-    marker: Marking
+    marker: Marker
 
-    def mark(self, submission: Submission) -> Result:
-        result = self.marker.mark(submission)
+    def mark(self, submission: Submission, cpu_s: float | None = None) -> Result:
+        result = self.marker.mark(submission, cpu_s=cpu_s)
         return replace(result, evidence=replace(result.evidence, figures=drawn(unpacked(result.evidence.charts))))
 
 

@@ -36,7 +36,7 @@ KILLED = "the marking process was killed"
 class Marking(Protocol):
     """What is needed of a marker."""
 
-    def mark(self, submission: Submission) -> Result: ...
+    def mark(self, submission: Submission, cpu_s: float | None = None) -> Result: ...
 
 
 OpenMarker = Callable[[], AbstractContextManager[Marking]]
@@ -146,6 +146,7 @@ class Pool:
         self._desks: list[_Desk] = []
         self._backlog = Backlog(iter(()))
         self._open_marker = open_marker
+        self._cpu_s: float | None = None
         self._idle: deque[_Desk | None] = deque([None] * max(1, jobs))  # None: a desk that was not needed so far
         self._given: dict[Future[Result], tuple[_Desk, Task]] = {}  # of one desk the first is being marked
 
@@ -157,8 +158,11 @@ class Pool:
     ) -> None:
         self._close() if kind is None else self._abandon()
 
-    def run(self, submissions: Iterator[Submission]) -> Iterator[tuple[Submission, Outcome]]:
-        """See `mark_all`."""
+    def run(
+        self, submissions: Iterator[Submission], cpu_s: float | None = None
+    ) -> Iterator[tuple[Submission, Outcome]]:
+        """See `mark_all`; `cpu_s` limits the CPU time of each submission's code, where the rubric gives it more."""
+        self._cpu_s = cpu_s
         self._backlog = Backlog(submissions, self._attempts)
         while self._hand_out():
             done, waiting = wait(self._given, timeout=_LOOK_EVERY_S, return_when=FIRST_COMPLETED)
@@ -198,7 +202,7 @@ class Pool:
         return bool(self._given)
 
     def _give(self, desk: _Desk, task: Task) -> None:
-        self._given[desk.mark(task.submission)] = (desk, task)
+        self._given[desk.mark(task.submission, self._cpu_s)] = (desk, task)
 
     def _new_desk(self) -> _Desk:
         self._desks = [desk for desk in self._desks if not desk.dismissed] + [_Desk(self._open_marker)]
@@ -251,9 +255,9 @@ class _Desk:
             self._executor = ProcessPoolExecutor(1, mp_context=context, initializer=begin)
             self._opened = self._executor.submit(_open, open_marker)
 
-    def mark(self, submission: Submission) -> Future[Result]:
+    def mark(self, submission: Submission, cpu_s: float | None = None) -> Future[Result]:
         try:
-            return self._executor.submit(_mark, submission)
+            return self._executor.submit(_mark, submission, cpu_s)
         except BrokenProcessPool as problem:  # it died while it was idle
             future: Future[Result] = Future()
             future.set_exception(problem)
@@ -313,10 +317,10 @@ def _open(open_marker: OpenMarker) -> int:
     return os.getpid()
 
 
-def _mark(submission: Submission) -> Result:
+def _mark(submission: Submission, cpu_s: float | None) -> Result:
     if _marker is None:
         raise RequestError("no marker could be opened")
-    return _marker.mark(submission)
+    return _marker.mark(submission) if cpu_s is None else _marker.mark(submission, cpu_s)
 
 
 def _close() -> None:

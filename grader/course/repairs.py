@@ -9,7 +9,8 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import astuple, dataclass, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from grader.course.publishing import publish_all, write_class
 from grader.course.record import Key, OvertakenError, Store
 from grader.course.repair_suggestions import Mark, Suggestion, suggest
 from grader.course.submission_archive import unpack
-from grader.engine.results import Repair, Result, Unrepaired, from_dict
+from grader.engine.results import AUTOMATIC, Repair, Result, Unrepaired, from_dict
 from grader.engine.rubric import Rubric
 from grader.engine.rubric_nodes import guess_at
 from grader.engine.traces import Traces
@@ -31,8 +32,10 @@ from grader.intake.names import is_code
 from grader.people.final_grade import FinalGrade
 from grader.people.identity import Meant
 from grader.report import words
+from grader.report.causes import stops
 
 MAX_COMMENT = 2000
+BY_ITSELF = "Applied automatically: with this edit of one place the code runs."
 MOST = 20
 """Repairs of one submission that may be in force at once; each is a patch that a person wrote."""
 _TABLE = """
@@ -50,6 +53,7 @@ CREATE TABLE IF NOT EXISTS repairs (
     undone_at TEXT NOT NULL DEFAULT ''
 )
 """
+_TRIED = "CREATE TABLE IF NOT EXISTS tried (what TEXT PRIMARY KEY)"
 _FIELDS = "number, id, file, file_sha256, diff, deduction, comment, author, at, undone_by, undone_at"
 
 
@@ -79,9 +83,10 @@ class RepairLog(Database):
 
     def _prepare(self) -> None:
         super()._prepare()
-        found = self._db.execute("SELECT 1 FROM sqlite_master WHERE name = 'repairs'").fetchone()
-        if found is None:
-            self._db.execute(_TABLE if self._writable else _TABLE.replace("CREATE TABLE", "CREATE TEMP TABLE"))
+        for name, table in (("repairs", _TABLE), ("tried", _TRIED)):
+            found = self._db.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (name,)).fetchone()
+            if found is None:
+                self._db.execute(table if self._writable else table.replace("CREATE TABLE", "CREATE TEMP TABLE"))
 
     def all(self) -> list[LoggedRepair]:
         """Return every repair ever made, oldest first."""
@@ -107,6 +112,12 @@ class RepairLog(Database):
         with self._told(), self._transaction():
             query = "UPDATE repairs SET undone_by = ?, undone_at = ? WHERE number = ?"
             self._db.execute(query, (author, _now(), number))
+
+    def is_new(self, key: Key) -> bool:
+        """Record that a repair was looked for, and return whether that is the first time."""
+        with self._told(), self._transaction():
+            what = json.dumps(astuple(key))
+            return self._db.execute("INSERT OR IGNORE INTO tried VALUES (?)", (what,)).rowcount > 0
 
     def result(self, key: Key) -> Result | None:
         """Return the result on record under this key; the present one of the submission stays what it is."""
@@ -473,6 +484,47 @@ def renew(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iter
         for id_ in sorted(by_id.keys() & set(ids) & final_grades.keys()):
             for found in _renewed(store, log, final_grades[id_], by_id[id_], grading):
                 yield id_, found
+
+
+def apply_suggested(store: Store, out: Path, ids: Iterable[str], grading: Grading) -> Iterator[tuple[str, Result]]:
+    """Repair what does not run, where one repair is suggested, as ``repairs: {apply: suggested}`` in the rubric asks.
+
+    A file that somebody repaired before, or whose repair somebody took back, is left alone.
+
+    Yields
+    ------
+    The id of each submission that was repaired, and its result.
+    """
+    with RepairLog.existing(out) as log:
+        decided: dict[str, set[tuple[str, str]]] = {}
+        for each in log.all():
+            decided.setdefault(each.id, set()).add(each.is_for)
+        final_grades = store.final_grades()
+        for id_ in sorted(set(ids) & final_grades.keys()):
+            final_grade = final_grades[id_]
+            if final_grade.result.repairs or not stops(final_grade.result, grading.rubric.lab):
+                continue
+            with suppress(RequestError):  # then nothing counts that could not be recorded either
+                made = _applied(store, log, final_grade, decided.get(id_, set()), grading)
+                if made is not None:
+                    yield id_, made
+
+
+def _applied(
+    store: Store, log: RepairLog, final_grade: FinalGrade, decided: set[tuple[str, str]], grading: Grading
+) -> Result | None:
+    handed_in = _handed_in(store, final_grade)
+    if not log.is_new(grading.key(final_grade.id, handed_in.sha256)):
+        return None
+    found = suggest(handed_in, final_grade.result, grading.rubric.lab, grading.mark)
+    if found is None or (found.file, sha256_of(handed_in.files[found.file])) in decided:
+        return None
+    wish = Wish(final_grade.id, found.file, found.content, None, grading.rubric.repairs.deduct, BY_ITSELF)
+    made = _made(wish, final_grade, handed_in.files, handed_in, AUTOMATIC)
+    result = repaired(handed_in, final_grade, [made], grading, log)
+    log.add(made)
+    store.keep(grading.key(final_grade.id, repaired_sha256(handed_in, [made])), result)
+    return result
 
 
 def _renewed(

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from grader.base.text import printable
-from grader.engine.results import Result
+from grader.engine.results import AUTOMATIC, Result
 from grader.engine.rubric import LatePolicy
 from grader.people.final_grade import Adjustment, FinalGrade, summed, under, worth
 from grader.report import words
@@ -26,6 +26,8 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
     yield from _lines("an answer that the grader could not read (review what the code returns)", odd)
     stopped = [s.id for s in final_grades.values() if timed_out(s.result)]
     yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
+    applied = [s.id for s in final_grades.values() if any(repair.author == AUTOMATIC for repair in s.result.repairs)]
+    yield from _lines("repaired automatically (review the change)", applied)
     untimed = [s.id for s in final_grades.values() if s.late and s.late.due and s.late.seconds is None]
     yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
     yield from _lines("in the roster, no submission", absent)

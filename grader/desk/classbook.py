@@ -27,8 +27,6 @@ from grader.people.final_grade import Adjustment, FinalGrade
 from grader.report.similarity import Pair, own_hashes, pairs
 
 T = TypeVar("T")
-_DEDUCT = 5.0
-"""Points that the form of a repair proposes where the rubric says nothing."""
 _MOST_PAIRS = 20_000
 """Most similar pairs that are listed: 200 copies of one file are that many pairs."""
 
@@ -161,7 +159,7 @@ class Classbook:
     @property
     def repair_deduction(self) -> float:
         """Points that the form of a repair proposes."""
-        return _DEDUCT
+        return self.rubric.repairs.deduct
 
     def changed(self, ids: Iterable[str]) -> None:
         """Write the pages of these submissions anew, in the background."""

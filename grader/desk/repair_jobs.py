@@ -17,6 +17,7 @@ from typing import Literal
 from grader.base.errors import GraderError, RequestError
 from grader.course.class_grading import Recipe
 from grader.course.pool import Bounds, Pool, Stopped, Unmarked
+from grader.course.repair_suggestions import MOST
 from grader.course.repairs import Grading, Preview, sha256_of
 from grader.engine.results import Result
 from grader.intake import Submission
@@ -37,8 +38,8 @@ class Job:
         What is done, to which submission and file.
     text
         The edited file as the form has it; a suggestion replaces it.
-    step
-        What is being done at present, in words.
+    step, tried
+        What is being done at present, in words, and how many candidates for a repair were graded.
     lines
         What was done, a line each.
     problem
@@ -54,6 +55,7 @@ class Job:
     also: tuple[str, ...] = ()
     number: int = 0
     step: str = ""
+    tried: int = 0
     grades: Preview | None = None
     lines: list[str] = field(default_factory=list)
     problem: str = ""
@@ -124,10 +126,18 @@ class RepairJobs:
             self._results.clear()
             self._open, self._pool = now, None
         opened = self._open
-        return Grading(opened.rubric, opened.traces, lambda submission: self._mark(submission, opened, job))
 
-    def _mark(self, submission: Submission, opened: Recipe, job: Job) -> Result:
+        def mark(submission: Submission, cpu_s: float | None = None) -> Result:
+            return self._mark(submission, opened, job, cpu_s)
+
+        return Grading(opened.rubric, opened.traces, mark)
+
+    def _mark(self, submission: Submission, opened: Recipe, job: Job, cpu_s: float | None) -> Result:
         """Grade in the marker process; a copy that was graded just before is not graded again."""
+        if cpu_s is not None:
+            job.tried += 1
+            job.step = f"Grading edit {job.tried} of at most {MOST} in the sandbox"
+            return self._graded(submission, opened, cpu_s)
         key = _key(submission)
         if key not in self._results:
             job.step = "Grading the edited copy in the sandbox"
@@ -136,10 +146,10 @@ class RepairJobs:
                 self._results.popitem(last=False)
         return replace(self._results[key], submission=submission.name)
 
-    def _graded(self, submission: Submission, opened: Recipe) -> Result:
+    def _graded(self, submission: Submission, opened: Recipe, cpu_s: float | None = None) -> Result:
         if self._pool is None:
             self._pool = self._stack.enter_context(Pool(opened.open_marker, 1, _BOUNDS, attempts=1))
-        for _, outcome in list(self._pool.run(iter([submission]))):
+        for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):
             if isinstance(outcome, Unmarked | Stopped):
                 raise RequestError(f"the edited copy could not be graded: {outcome.reason}")
             return outcome

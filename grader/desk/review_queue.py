@@ -13,13 +13,14 @@ from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
 from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
 from grader.engine.lab import Lab
-from grader.engine.results import Result
+from grader.engine.results import AUTOMATIC, Result
 from grader.people.final_grade import FinalGrade
 from grader.report import words
 from grader.report.causes import stops
 
 KINDS = {
     "does-not-run": "Does not run",
+    "repaired": "Repaired automatically",
     "request": "Regrade request",
     "not-judged": "Grader failed",
     "unreadable": "Unreadable",
@@ -118,6 +119,10 @@ def items(
 def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
     result = final_grade.result
     yield from (Reason("does-not-run", each.sentence, file=each.file) for each in stops(result, lab))
+    for repair in result.repairs:
+        if repair.author == AUTOMATIC:
+            what = f"{printable(repair.file, 200)}, {words.minus(repair.deduction)} points. Check the change."
+            yield Reason("repaired", what)
     if final_grade.final is None:
         open_ = [
             check.title for part in result.criteria for check in part.checks if final_grade.check_points(check) is None

@@ -92,6 +92,7 @@ class Marker:
         only: str | None = None,
         waiting: Callable[[str], None] | None = None,
         listen: Listener | None = None,
+        cpu_s: float | None = None,
     ) -> Result:
         """Grade one submission; never raises for what a student did.
 
@@ -100,16 +101,17 @@ class Marker:
         only : the one criterion or extension to examine
         waiting : is called with what is waited for, where that takes long
         listen : hears what the student's code prints, on public scenarios alone: hidden data could be printed
+        cpu_s : CPU seconds for the student's code, where the rubric gives it more
 
         Raises
         ------
         Stopped
             When it is interrupted; it tells what was judged until then.
         """
-        started = time.perf_counter()
+        started, began_cpu = time.perf_counter(), time.process_time()
         if submission.status != "ready":
             return self._result(submission, submission.status, {}, [], started, only)
-        student = self._student(submission.files, submission.above, waiting)
+        student = self._student(submission.files, submission.above, waiting, cpu_s)
         student.listen = listen if self._traces.name == "public" else None
         look = PublicLook(lambda: self._public_student(submission)) if self._secret else None
         examination = Examination(self._lab, student, self._traces, only, look)
@@ -125,7 +127,8 @@ class Marker:
             if look:
                 look.close()
         result = self._result(submission, "graded", judgements, notes, started, only)
-        return replace(result, evidence=self._evidence(student))
+        used = time.process_time() - began_cpu + student.used_cpu_s
+        return replace(result, evidence=self._evidence(student), cpu_s=used)
 
     @property
     def _secret(self) -> bool:
@@ -145,8 +148,14 @@ class Marker:
         )
 
     def _student(
-        self, files: Mapping[str, bytes], above: Mapping[str, int], waiting: Callable[[str], None] | None = None
+        self,
+        files: Mapping[str, bytes],
+        above: Mapping[str, int],
+        waiting: Callable[[str], None] | None = None,
+        cpu_s: float | None = None,
     ) -> Conversation:
+        limits = self._rubric.limits
+        most = limits.submission_cpu_s if cpu_s is None else cpu_s
         self._box.warm(libraries_of(self._lab, files))
         student = self._lab.student(
             self._box,
@@ -154,8 +163,8 @@ class Marker:
             files,
             truth=self._traces,
             above=above,
-            call_cpu_s=self._rubric.limits.call_cpu_s,
-            submission_cpu_s=self._rubric.limits.submission_cpu_s,
+            call_cpu_s=min(limits.call_cpu_s, most),
+            submission_cpu_s=min(limits.submission_cpu_s, most),
             waiting=waiting,
         )
         student.secret = self._secret

@@ -101,9 +101,13 @@ class LabName:
     title: str = ""
 
 
+AUTOMATIC = "imugrade"
+"""Author of a repair that `grade` applied by itself, as the rubric asks."""
+
+
 @dataclass(frozen=True)
 class Repair:
-    """A person's patch on a submitted file: a unified diff, and the points that it costs.
+    """A patch on a submitted file: a unified diff, and the points that it costs.
 
     `score_before` is the score of the submission as it was handed in.
     """
@@ -134,6 +138,7 @@ class Result:
     `evidence` is shown beside the result and is no part of its record. `asked_sha256` is what was asked of the submission, where
     the record holds what it takes to mark it anew by another rubric that asks the same.
     With `repairs` the checks are those of the repaired copy, and `unrepaired` tells how each ended before.
+    `cpu_s` is the CPU time of this grading, by the grader and the student's code; it is not recorded.
     """
 
     submission: str
@@ -149,6 +154,7 @@ class Result:
     unrepaired: Mapping[str, Unrepaired] = field(default_factory=dict, compare=False, repr=False)
     evidence: Evidence = field(default=Evidence(), compare=False, repr=False)
     asked_sha256: str = field(default="", compare=False, repr=False)
+    cpu_s: float = field(default=0.0, compare=False, repr=False)
 
     @property
     def parts(self) -> tuple[CriterionResult | ExtensionResult, ...]:

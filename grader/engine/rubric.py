@@ -38,6 +38,7 @@ __all__ = [
     "LatePolicy",
     "Limits",
     "OwnChecks",
+    "RepairPolicy",
     "Rubric",
     "RubricError",
     "load",
@@ -47,7 +48,7 @@ __all__ = [
     "shipped",
 ]
 
-_OPTIONAL = ("extra_credit", "late", "mistakes")
+_OPTIONAL = ("extra_credit", "late", "mistakes", "repairs")
 OwnChecks = tuple[tuple[str, bytes], ...]
 """Names and contents of the files in the folder ``checks`` beside a rubric: what is read is what runs, wherever that is."""
 
@@ -122,6 +123,22 @@ class LatePolicy:
 
 
 @dataclass(frozen=True)
+class RepairPolicy:
+    """How files that do not run are repaired.
+
+    Attributes
+    ----------
+    suggested
+        Whether `grade` applies a suggested repair by itself; otherwise a person decides.
+    deduct
+        Points that a repair costs: of one that `grade` applies, and as the review desk proposes it.
+    """
+
+    suggested: bool = False
+    deduct: float = 5.0
+
+
+@dataclass(frozen=True)
 class Rubric:
     """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
 
@@ -147,6 +164,7 @@ class Rubric:
     own_checks: OwnChecks
     text: str = field(default="", repr=False)
     folder: Path | None = None
+    repairs: RepairPolicy = RepairPolicy()
 
     @property
     def parts(self) -> tuple[Criterion, ...]:
@@ -234,6 +252,7 @@ def parse(
     settings = {key: read(reader, keys.get(key), folder or Path()) for key, read in lab.settings.items()}
     late = _late(reader, keys.get("late"), sum(criterion.points for criterion in criteria))
     mistakes = _mistakes(reader, keys.get("mistakes"), lab)
+    repairs = _repairs(reader, keys.get("repairs"))
     if own is None:
         own = () if folder is None else own_checks(lab, folder)
     if reader.problems and not own:  # told in one round with those that `match_checks` would find
@@ -249,8 +268,9 @@ def parse(
     asked = _digest(limits, *settings.values(), *written)
     text = data.decode("utf-8", "surrogateescape")
     return Rubric(
-        lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, mistakes, own, text, folder
-    )
+        lab, criteria, extensions, limits, settings, digest, asked, source, granted, late, mistakes, own, text, folder,
+        repairs,
+    )  # fmt: skip
 
 
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:
@@ -459,6 +479,21 @@ def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, flo
             reader.say(key, f"there is no mistake {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
         prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
     return prices
+
+
+_APPLY = {"suggested": True, "none": False}
+
+
+def _repairs(reader: Reader, node: yaml.Node | None) -> RepairPolicy:
+    """Whether suggested repairs are applied, and what a repair costs."""
+    if node is None:
+        return RepairPolicy()
+    keys = reader.fields(node, "repairs", ("apply", "deduct"), ())
+    apply = reader.text(keys.get("apply"), "apply")
+    if "apply" in keys and apply not in _APPLY:
+        reader.say(keys["apply"], f"apply must be suggested or none, not {quote(keys['apply'])}")
+    deduct = reader.points(keys.get("deduct"), "deduct")
+    return RepairPolicy(_APPLY.get(apply, False), deduct or 0.0)
 
 
 def _digest(*meaning: object) -> str:

@@ -202,6 +202,11 @@ class Asking:
         """Sort key of a file to send: those that the lab asks for, then other code, then data."""
         return (path not in self._lab.homes.values(), not path.endswith((".py", ".ipynb")), path)
 
+    @property
+    def used_cpu_s(self) -> float:
+        """CPU time of the submission's code so far."""
+        return sum(self._used_cpu_s.values())
+
     def turn_to(self, part: str) -> None:
         """What is asked from now on is on the account of this part: no endless loop takes another part's time."""
         if part != self._part:

@@ -1,0 +1,290 @@
+"""Candidates for a repair: edits of one place in a file that does not run, made in a limited process of their own.
+
+Python's parser reads the student's text once for each edit. A text can make it run for minutes, fill the memory or end its process,
+so all of that happens in a process with limits on time and memory, which may die: then there are no candidates.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import itertools
+import math
+import re
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+from grader.engine.processes import starting_ours
+
+_CPU_S = 10
+"""CPU seconds for all edits of a place. A file of the sheet's length takes 0.2, one of 100 kB about 5."""
+_START_S = 30  # to start the process, on a crowded machine
+_MEMORY = 1 << 30  # bytes of address space
+_LARGEST = 100_000  # bytes of a file that is parsed for each candidate
+_MOST_PARSED = 1500
+_TOKEN = re.compile(r"\"[^\"\n]*\"?|'[^'\n]*'?|\w+|\s+|[^\w\s]")
+_NAME = re.compile(r"(?<![\w'\"])[^\W\d]\w*")
+_CLOSE = 0.7
+"""Letters in common of a name and the one that is meant, as difflib counts: it does not run already."""
+_INSERTED = (":", ")", "]", "}", ",", "(", "[", "'", '"', " in ", "=")
+_TYPOGRAPHIC = str.maketrans("“”„‟″‘’‚‛′–—−，；：（）［］｛｝＝＋　\xa0", "\"\"\"\"\"'''''---,;:()[]{}=+  ")
+_NUMPY = ("np.", "numpy.")
+_WORDS = ("data", "model", "self", "range", "len", "print", "abs", "int", "float", "None", "True", "False")
+
+
+@dataclass(frozen=True)
+class Made:
+    """Edited copies of a file, and the CPU time that it took to make them."""
+
+    files: tuple[bytes, ...] = ()
+    cpu_s: float = 0.0
+
+
+def limited(content: bytes, row: int, name: str, most: int, cpu_s: int = _CPU_S) -> Made:
+    """Return at most `most` candidates, made in a process that ends with them; none where a limit ended it."""
+    with starting_ours() as begin:
+        executor = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=begin)
+        made = executor.submit(_within_limits, content, row, name, most, cpu_s)
+    try:
+        return made.result(timeout=6 * cpu_s + _START_S)
+    except (OSError, RuntimeError, MemoryError, TimeoutError):  # the process was ended, or is busy on a crowded machine
+        return Made(cpu_s=cpu_s)
+    finally:
+        executor.shutdown(wait=False, cancel_futures=True)
+
+
+def _within_limits(content: bytes, row: int, name: str, most: int, cpu_s: int) -> Made:
+    began = time.process_time()
+    used = math.ceil(began)  # to start the process took that
+    with suppress(ImportError):  # Windows has no such limits; there only the time of the call is bounded
+        import resource  # noqa: PLC0415
+
+        resource.setrlimit(resource.RLIMIT_CPU, (used + cpu_s, used + cpu_s))
+        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+    return Made(tuple(itertools.islice(candidates(content, row, name), most)), time.process_time() - began)
+
+
+def candidates(content: bytes, row: int, name: str) -> Iterator[bytes]:
+    """Yield edited copies of a file that parse, the likeliest first, each with another meaning.
+
+    Parameters
+    ----------
+    row
+        The line at which the submission stops, counted from 0; -1 where only the function is known.
+    name
+        The function or class that is required there.
+    """
+    try:
+        text = content.decode()
+    except UnicodeDecodeError:
+        return
+    if len(content) > _LARGEST:
+        return
+    known = {_meaning(text)}
+    lines = text.split("\n")
+    edits = _of_a_line(lines, row, name) if None not in known else _of_syntax(lines, row)
+    for edited in itertools.islice(edits, _MOST_PARSED):
+        new = "\n".join(edited)
+        meaning = _meaning(new)
+        if meaning is not None and meaning not in known:
+            known.add(meaning)
+            yield new.encode()
+
+
+def _meaning(text: str) -> str | None:
+    """The program as Python reads it; None where it does not parse."""
+    try:
+        return ast.dump(ast.parse(text))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+_Lines = Sequence[str]
+
+
+def _with(lines: _Lines, row: int, *new: str) -> list[str]:
+    return [*lines[:row], *new, *lines[row + 1 :]]
+
+
+def _of_syntax(lines: _Lines, row: int) -> Iterator[list[str]]:
+    """One edit at the line that Python names, or one just above it."""
+    if not 0 <= row < len(lines):
+        return
+    yield from _whole(lines)
+    rows = [row, *(each for each in range(row - 1, max(-1, row - 4), -1) if lines[each].strip())]
+    for each in rows:
+        line = lines[each]
+        if line.translate(_TYPOGRAPHIC) != line:
+            yield _with(lines, each, line.translate(_TYPOGRAPHIC))
+        yield from (_with(lines, each, new) for new in _other_languages(line))
+        yield from (_with(lines, each, new) for new in _depths(lines, each))
+    for each in rows:
+        yield from (_with(lines, each, new) for new in _one_token(lines[each]))
+    for each in rows:
+        if lines[each].rstrip().endswith(":"):
+            depth = len(lines[each]) - len(lines[each].lstrip()) + 4
+            yield _with(lines, each, lines[each], " " * depth + "pass")
+
+
+def _whole(lines: _Lines) -> Iterator[list[str]]:
+    """Marks that a merge left, and tabulators."""
+    if any(line.startswith(("<<<<<<<", ">>>>>>>")) for line in lines):
+        ours, keep = [], True
+        for line in lines:
+            if line.startswith(("=======", "|||||||")):
+                keep = False
+            elif line.startswith((">>>>>>>", "<<<<<<<")):
+                keep = True
+            elif keep:
+                ours.append(line)
+        yield ours
+        yield [line for line in lines if not line.startswith(("<<<<<<<", ">>>>>>>", "=======", "|||||||"))]
+    if any("\t" in line for line in lines):
+        yield from ([line.expandtabs(width) for line in lines] for width in (4, 8))
+
+
+def _other_languages(line: str) -> Iterator[str]:
+    yield from (
+        new
+        for new in (
+            re.sub(r"\bprint +(?!\()(.*?)\s*$", r"print(\1)", line),
+            re.sub(r"\belse +if\b", "elif", line),
+            re.sub(r"(\w)(\+|-)\2\s*$", r"\1 \2= 1", line),
+            re.sub(r"(?<![=<>!])=(?!=)(?=.*:\s*$)", "==", line),
+            re.sub(r"(?<![=<>!])=\s*None\b", "is None", line),
+        )
+        if new != line
+    )
+
+
+def _depths(lines: _Lines, row: int) -> Iterator[str]:
+    """The line as far in as another one near it, the nearest depth first."""
+    line = lines[row]
+    own = len(line) - len(line.lstrip())
+    near = [each for each in lines[max(0, row - 30) : row + 5] if each.strip()]
+    depths = {len(each) - len(each.lstrip()) for each in near}
+    depths |= {depth + 4 for depth in depths}
+    yield from (" " * depth + line.lstrip() for depth in sorted(depths - {own}, key=lambda depth: abs(depth - own))[:6])
+
+
+def _one_token(line: str) -> Iterator[str]:
+    """The line with one token more or less: at its end first, where it is mostly missing."""
+    code = line.split("#", maxsplit=1)[0].rstrip()
+    ends = [each.end() for each in _TOKEN.finditer(line) if each.end() <= len(code)]
+    for at in sorted({len(code), *ends}, reverse=True):
+        yield from (line[:at] + token + line[at:] for token in _INSERTED)
+    for token in reversed(list(_TOKEN.finditer(line))):
+        if not token[0].strip() or len(token[0]) == 1:
+            yield line[: token.start()] + line[token.end() :]
+
+
+def _of_a_line(lines: _Lines, row: int, name: str) -> Iterator[list[str]]:
+    """One edit of the line at which a function stops; where no line is known, of the function itself."""
+    text = "\n".join(lines)
+    if row >= 0:
+        line = lines[row]
+        for new in _other_names(line, text, _parameters(lines, row)):
+            yield _with(lines, row, new)
+        for new in _asked_for_none(line):
+            yield _with(lines, row, new)
+    yield from _without_self(lines, name)
+    yield from _with_return(lines, name)
+
+
+def _other_names(line: str, text: str, parameters: Sequence[str]) -> Iterator[str]:
+    """The line with a name of it exchanged: one of the file that is nearly that, one with ``self.`` or ``np.``, or a parameter."""
+    known = {*_NAME.findall(text), *_WORDS}
+    seldom = {name for name in known if len(re.findall(rf"\b{name}\b", text)) == 1}
+    names = sorted(_NAME.finditer(line), key=lambda found: found[0] not in seldom)
+    for found in names:
+        near = difflib.get_close_matches(found[0], known - {found[0]}, 3, _CLOSE)
+        yield from (line[: found.start()] + other + line[found.end() :] for other in near)
+    for found in names:
+        if line[: found.start()].endswith("."):
+            continue
+        if f"self.{found[0]}" in text:
+            yield f"{line[: found.start()]}self.{line[found.start() :]}"
+        yield from (f"{line[: found.start()]}{np}{line[found.start() :]}" for np in _NUMPY if np in text)
+    for found in names:
+        if found[0] in parameters:
+            others = (each for each in parameters if each not in (found[0], "self"))
+            yield from (line[: found.start()] + other + line[found.end() :] for other in others)
+
+
+def _parameters(lines: _Lines, row: int) -> Sequence[str]:
+    """The parameters of the function that a line stands in, as far as its text tells."""
+    head = next((at for at in range(row, -1, -1) if re.match(r"\s*(?:async )?def ", lines[at])), None)
+    if head is None:
+        return ()
+    signature = "\n".join(lines[head : head + 6]).partition("(")[2].partition("):")[0].partition(") ->")[0]
+    return [name for name in _NAME.findall(re.sub(r"=[^,]*|:[^,]*", "", signature)) if name]
+
+
+def _asked_for_none(line: str) -> Iterator[str]:
+    """``is None`` in the place of other ways to ask an array whether it is there."""
+    changes = [(r"== *None", "is None"), (r"!= *None", "is not None"), (r"\bnot ([\w.]+)(?= *:)", r"\1 is None")]
+    changes += [(r"\bif ([\w.]+) *:", r"if \1 is not None:"), (r"= ([\w.]+) or ", r"= \1 if \1 is not None else ")]
+    yield from (new for old, meant in changes if (new := re.sub(old, meant, line)) != line)
+
+
+def _functions(text: str, name: str) -> list[ast.FunctionDef]:
+    """The function of this name, or the methods of the class of this name."""
+    with suppress(SyntaxError, ValueError, RecursionError, MemoryError):
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.FunctionDef) and node.name == name:
+                return [node]
+            if isinstance(node, ast.ClassDef) and node.name == name:
+                return [each for each in node.body if isinstance(each, ast.FunctionDef)]
+    return []
+
+
+def _without_self(lines: _Lines, name: str) -> Iterator[list[str]]:
+    for function in _functions("\n".join(lines), name):
+        first = function.args.args[0].arg if function.args.args else ""
+        if name[:1].isupper() and first != "self" and not function.decorator_list:
+            row = function.lineno - 1
+            yield _with(lines, row, re.sub(r"\((?=\S)", "(self, " if first else "(self", lines[row], count=1))
+
+
+def _with_return(lines: _Lines, name: str) -> Iterator[list[str]]:
+    """A function that returns nothing with a ``return`` of what stands last in it."""
+    for function in _functions("\n".join(lines), name):
+        returned = [each for each in ast.walk(function) if isinstance(each, ast.Return) and each.value is not None]
+        last = function.body[-1]
+        if function.name == "__init__" or (returned and isinstance(last, ast.Return)) or last.end_lineno is None:
+            continue
+        depth = " " * last.col_offset
+        for value in _values(function.body):
+            yield [*lines[: last.end_lineno], f"{depth}return {value}", *lines[last.end_lineno :]]
+
+
+def _values(body: Sequence[ast.stmt]) -> Iterator[str]:
+    """Return candidates for a missing `return`: what the function prints or names at its end, or assigned last."""
+    last = body[-1]
+    if isinstance(last, ast.Expr):
+        call = last.value
+        printed = isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "print"
+        told = call.args if printed and isinstance(call, ast.Call) else [call]
+        yield ", ".join(ast.unparse(each) for each in told if not isinstance(each, ast.Constant | ast.JoinedStr))
+    names = list(dict.fromkeys(_set_in(body)))
+    if isinstance(last, ast.Assign | ast.AugAssign | ast.If):
+        yield from (f"{names[-1]}.copy()", names[-1]) if names else ()
+    if len(names) > 1:
+        yield f"{names[-2]}, {names[-1]}"
+
+
+def _set_in(body: Iterable[ast.stmt]) -> Iterator[str]:
+    """The names and attributes that statements set, in their order."""
+    for node in body:
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AugAssign) else []
+        )
+        for target in targets:
+            parts = target.elts if isinstance(target, ast.Tuple) else [target]
+            yield from (ast.unparse(each) for each in parts if isinstance(each, ast.Name | ast.Attribute))
+        if isinstance(node, ast.If):
+            yield from _set_in([*node.body, *node.orelse])
