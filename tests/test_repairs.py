@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import datetime, timezone
 from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from xml.etree import ElementTree
 
 import jsonschema
 import pytest
@@ -17,7 +22,10 @@ import pytest
 from grader.course import classroom, repairs
 from grader.course.repair_suggestions import Suggestion
 from grader.engine import rubric
+from grader.engine.results import from_dict, to_json
 from grader.labs.imu.lab import LAB
+from grader.platforms.gradescope import gradescope
+from grader.platforms.junit import junit
 from tests import class_commands
 from tests.class_commands import CHECK, Run, column, commands, hand_in, rubric_with
 
@@ -297,3 +305,87 @@ def test_a_slip_in_the_repairs_of_a_rubric_is_told_with_its_line(lines: str, pro
 
 def test_the_shipped_rubric_applies_nothing() -> None:
     assert rubric.load(LAB).repairs == rubric.RepairPolicy(suggested=False, deduct=5.0)
+
+
+# ---- where a repair shows ----
+
+REPAIRED = "filters.py was repaired by Eve (−1 points): a colon was missing"
+
+
+def test_every_file_of_out_shows_a_repair(run: Run) -> None:
+    repaired(run)
+    page = Path("out/index.html").read_text()
+    row = page.partition('<a href="submissions/alice/report.html">')[2].partition("</tr>")[0]
+    assert "graded, repaired" in row
+    assert ">repaired (1)</option>" in page
+    assert column(Path("out/gradebook.csv"), "repair_deduction") == {"alice": "1", "bob": "0"}
+
+
+@pytest.mark.parametrize(
+    ("platform", "template", "cells"),
+    [
+        ("csv", "", {"alice": "99", "bob": "100"}),
+        ("canvas", "Student,ID,SIS User ID,SIS Login ID,Section,Lab (1)\n    Points Possible,,,,,100\nalice,1,alice,alice,A,\nbob,2,bob,bob,A,\n", {"alice": "99", "bob": "100"}),
+        ("moodle", "Identifier,Full name,ID number,Email address,Status,Grade,Maximum Grade\nParticipant 1,alice,alice,,,,100\nParticipant 2,bob,bob,,,,100\n", {"alice": "99", "bob": "100"}),
+    ],
+)  # fmt: skip
+def test_every_gradebook_has_the_repaired_grade(run: Run, platform: str, template: str, cells: dict[str, str]) -> None:
+    repaired(run)
+    Path("template.csv").write_text(template)
+    more = ("--template", "template.csv") if template else ()
+    code, _, err = run("export", "out", "--format", platform, *more, "-o", "upload.csv")
+    assert code == 0, err
+    text = Path("upload.csv").read_text()
+    for name, points in cells.items():
+        line = next(line for line in text.splitlines() if name in line)
+        assert points in re.split("[,;]", line) or f"{points}.0" in line, line
+
+
+def test_the_feedback_that_is_uploaded_has_the_repair(run: Run) -> None:
+    with zipfile.ZipFile("canvas.zip", "w") as archive:
+        archive.writestr("alice_101_9001_filters.py", "# 0.5\n")
+        archive.writestr("bob_102_9002_filters.py", "# 1\n")
+    assert run("grade", "canvas.zip", "-o", "class2")[0] == 0
+    run("repair", "class2", "alice", "filters.py", "--with", "fixed.py", "--deduct", 1, *WHY)
+    code, _, err = run("export", "class2", "--format", "csv", "-o", "marks.csv", "--feedback", "reports.zip")
+    assert code == 0, err
+    with zipfile.ZipFile("reports.zip") as archive:
+        pages = {name: archive.read(name).decode() for name in archive.namelist()}
+    shown = {"101" in name: '<h2 id="repairs">' in page for name, page in pages.items()}
+    assert shown == {True: True, False: False}
+
+
+def test_diff_tells_what_was_repaired_and_what_no_longer_is(run: Run) -> None:
+    before = total()
+    shutil.copytree("out", "before")
+    repaired(run)
+    told = run("diff", "before", "out")[1]
+    assert f"alice  {before:g} → 99\n" in told
+    assert f"  {REPAIRED}\n" in told
+    assert "bob" not in told
+    assert f"  no longer: {REPAIRED}\n" in run("diff", "out", "before")[1]
+
+
+def test_every_format_of_a_job_tells_a_repair(run: Run) -> None:
+    repaired(run)
+    made = from_dict(result())
+    assert json.loads(to_json(made))["repairs"] == result()["repairs"]
+    of_gradescope = json.loads(gradescope(made))
+    assert of_gradescope["score"] == 99.0
+    assert REPAIRED in of_gradescope["output"]
+    text = junit(made, datetime(2026, 11, 20, tzinfo=timezone.utc))
+    (suite,) = ElementTree.fromstring(text).findall("testsuite[@name='repairs']")
+    facts = {each.get("name"): each.get("value") for each in suite.iter("property")}
+    assert facts == {"score": "-1", "repair.1": REPAIRED}
+
+
+def test_a_regrade_with_another_version_keeps_the_page_of_the_repair_only_while_the_file_is_the_same(run: Run) -> None:
+    repaired(run)
+    page = Path("out/submissions/alice/report.html")
+    Path("class/alice/imu_reader.py").write_text("# another file\n")
+    assert run("grade", "class", "-o", "out")[0] == 0
+    assert (total(), '<h2 id="repairs">' in page.read_text()) == (99.0, True)
+    hand_in(Path("class"), alice=0.25)
+    assert "the repair of filters.py by Eve does not count" in run("grade", "class", "-o", "out")[2]
+    assert '<h2 id="repairs">' not in page.read_text()
+    assert "repaired" not in Path("out/index.html").read_text().partition("<tbody")[2].partition("</tbody>")[0]

@@ -109,7 +109,10 @@ def _told(check: CheckResult | None) -> str:
 
 
 def _beside(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
-    """Adjustments and lateness."""
+    """Repairs, adjustments and lateness."""
+    repaired = [words.repairs(side.result) for side in (old, new)]
+    yield from (f"no longer: {line}" for line in repaired[0] if line not in repaired[1])
+    yield from (line for line in repaired[1] if line not in repaired[0])
     for criterion in dict.fromkeys(a.criterion for a in (*old.adjustments, *new.adjustments)):
         before, after = (_by_hand(side, criterion) for side in (old, new))
         if before != after:

@@ -24,6 +24,8 @@ def junit(result: Result, at: datetime) -> str:
     root = Element("testsuites", name="imugrade")
     for part in rows.parts(result):
         _suite(root, part, result, at)
+    if result.repairs:
+        _repairs(root, result, at)
     for name in _COUNTED:
         root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
     root.set("time", _seconds(check.duration_s for part in rows.parts(result) for check in part.checks))
@@ -44,6 +46,17 @@ def _suite(root: Element, part: rows.Part, result: Result, at: datetime) -> None
     for name, path in {**_COUNTED, "skipped": "testcase/skipped"}.items():
         suite.set(name, str(len(suite.findall(path))))
     suite.set("time", _seconds(check.duration_s for check in part.checks))
+
+
+def _repairs(root: Element, result: Result, at: datetime) -> None:
+    """A suite without cases: what was repaired, and the points that it takes from the sum of the others."""
+    suite = SubElement(root, "testsuite", name="repairs", timestamp=at.isoformat(timespec="seconds"), time="0")
+    properties = SubElement(suite, "properties")
+    SubElement(properties, "property", name="score", value=words.number(-result.repair_deduction))
+    for number, line in enumerate(words.repairs(result), 1):
+        SubElement(properties, "property", name=f"repair.{number}", value=line)
+    for name in (*_COUNTED, "skipped"):
+        suite.set(name, "0")
 
 
 def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:

@@ -61,8 +61,8 @@ def _plain_line(line: words.Line) -> str:
 
 
 def notes(result: Result) -> list[str]:
-    """The first notes, and how many there are beyond them."""
-    told = words.notes(result)
+    """The repairs, then the first notes, and how many there are beyond them."""
+    told = [*words.repairs(result), *words.notes(result)]
     more = [f"… and {len(told) - NOTES_LIMIT} more"] if len(told) > NOTES_LIMIT else []
     return told[:NOTES_LIMIT] + more
 

@@ -154,7 +154,13 @@ def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry
         bonus=_cell(None if result.extra_credit_cap is None else result.extra_credit),
         late=Cell(words.late(final_grade), -1.0 if late is None else float(late.seconds or 0)),
         final=_cell(final_grade.final),
-        status=", ".join([result.status, *(["adjusted"] if final_grade.adjustments else [])]),
+        status=", ".join(
+            [
+                result.status,
+                *(["repaired"] if result.repairs else []),
+                *(["adjusted"] if final_grade.adjustments else []),
+            ]
+        ),
         tags=(*_tags(final_grade), *([] if score is None else [f"score:{_bin(score, top)}"])),
     )
 
@@ -168,6 +174,8 @@ def _tags(final_grade: FinalGrade) -> Iterable[str]:
     yield f"status:{final_grade.result.status}"
     if final_grade.late is not None:
         yield "status:late"
+    if final_grade.result.repairs:
+        yield "status:repaired"
     if final_grade.adjustments:
         yield "status:adjusted"
     if final_grade.outdated():

@@ -173,6 +173,15 @@ def notes(result: Result) -> list[str]:
     return [_text(note) for note in result.notes]
 
 
+def repairs(result: Result) -> list[str]:
+    """Return a line on each repair: ``filters.py was repaired by Eve (−5 points): a colon was missing``."""
+    return [
+        f"{printable(each.file, 200)} was repaired by {printable(each.author, 80)} ({minus(each.deduction)} points): "
+        f"{printable(each.comment, 300)}"
+        for each in result.repairs
+    ]
+
+
 def mistakes(result: Result) -> list[str]:
     """Return the names of the faults that a student may see."""
     return [misconception(id_) for id_ in result.misconceptions if id_ not in FOR_THE_INSTRUCTOR]
