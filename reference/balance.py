@@ -58,7 +58,7 @@ def balanced(text: str) -> str:
 
 
 def _sinking(model: mujoco.MjModel) -> float:
-    """How far the pelvis has to go up (m) for the vertical force to balance, by bisection on the initial height."""
+    """Return how far the pelvis has to rise (m) for the vertical force to balance, by bisection on the initial height."""
     data = mujoco.MjData(model)
     start = model.qpos0[2]
     low, high = -0.02, 0.02

@@ -1,4 +1,4 @@
-"""What is simulated for the sheet's extensions: motions of a tilting IMU, kinds of noise, many IMUs, a robot to watch."""
+"""Simulate the scenarios of the extensions: motions of a tilting IMU, kinds of noise, many IMUs, a robot to watch."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Wave:
 
 @dataclass(frozen=True)
 class Ride:
-    """How the gimbal moves and what its sensors add.
+    """A motion of the gimbal and the errors of its sensors.
 
     Attributes
     ----------

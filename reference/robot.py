@@ -49,7 +49,7 @@ class Robot:
     imu: tuple[str, str]
 
     def about(self) -> dict[str, Any]:
-        """What a manifest says of it: also which ids and which time step students may have learnt by heart."""
+        """Return the manifest's entry: also the ids and the time step that students may have learnt by heart."""
         model = mujoco.MjModel.from_xml_string(self.xml)
         ids = [int(model.sensor(name).id) for name in self.imu]
         return {"file": self.file, "imu": list(self.imu), "ids": ids, "timestep": float(model.opt.timestep)}
@@ -146,7 +146,7 @@ def sensors(model: mujoco.MjModel, kind: mujoco.mjtSensor) -> list[str]:
 
 
 def is_steady(model: mujoco.MjModel) -> bool:
-    """Whether the simulation stays within bounds after the push.
+    """Return whether the simulation stays within bounds after the push.
 
     MuJoCo resets one that grows without bounds, and the rows after that are no motion of the robot's.
     """

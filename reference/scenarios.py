@@ -1,4 +1,4 @@
-"""What is simulated to find the truth. Everything follows from a name and a seed: the same two, the same numbers.
+"""Simulate the ground truth. Name and seed determine every number.
 
 Convention: a row holds what the sensors read right after `mj_step`, as on the lab sheet, and the simulation's time
 after that step. (MuJoCo computes sensors before it integrates, so the row is the state at the step's beginning.)
@@ -125,7 +125,7 @@ _DRAWS = 50
 
 
 def _retold(recording: Recording) -> Recording:
-    """Where it is not the lab's robot, its description does not say so."""
+    """Adapt a description to a robot that is not the lab's."""
     if recording.model != "lab":
         return recording
     said = recording.description
@@ -175,7 +175,7 @@ def _thrown(rng: np.random.Generator, model: mujoco.MjModel, imu: tuple[str, str
 
 
 def _can_be_plotted(arrays: Mapping[str, FloatArray]) -> bool:
-    """Whether every axis moves by a share of its panel's height, and no two axes of a sensor lie on each other."""
+    """Return whether every axis moves by a share of its panel's height, and no two axes of a sensor coincide."""
     for rows in (arrays["acceleration"], arrays["angular_velocity"]):
         if not np.isfinite(rows).all():
             return False
@@ -335,7 +335,7 @@ def filter(scene: Scene) -> Recording:
 
 
 def _slow_motion(rng: np.random.Generator, time: FloatArray, size: float) -> FloatArray:
-    """Each axis (n, 3): a sine of its own below half a hertz, and a step of its own height half-way."""
+    """Return a slow motion (n, 3): each axis a sine below half a hertz, and a step of its own height half-way."""
     frequency, phase = rng.uniform(0.2, 0.5, 3), rng.uniform(0.0, 2 * np.pi, 3)
     steps = rng.uniform(0.8, 1.2, 3) * rng.choice([-1.0, 1.0], 3) * size
     wave = size * np.sin(2 * np.pi * time[:, None] * frequency + phase)

@@ -1,4 +1,4 @@
-"""What every scenario draws on: its own generator, the settings, the compiled models; and how a motion is rolled out."""
+"""Shared parts of the scenarios: generator, settings, compiled models, and the roll-out of a motion."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Settings:
-    """What differs between the public bundle and hidden ones beside the random states."""
+    """The settings that differ between the public bundle and hidden ones, beside the random states."""
 
     push_s: float = 1.2
     dirty_s: float = 0.6
@@ -46,7 +46,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Scene:
-    """What a scenario may draw on: its own generator, the settings and the compiled models.
+    """The inputs of a scenario: its own generator, the settings and the compiled models.
 
     `lab` is the robot that is graded on: the lab's, or the instructor's own. `imus` are its pairs of accelerometer and
     gyroscope, the IMU that is graded first. `sheet` is the lab's robot, whichever is graded on.
@@ -73,7 +73,7 @@ class Scene:
 
     @property
     def own(self) -> bool:
-        """Whether the robot is the instructor's: the sheet's facts are not asked of it."""
+        """Return whether the robot is the instructor's, for which the sheet's facts need not hold."""
         return self.lab is not self.sheet
 
 
@@ -84,7 +84,7 @@ def generator(name: str, seed: str, purpose: str) -> np.random.Generator:
 
 
 def first_line(record: Callable[[Scene], Recording]) -> str:
-    """What a scenario is, in a sentence: the first line of its docstring."""
+    """Return the first line of a scenario's docstring, its description."""
     return (record.__doc__ or "").strip().splitlines()[0]
 
 

@@ -81,7 +81,7 @@ def _without_pictures(root: ET.Element) -> None:
 
 
 def _numbers(values: Any) -> str:
-    """All digits of single precision, in which MuJoCo keeps meshes and heights, and enough for the rest."""
+    """Format numbers with all digits of single precision, in which MuJoCo keeps meshes and heights; enough for the rest."""
     return " ".join(f"{value:.9g}" for value in np.ravel(values))
 
 

@@ -90,7 +90,7 @@ class Robot:
             yield from world.iter("body")
 
     def parts(self, *tags: str) -> Iterator[ET.Element]:
-        """What hangs on the bodies directly, body by body."""
+        """Yield the direct children of the bodies, body by body."""
         for owner in (*self.root.findall("worldbody"), *self.bodies()):
             yield from (part for part in _hanging_on(owner) if part.tag in tags)
 
@@ -114,7 +114,7 @@ def _written_out(model: mujoco.MjModel) -> str:
 
 
 def numbers(values: FloatArray) -> str:
-    """As MJCF writes a vector, without rounding: inertias that are just possible stay so."""
+    """Write a vector for MJCF without rounding: inertias that are just possible stay so."""
     return " ".join(repr(float(value)) for value in np.atleast_1d(values))
 
 
@@ -130,7 +130,7 @@ def _set_section(root: ET.Element, tag: str, name: str, value: str) -> None:
 
 
 def _vary_bodies(robot: Robot, rng: np.random.Generator) -> None:
-    """Every body gets its inertia in so many words, whether it came from geoms or not."""
+    """Give every body an explicit inertia, whether it came from geoms or not."""
     model = robot.model
     for body, element in enumerate(robot.bodies(), start=1):
         factor = rng.uniform(*MASSES)
@@ -234,7 +234,7 @@ def _vary_sensors(robot: Robot, rng: np.random.Generator) -> None:
 
 
 def _extra_sensors(robot: Robot, rng: np.random.Generator) -> Iterator[ET.Element]:
-    """Of a clock or of a site that has an IMU already: those are in every model that is graded."""
+    """Yield further sensors, as graded models have them: clocks, and others at sites that have an IMU."""
     taken = {sensor.get("name") for sensor in robot.sensors()}
     sites = sorted({str(sensor.get("site")) for sensor in robot.sensors() if sensor.tag in _IMU})
     for number in range(int(rng.integers(*EXTRA_SENSORS))):
@@ -270,7 +270,7 @@ def _order(
 
 
 def _guesses(order: list[ET.Element], dims: list[int], old: set[int], limit: int) -> int:
-    """How many of an IMU's sensors lie where a mistake would look for them: at their id, behind their partner, as before."""
+    """Count an IMU's sensors that lie where a fault would look for them: at their id, after their partner, at the old place."""
     starts = np.concatenate([[0], np.cumsum(dims)]).astype(int)
     place = {
         (sensor.get("site"), sensor.tag): (i, int(starts[i])) for i, sensor in enumerate(order) if sensor.tag in _IMU

@@ -86,7 +86,7 @@ def lab() -> str:
 
 
 def imu_addresses(model: mujoco.MjModel) -> frozenset[int]:
-    """Where the IMUs of the lab model or of a variant of it lie in `sensordata`."""
+    """Return the addresses in `sensordata` of the IMUs of the lab model or of a variant."""
     names = (f"{place}_{kind}" for place in LAB_PLACES for kind in ("accelerometer", "gyroscope"))
     return frozenset(int(model.sensor(name).adr[0]) for name in names)
 
@@ -214,7 +214,7 @@ def _imu_names(rng: np.random.Generator, n: int) -> tuple[tuple[str, str], ...]:
 
 
 def _sensors(imus: tuple[tuple[str, str], ...]) -> list[Sensor]:
-    """Both sensors of every IMU, and enough others, of one, three and four numbers, to set ids and addresses apart."""
+    """Return both sensors of every IMU, and enough others of one, three and four numbers to set ids and addresses apart."""
     sensors = [Sensor("clock", 1, '<clock name="clock"/>')]
     for i, (accel, gyro) in enumerate(imus):
         sensors += [

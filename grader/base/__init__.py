@@ -1,1 +1,1 @@
-"""What every room stands on: errors, text of strangers, files written whole, instants."""
+"""Shared basics: errors, untrusted text, atomic file writes, timestamps."""

@@ -33,4 +33,4 @@ class Crashed(NoAnswer):
 
 
 class Malformed(NoAnswer):
-    """What came back is not an answer: a protocol violation."""
+    """The worker's reply violates the protocol."""

@@ -31,7 +31,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 def _is_stream(path: Path) -> bool:
-    """Whether nothing can be moved to that place: it stands for a device, a pipe or an open file of this process."""
+    """Return whether the path is a device, a pipe or an open file of this process, so that no file can replace it."""
     if path.parent in (Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")):
         return True
     return path.exists() and not path.is_file() and not path.is_dir()

@@ -1,4 +1,4 @@
-"""What lies in the package beside its code, found in the same way from a wheel, an sdist's folder and a checkout."""
+"""Find the package's data files in the same way in a wheel, an sdist's folder and a checkout."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ _FORMULA = tuple("=+-@\t\r\n＝＋－＠")  # Excel and LibreOffice read the ful
 
 
 def _noncharacter(code: int) -> bool:
-    """Whether Unicode reserves the code point for ever; XML refuses two of them."""
+    """Return whether Unicode reserves the code point for ever; XML refuses two of them."""
     return code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF
 
 

@@ -1,4 +1,4 @@
-"""What was handed in: folders, archives and classes of them, read into memory as bytes and never trusted.
+"""Read submissions (folders and archives) into memory as bytes that are never trusted.
 
 One submission is here at once; `classes.read_class` finds those of a class without reading them.
 """

@@ -98,7 +98,7 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
 
 
 def foreign(name: str) -> str:
-    """What to do about an archive that is not opened: its readers take as much time and memory as the archive says."""
+    """Return what to tell about an archive of a kind that is never opened, because reading it has no bound on time or memory."""
     return f"{name} is an archive of a kind that is not opened; hand in a .zip, or ask whoever marks to unpack it."
 
 
@@ -224,7 +224,7 @@ def _decoded(data: bytes, otherwise: str) -> str:
 
 
 def _zip_objection(entry: zipfile.ZipInfo) -> str:
-    """Why this entry is not read, or ""."""
+    """Return why this entry is not read, or ""."""
     kind = stat.S_IFMT(entry.external_attr >> 16)
     if kind not in (0, stat.S_IFREG):
         return LINK if kind == stat.S_IFLNK else SPECIAL

@@ -25,7 +25,7 @@ REFUSED = "the system refused it"
 
 @dataclass(frozen=True)
 class Download:
-    """What lies at the top of a download, `root` down in it: names to whether they are folders, and what stays out and why.
+    """The entries at the top of a download, `root` down in it: name to whether it is a folder, and what is left out and why.
 
     `known` is who is in the class, by the platform's number, as far as that is known.
     """
@@ -56,7 +56,7 @@ class Download:
         return data if len(data) <= most else None
 
     def holds(self, *parts: str) -> bool:
-        """Whether there is such a file or folder."""
+        """Return whether there is such a file or folder."""
         inner = self.place("/".join(parts))
         return os.path.lexists(self.path / inner) if os.path.isdir(self.path) else inner in _contents(self.path).below
 

@@ -40,7 +40,7 @@ class Unreadable(Exception):  # noqa: N818 - a verdict on a submission, not an e
 
 @dataclass
 class Room:
-    """What one kind of file, code or not, may still take."""
+    """Number and size that files of one kind, code or not, may still take."""
 
     files: int = MAX_FILES
     bytes: int = MAX_BYTES
@@ -48,7 +48,7 @@ class Room:
 
 @dataclass
 class FileBudget:
-    """What has been read (`files`), what has not (`left`: reason to names), and whether reading broke off somewhere.
+    """The files read so far (`files`), those left out (`left`: reason to names), and whether reading broke off.
 
     `required` are the names that the lab asks for: any number of other files leaves room for these.
     """
@@ -100,7 +100,7 @@ class FileBudget:
         self.files[path] = data
 
     def _no_room(self, path: str, size: int) -> str:
-        """Why a file of this size cannot be taken, or ""."""
+        """Return why a file of this size cannot be taken, or ""."""
         if size > MAX_FILE:
             return TOO_LARGE
         room = self._room_for(path, size)

@@ -108,6 +108,6 @@ def status_of(entry: os.DirEntry[str]) -> os.stat_result | None:
 
 
 def is_link(status: os.stat_result) -> bool:
-    """Whether an lstat result is that of a symbolic link or of a Windows junction."""
+    """Return whether an lstat result is that of a symbolic link or of a Windows junction."""
     junction = getattr(stat, "IO_REPARSE_TAG_MOUNT_POINT", -1)
     return stat.S_ISLNK(status.st_mode) or getattr(status, "st_reparse_tag", 0) == junction

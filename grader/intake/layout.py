@@ -1,4 +1,4 @@
-"""Which of the files that were handed in are the lab's: the folder that holds them, and what lies around it."""
+"""Find the lab's files in a submission: the folder that holds them, and the files around it."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _inside(folder: str, budget: FileBudget, required: Collection[str]) -> tuple
 
 
 def _around(folder: str, elsewhere: Iterable[str], inside: Iterable[str]) -> dict[str, int]:
-    """What comes with the lab's folder: `Layout.above`.
+    """Return the files that belong to the lab's folder from above it: `Layout.above`.
 
     A program that is started in a folder above finds what is there and imports the lab's files out of their folder. So both
     are one submission, and a name further inside goes before one further outside. Notebooks of other folders are left,
@@ -138,7 +138,7 @@ def _folders(path: str) -> Iterable[str]:
 
 
 def _notes(folder: str, others: list[str], elsewhere: Iterable[str], above: Mapping[str, int]) -> Iterable[str]:
-    """What is told of the choice, and of the code that lies `elsewhere`."""
+    """Return the notes on the chosen folder, and on the code that lies `elsewhere`."""
     here = printable(folder) or "the top folder"
     if others:
         yield f"More than one folder holds the lab's files: {here} was graded, not {listing(others)}."

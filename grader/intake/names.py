@@ -41,7 +41,7 @@ def is_code(path: str) -> bool:
 
 
 def is_litter(parts: Iterable[str]) -> bool:
-    """Whether a path lies in a folder that tools made, or is a file that an operating system left."""
+    """Return whether a path lies in a folder that tools made, or is a file that an operating system left."""
     return any(part in _LITTER_FOLDERS or part.startswith("._") or part.casefold() in _LITTER_FILES for part in parts)
 
 
@@ -71,7 +71,7 @@ def original(name: str) -> str:
 
 
 def portable(path: str) -> bool:
-    """Whether each part can be a file's name on Windows too, where a sandbox may have to write it."""
+    """Return whether each part is a legal file name on Windows too, where a sandbox may have to write it."""
     return not any(_NOT_ON_WINDOWS.search(part) or _DEVICE.match(part) for part in path.split("/"))
 
 

@@ -32,7 +32,7 @@ from grader.intake.texts import as_programs, in_lower_case
 
 @dataclass(frozen=True)
 class Submission:
-    """What was handed in.
+    """One submission as it was handed in.
 
     Attributes
     ----------
@@ -65,12 +65,12 @@ class Submission:
     above: Mapping[str, int] = field(default_factory=dict)
 
     def origin(self, path: str) -> str:
-        """Where one of the files lies below what was handed in."""
+        """Return the path of a file below the submission's top folder."""
         return outwards(self.folder, self.above.get(path, 0)) + path
 
 
 def original_name(path: Path) -> str:
-    """What a submission is called: its folder's name, or its file's without the suffix."""
+    """Return a submission's name: its folder's, or its file's without the suffix."""
     name = Path(os.path.abspath(path)).name  # "." has a name too
     suffix = next((suffix for suffix in (*ARCHIVES, *FOREIGN_ARCHIVES) if has_suffix(name, (suffix,))), "")
     return original(name[: len(name) - len(suffix)] if suffix and not os.path.isdir(path) else name) or "submission"
@@ -125,7 +125,7 @@ def unread(id: str, name: str, why: str) -> Submission:
 
 
 def _gather(path: Path, sources: Sources, required: Collection[str]) -> FileBudget:
-    """All files, through the archives that are alone in their folder."""
+    """Return all files, including those of an archive that is alone in its folder."""
     if not os.path.exists(path):  # Path.exists raises where a folder above may not be entered
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     budget = gather_sources(path, sources, required) if sources else _gather_outermost(path, required)
@@ -161,7 +161,7 @@ def _gather_outermost(path: Path, required: Collection[str]) -> FileBudget:
 
 
 def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], tuple[str, ...]]:
-    """Why there is no lab here: the status and the notes."""
+    """Return the status and the notes of a submission without the lab's files."""
     archives = budget.unopened()
     alone = len(budget.files) == 1 and has_suffix(next(iter(budget.files)), FOREIGN_ARCHIVES)
     if alone:
@@ -176,7 +176,7 @@ def _nothing_found(budget: FileBudget) -> tuple[Literal["empty", "unreadable"], 
 
 
 def _broken_notebooks(budget: FileBudget) -> str:
-    """What is said where all the code is notebooks that nobody can open; empty where there is other code."""
+    """Return the notes for a submission whose only code is notebooks that cannot be opened; empty where there is other code."""
     code = sorted(filter(is_code, budget.files))
     if not all(path.endswith(".ipynb") and not _is_notebook(budget.files[path]) for path in code):
         return ""

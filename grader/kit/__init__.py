@@ -1,4 +1,4 @@
-"""What an instructor gives out: starter files and a wheel for students, ready-made folders for platforms.
+"""Build what an instructor gives out: starter files and a wheel for students, folders for platforms.
 
 None of it holds the reference solution, a seed or, but for Gradescope where students cannot read them, hidden traces.
 """

@@ -39,7 +39,7 @@ class Kit:
 
 @dataclass(frozen=True)
 class Wanted:
-    """Which kits are wanted, and where; None is not wanted. `hidden` traces go to Gradescope alone."""
+    """The kits to write, each with its folder, or None if not wanted. `hidden` traces go into the Gradescope kit alone."""
 
     lab: Lab
     student: Path | None = None

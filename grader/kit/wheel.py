@@ -85,7 +85,7 @@ def _package() -> Iterator[tuple[str, bytes]]:
 
 
 def _own(folder: str, rubric: Path, own: Brought) -> dict[str, bytes]:
-    """What the rubric names and its traces, and the rubric that finds it there."""
+    """Return the files that the rubric names, its traces, and a rubric that refers to them where the wheel holds them."""
     text, place = rubric.read_text(encoding="utf-8-sig"), f"own/{own.file}"
     files = {f"{folder}/public{suffix}": content for suffix, content in truth.files(own.traces).items()}
     path = _named_in(text, own.keys)
@@ -97,7 +97,7 @@ def _own(folder: str, rubric: Path, own: Brought) -> dict[str, bytes]:
 
 
 def _named_in(rubric: str, keys: Iterable[str]) -> yaml.Node | None:
-    """What stands in a rubric that was read before, where these keys lead; None if it is left out."""
+    """Return the value at these keys of a rubric that was read before; None if it is left out."""
     node: yaml.Node | None = yaml.compose(rubric, Loader=yaml.SafeLoader)
     for name in keys:
         pairs = node.value if node else []
@@ -142,5 +142,5 @@ def _entry_points(installed: importlib.metadata.Distribution) -> str:
 
 
 def _digest(content: bytes) -> str:
-    """As RECORD has it: urlsafe base64 without padding."""
+    """Return the digest as RECORD writes it: urlsafe base64 without padding."""
     return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

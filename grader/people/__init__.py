@@ -1,1 +1,1 @@
-"""Who hands in: names, sections, dates, and what is set beside the marks by hand or by lateness."""
+"""Students, rosters and dates, and what overrides and lateness add to the automatic points."""

@@ -1,4 +1,4 @@
-"""Where a submission stands: its automatic marks, and beside them, never mixed in, what people and dates add."""
+"""Final grades: a submission's automatic result and, kept apart from it, overrides and lateness."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from grader.engine.results import CheckResult, CriterionResult, Result
 
 @dataclass(frozen=True)
 class Person:
-    """Who handed in. `key` is the platform's own name for them: a Canvas user id, a Moodle participant number, a user name.
+    """A person who handed in. `key` is the platform's identifier: a Canvas user id, a Moodle participant number, a user name.
 
     `platform` says whose name that is; "" where it is the name of a folder or an archive. `sid` is the student number, and `ids`
     holds every other identifier that the roster has of them: logins, user names, GitHub names.
@@ -28,13 +28,13 @@ class Person:
 
     @property
     def called(self) -> tuple[str, ...]:
-        """Every identifier and name of theirs that is known."""
+        """Every known identifier and name of the person."""
         return tuple(filter(None, (self.name, self.key, self.sid, self.email, *self.ids)))
 
 
 @dataclass(frozen=True)
 class Lateness:
-    """What the late policy says of one submission.
+    """The late policy's verdict on one submission.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Lateness:
 
 @dataclass(frozen=True)
 class HandIn:
-    """What is known of a hand-in beside its files.
+    """Facts about a submission beside its files: time, people, platform.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ TOTAL, BONUS = "total", "bonus"
 
 @dataclass(frozen=True)
 class Adjustment:
-    """What a person says of a submission: points in place of the automatic ones, points on top, or words alone.
+    """A person's change to a submission: an override, additional points, or a comment alone.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class FinalGrade:
 
     @property
     def people(self) -> tuple[Person, ...]:
-        """Who handed in; where no platform tells, the name of what was handed in stands for them. Hostile text, as it came."""
+        """The people who handed in, or the submission's name where no platform tells. Untrusted text, unchanged."""
         return self.hand_in.people or (Person(self.result.submission, self.id),)
 
     @property
@@ -192,7 +192,7 @@ class FinalGrade:
 
     @property
     def final(self) -> float | None:
-        """What goes to a platform."""
+        """The points that an export writes."""
         return None if self.adjusted is None else round(self.adjusted - self.deduction, 2)
 
     def adjustment(self, criterion: str) -> Adjustment | None:
@@ -261,7 +261,7 @@ def worths(result: Result, ids: Collection[str]) -> dict[str, float]:
 
 
 def summed(points: Mapping[str, float | None]) -> float | None:
-    """All of them together; None while any of them is open."""
+    """Return the sum of the points; None while any of them is open."""
     return None if None in points.values() else round(sum(p for p in points.values() if p is not None), 2)
 
 

@@ -24,7 +24,7 @@ _NO_WORD = re.compile(r"[\W_]+")
 
 @dataclass(frozen=True)
 class Row:
-    """What a table says of one person.
+    """One person's row of a table.
 
     Attributes
     ----------

@@ -64,7 +64,7 @@ class Listed:
 
     @property
     def person(self) -> Person:
-        """Who it is, as far as the roster tells."""
+        """The person, as far as the roster knows them."""
         who = self.who
         number, *others = who.numbers or ("",)
         name = who.name or who.email or number

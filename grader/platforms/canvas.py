@@ -97,7 +97,7 @@ def _who(sheet: Sheet, row: Row) -> Who:
 
 
 def _name(sheet: Sheet, row: Row) -> str:
-    """From the one column of names that Canvas writes by default, or the two that an instructor can ask for."""
+    """Read the name from Canvas's one default column, or from the two that an instructor can choose."""
     return (
         f"{row.value(sheet.column('FirstName'))} {row.value(0)}".strip()
         if sheet.titles[0] == "LastName"
@@ -122,7 +122,7 @@ _OLDER = "an older file of the same name and student; the newer one is graded"
 
 @dataclass(frozen=True)
 class _Reading:
-    """What a file's name says: `file` is the student's own, `attachment` "" for a text entry."""
+    """The parts of a Canvas file name: `file` is the student's own name, `attachment` is "" for a text entry."""
 
     name: str
     late: bool
@@ -158,7 +158,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _readings(name: str) -> list[_Reading]:
-    """All that a name can mean: names of people and of files may hold numbers between underscores, too.
+    """Return all readings of a name: names of people and of files may hold numbers between underscores, too.
 
     Anonymous ones first: their id may be all digits. Files before text entries: a file may be called text.html. Canvas begins with
     a name, so digits at the start are one.
@@ -195,7 +195,7 @@ def _meant(readings: Sequence[_Reading], sure: Set[tuple[str, str]], known: Mapp
 
 
 def _agree(written: str, name: str) -> bool:
-    """Whether Canvas writes a name so: without signs, and on some sites without letters that are not ASCII."""
+    """Return whether Canvas writes a name so: without punctuation, and on some sites without non-ASCII letters."""
     return _NO_LETTER.sub("", written.casefold()) in {_NO_LETTER.sub("", each) for each in spellings(name)}
 
 
@@ -246,7 +246,7 @@ def _first_name(name: str, given: set[str]) -> str:
 
 
 def _numbered_archives(names: Iterable[str]) -> set[str]:
-    """What archives that differ in the number alone are called without it: they were handed in one after the other."""
+    """Return the common name of archives that differ only in their number: successive attempts."""
     numbered = (_AGAIN.fullmatch(name) for name in names if has_suffix(name, ARCHIVES))
     plain = Counter(again[1] + again[2] for again in numbered if again is not None)
     return {name for name, times in plain.items() if times > 1}

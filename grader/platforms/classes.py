@@ -41,7 +41,7 @@ ATTEMPTS = ("latest", "best")
 
 @dataclass(frozen=True)
 class Entry:
-    """Where a submission is and what it is called: small, picklable, read where it is graded.
+    """A submission's place and name: small and picklable; the files are read where they are graded.
 
     Several attempts of the same people share an id. `sources` is empty where all of `path` is the submission; `required` are the
     names of the files that the lab asks for.
@@ -138,7 +138,7 @@ def _counted(shape: Shape) -> str:
 
 
 def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape | None:
-    """What a platform's download holds; None where it is a plain folder, one submission or an archive of one."""
+    """Return the contents of a platform's download; None for a plain folder, one submission or an archive of one."""
     if not os.path.exists(path):
         raise RequestError(f"{printable(str(path), 500)}: there is no such file or folder; check the path")
     if wanted == registry.FOLDERS:
@@ -158,7 +158,7 @@ def _shape_at(path: Path, wanted: str | None, known: Mapping[str, str]) -> Shape
 
 
 def _itself(download: Download, name: str) -> str:
-    """Why an archive beside the files of a download is none of them: they were unpacked from it."""
+    """Return why an archive beside a download's files is no submission: the files were unpacked from it."""
     place = download.path / download.place(name)
     if not has_suffix(name, (".zip",)) or not os.path.isfile(place):
         return ""
@@ -172,7 +172,7 @@ def _whole(place: Path) -> Found:
 
 
 def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[str]]:
-    """Those to grade, earlier attempts of the same people before later ones, and those that are superseded."""
+    """Return the attempts to grade, earlier ones of the same people first, and those that are superseded."""
     people: defaultdict[str, list[Found]] = defaultdict(list)
     for each in found:
         people[each.student].append(each)
@@ -186,7 +186,7 @@ def _attempts(found: Iterable[Found], attempts: str) -> tuple[list[Found], list[
 
 
 def _told(found: Found) -> str:
-    """Where it is; of several files each, as they lie beside those of others."""
+    """Return the path; for several files that lie beside those of others, the path of each."""
     first, *others = [place for place, _ in found.sources] or [""]
     return ", ".join((printable(str(found.path / first), 500), *(printable(place, 200) for place in others)))
 
@@ -240,12 +240,12 @@ def _is_ignored(entry: os.DirEntry[str]) -> bool:
 
 
 def _is_graded(folder: Path) -> bool:
-    """Whether it is an OUT: with a record, and without a program; with one, somebody handed it in."""
+    """Return whether the folder is an OUT folder: it has a record and no program; with a program it is a submission."""
     return os.path.isfile(folder / "results.sqlite") and not _holds(folder, is_code)
 
 
 def _objection(entry: os.DirEntry[str]) -> str:
-    """Why this entry of a class folder is no submission, or ""."""
+    """Return why this entry of a class folder is no submission, or ""."""
     status = status_of(entry)
     if status is None or is_link(status):
         return "the system refused it" if status is None else LINK
@@ -255,7 +255,7 @@ def _objection(entry: os.DirEntry[str]) -> str:
 
 
 def _is_submission(folder: Path, required: Collection[str]) -> bool:
-    """Whether a folder is one submission: a required file lies in it, or code does and no submissions do."""
+    """Return whether a folder is one submission: it holds a required file, or code and no submissions."""
     entries = [entry for entry in _listed(folder) if not _is_ignored(entry)]
     names = [entry.name for entry in entries if entry.is_file(follow_symlinks=False)]
     asked = set(map(folded, required))
@@ -269,7 +269,7 @@ def _is_submission(folder: Path, required: Collection[str]) -> bool:
 
 
 def _holds(folder: Path, wanted: Callable[[str], bool]) -> bool:
-    """Whether a file with such a name lies in this folder, or up to four folders down in one of it."""
+    """Return whether a file with such a name lies in this folder or up to four levels below."""
     looked_at = 0
     for here, folders, names in os.walk(folder):
         level = len(Path(here).relative_to(folder).parts)

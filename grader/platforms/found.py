@@ -1,4 +1,4 @@
-"""What a platform's download says of one hand-in, before it has an id."""
+"""Facts that a platform's download gives about one submission, before it has an id."""
 
 from __future__ import annotations
 
@@ -47,6 +47,6 @@ class Shape:
 
 
 def mostly(fits: Iterable[bool]) -> bool:
-    """Whether there are some, and at least half of them fit: a stray file beside them changes nothing."""
+    """Return whether at least half of them fit, and there are some: one stray file changes nothing."""
     answers = list(fits)
     return bool(answers) and 2 * sum(answers) >= len(answers)

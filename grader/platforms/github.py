@@ -56,7 +56,7 @@ def _annotations(result: Result, places: Places) -> Iterator[_Annotation]:
 
 
 def _causes(result: Result) -> list[Cause]:
-    """What was lost by its cause; then what could not be judged."""
+    """Yield the lost checks by cause, then those that could not be judged."""
     checks = [check for part in rows.parts(result) for check in part.checks]
     unjudged = tuple(check for check in checks if check.outcome == "not_judged")
     return [*causes.causes_of(checks), *([Cause(unjudged)] if unjudged else [])]
@@ -122,7 +122,7 @@ def _table(result: Result) -> str:
 
 
 def _plots(result: Result, lab: Lab) -> Iterator[str]:
-    """Each finding about the pictures, the good ones too: a picture cannot be seen in a log."""
+    """Yield each finding about the pictures, good ones too: a log cannot show a picture."""
     pictured = {part.id for part in lab.parts if part.pictures}
     for part in result.criteria:
         if part.id in pictured:

@@ -51,7 +51,7 @@ def _written(columns: Mapping[str, Cell], final_grades: Mapping[str, FinalGrade]
 
 
 def _columns(final_grades: list[FinalGrade], sections: bool = False) -> dict[str, Cell]:
-    """What each column is called and holds; criteria in the order in which they are first met."""
+    """Return each column's name and content; criteria in the order in which they first occur."""
     columns: dict[str, Cell] = {"id": lambda s: csv_cell(s.id), "name": lambda s: _text(s.name)}
     if sections or any(s.section for s in final_grades):
         columns["section"] = lambda s: _text(s.section)

@@ -90,7 +90,7 @@ def _test(check: CheckResult, part: rows.Part, number: str, visibility: Visibili
 
 
 def _extra_credit(result: Result, visibility: Visibility) -> list[dict[str, Any]]:
-    """What the extensions earn together, out of nothing, where the rubric gives extra credit."""
+    """Return the extensions' points as one test without a maximum, where the rubric gives extra credit."""
     if result.extra_credit_cap is None:
         return []
     test = {"name": "Extra credit", "score": result.extra_credit, "max_score": 0.0, "status": "passed"}
@@ -120,7 +120,7 @@ def _output(result: Result, hidden: bool) -> str:
 
 
 def _extra(result: Result) -> dict[str, Any]:
-    """For the instructor's export: what was recognised, and with what it was graded. No data, no seed."""
+    """Return the extra data for the instructor's export: recognised faults and provenance. No traces, no seed."""
     provenance = {key: str(value) for key, value in result.provenance.items() if key != "seed"}
     return {"status": result.status, "misconceptions": list(result.misconceptions), "provenance": provenance}
 

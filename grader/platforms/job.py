@@ -25,7 +25,7 @@ from grader.platforms.platform import Handed, Platform, Visibility
 
 @dataclass(frozen=True)
 class Job:
-    """What a CI job asks for. `path` and `out` None: where the platform has them; `out` "-" is standard output.
+    """A CI job's request. `path` and `out` None mean the platform's own places; `out` "-" is standard output.
 
     `private`: it runs where students can read neither its files nor what it says, in the instructor's own repository.
     """
@@ -44,7 +44,7 @@ class Job:
 
     @property
     def hidden(self) -> bool:
-        """Whether the traces are an instructor's secret."""
+        """Return whether the traces are an instructor's secret."""
         return self.traces.name != "public"
 
 
@@ -94,7 +94,7 @@ def submission_of(platform: Platform, root: Path = Path("/")) -> Path:
 
 
 def answer_of(platform: Platform, root: Path = Path("/")) -> Path | None:
-    """Where the answer goes if nothing is said: None is standard output."""
+    """Return the default place of the answer; None is standard output."""
     if "/" not in platform.answer:
         return Path(platform.answer) if platform.answer else None
     place = root / platform.answer

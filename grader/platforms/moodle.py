@@ -172,7 +172,7 @@ def read(download: Download) -> Shape | None:
 
 
 def _is_plain(name: str, known: Mapping[str, str]) -> bool:
-    """Whether it names one person: a second number and plugin within may be part of a person's name, or of a file's."""
+    """Return whether it names one person: a second number and plugin inside may belong to a person's or a file's name."""
     numbers = _WITHIN.findall(name)
     return len(set(numbers)) == 1 or (numbers[0] in known and not set(numbers[1:]) & known.keys())
 

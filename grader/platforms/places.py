@@ -1,4 +1,4 @@
-"""Where in a student's files a finding belongs: the line that raised, else the place where the part is defined.
+"""Locate a finding in a student's files: the line that raised, else the line where the part is defined.
 
 Sources are searched as bytes and never parsed: a parser can be made to fail by what it reads.
 """
@@ -33,7 +33,7 @@ class Places:
     definitions: Mapping[str, Place] = field(default_factory=dict)
 
     def of(self, check: CheckResult) -> Place | None:
-        """Where to point for this check; None where nothing is known."""
+        """Return the place to show for this check; None where nothing is known."""
         return self._named(check) or self.definitions.get(self.lab.name_of(check.id))
 
     def _named(self, check: CheckResult) -> Place | None:

@@ -1,4 +1,4 @@
-"""What a platform is to everything that lists, asks or tells of platforms: one record, which its module ends in."""
+"""The record of a platform, one at the end of each platform's module: everything else asks this record."""
 
 from __future__ import annotations
 

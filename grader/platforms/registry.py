@@ -26,7 +26,7 @@ FOLDERS = "folders"  # as a `--from`: the shape of no platform
 
 @dataclass(frozen=True)
 class Listed:
-    """Where the record of a platform is, as `PLATFORM`, and what it does."""
+    """A platform's module, which holds its record as `PLATFORM`, and what the platform supports."""
 
     module: str
     does: tuple[Deed, ...]
@@ -48,7 +48,7 @@ LISTED: dict[str, Listed] = {
 
 
 def names(*deeds: Deed) -> tuple[str, ...]:
-    """Those that do one of these."""
+    """Return the names of the platforms that support one of these."""
     return tuple(name for name, listed in LISTED.items() if set(deeds) & set(listed.does))
 
 

@@ -1,4 +1,4 @@
-"""What every CI format tells: the parts of a result, the words of a check, and what is held back about hidden scenarios."""
+"""Content shared by all CI formats: the parts of a result, a check's text, and what hidden scenarios withhold."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def plain(check: CheckResult, part: Part, lab: LabName) -> str:
 
 
 def together(cause: Cause, lab: LabName) -> str:
-    """What the checks of a cause say, each thing once, as text."""
+    """Return the text of the checks of one cause, each sentence once."""
     said = [line for _, lines in causes.told(cause) for line in lines]
     again = [causes.again(cause)] if words.tells(cause.checks[0]) else []
     return "\n".join(_plain_line(line) for line in [*said, *causes.going_on(cause, lab), *again])
@@ -68,7 +68,7 @@ def notes(result: Result) -> list[str]:
 
 
 def lost(check: CheckResult) -> bool:
-    """Whether the check itself found something to lose points for."""
+    """Return whether the check itself found a reason to lose points."""
     return check.outcome in _LOST
 
 

@@ -20,7 +20,7 @@ class Row:
     end: str
 
     def value(self, column: int | None) -> str:
-        """What a cell says; "" for one that is not there."""
+        """Return a cell's text; "" for a missing one."""
         if column is None or column >= len(self.cells):
             return ""
         raw = self.cells[column]

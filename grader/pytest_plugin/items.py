@@ -56,7 +56,7 @@ class Door:
         return f"imugrade: {self._name}, public scenarios"
 
     def pytest_collection(self, session: pytest.Session) -> bool | None:
-        """What was given on the command line are no paths to pytest's own tests."""
+        """Collect the student's files: the arguments of the command line are no paths of pytest's own tests."""
         if session.config.pluginmanager.hasplugin("dsession"):
             return None  # with pytest-xdist the workers collect
         session.perform_collect([])
@@ -66,7 +66,7 @@ class Door:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_make_collect_report(self, collector: pytest.Collector) -> pytest.CollectReport | None:
-        """In the place of a folder's tests: a file for each of the student's that the lab asks for."""
+        """Collect a file for each of the student's files that the lab asks for, in place of the folder's tests."""
         if not isinstance(collector, pytest.Session):
             return None
         files: dict[Path, list[str]] = {}
@@ -123,7 +123,7 @@ class Door:
         return {check.id: check for part in parts for check in part.checks}
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """What the tests that ran are worth, by criterion; their reports say it, so it is right with workers, too."""
+        """Print the points of the tests that ran, by criterion; taken from their reports, so correct with xdist, too."""
         sums: dict[str, list[float]] = {}
         for report in (each for reports in terminalreporter.stats.values() for each in reports):
             told = dict(getattr(report, "user_properties", ()))
@@ -199,7 +199,7 @@ class _Check(pytest.Item):
         return self._door.found[f"{self._criterion}.{self.name}"]
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """What a student reads, at their own line; none of our frames."""
+        """Return the student's message at their own line, without the grader's frames."""
         if isinstance(excinfo.value, AssertionError) and excinfo.value.args == (self._found.id,):
             return Finding(self._found, LAB, *self._where())
         if isinstance(excinfo.value, NotJudgedError):

@@ -1,4 +1,4 @@
-"""What the arguments of `pytest --imugrade` mean: the path of a submission, and names of criteria, checks or files in it."""
+"""Parse the arguments of `pytest --imugrade`: the path of a submission, and names of criteria, checks or files in it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CODE = (".py", ".ipynb")
 
 @dataclass(frozen=True)
 class Name:
-    """What one argument names: a file, or everything in it below these names."""
+    """The target of one argument: a file, or everything in it below these names."""
 
     file: Path | None
     names: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What every pytest run on the machine loads: two options. All else comes when `--imugrade` asks for it."""
+"""Add two options to pytest. Everything else is imported only when `--imugrade` is given."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pytest shows of a lost check: the words of the report, then the student's own line, in the form that editors follow."""
+"""Show a lost check in pytest: the text of the report, then the student's own line in a form that editors can open."""
 
 from __future__ import annotations
 

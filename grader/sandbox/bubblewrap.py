@@ -36,7 +36,7 @@ def command(plan: Plan, control_fd: int) -> list[str]:
 
 
 def _python() -> Iterable[str]:
-    """What starting the interpreter needs beside its libraries: the program and a virtual environment's marker."""
+    """Return the files that the interpreter needs beside its libraries: the program and a virtual environment's marker."""
     return _program(), os.path.join(sys.prefix, "pyvenv.cfg")
 
 

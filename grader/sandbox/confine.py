@@ -21,7 +21,7 @@ FIRST_SPARE_FD = 4  # 0 to 2 are the standard streams, 3 is the line to the grad
 
 @dataclass(frozen=True)
 class Walls:
-    """What a zygote knows when it raises a worker's walls.
+    """Parameters with which a zygote confines a worker.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ def filter_program(walls: Walls, pid: int) -> bytes:
 
 
 def _die_first(proc: int) -> None:
-    """When memory runs out, let the kernel choose this process."""
+    """Make this process the kernel's first choice when memory runs out."""
     if proc < 0:
         return
     with contextlib.suppress(OSError):

@@ -53,7 +53,7 @@ class Deadline:
         self._seen, self._idle_s = (0.0, 0.0), 0.0
 
     def nap(self) -> float:
-        """For how long nothing can go over the limit; raises DeadlineError when something has."""
+        """Return how long no limit can be exceeded; raises DeadlineError when one has been."""
         cpu_s, wall_s = self._cpu() - self._cpu_start, self._wall() - self._wall_start
         last_cpu_s, last_wall_s = self._seen
         if cpu_s - last_cpu_s <= _IDLE_SHARE * (wall_s - last_wall_s):

@@ -37,7 +37,7 @@ class IsolationLevel:
 
 @dataclass(frozen=True)
 class Promise:
-    """What holds whatever a submission does, and on which isolation levels."""
+    """A guarantee that holds whatever a submission does, and the isolation levels that give it."""
 
     words: str
     kept_on: Callable[[IsolationLevel], bool]

@@ -167,7 +167,7 @@ class Zygote:
         self.without_landlock = bool(message.get("without_landlock"))
 
     def _was_killed(self) -> bool:
-        """Whether somebody ended it with SIGKILL, or the first of its processes in its own namespace."""
+        """Return whether the process, or the first one in its own namespace, was ended with SIGKILL."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             return self._process.wait(1.0) in _KILLED
         return False
@@ -254,7 +254,7 @@ class Zygote:
             raise ZygoteGoneError(self._last_words()) from None
 
     def await_end(self, number: int) -> tuple[int, float]:
-        """How a worker ended, and the CPU seconds that it used in all."""
+        """Wait for a worker's end; return how it ended and the CPU seconds that it used."""
         with self._lock:
             self._await(self._ended, number, _END_WITHIN_S)
             return self._ended.pop(number)

@@ -43,7 +43,7 @@ def _tried(isolation_level: IsolationLevel) -> Tried:
 
 
 def caveat(zygote: Zygote) -> str:
-    """What is missing on a isolation level that holds; empty if nothing is."""
+    """Return what is missing on an isolation level that works; empty if nothing is."""
     return "this kernel has no Landlock; the other walls hold" if zygote.without_landlock else ""
 
 

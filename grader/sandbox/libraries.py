@@ -1,4 +1,4 @@
-"""Which shared libraries of the system a sandbox shows: those that Python and the shown packages are linked with.
+"""Find the shared libraries that a sandbox shows: those that Python and the shown packages are linked with.
 
 A folder of libraries is never shown whole: anything may lie in /usr/lib. The dynamic loader's own way of looking is
 followed, see ld.so(8); the numbers are those of elf.h.
@@ -24,7 +24,7 @@ _DT_NEEDED, _DT_STRTAB, _DT_RPATH, _DT_RUNPATH = 1, 5, 15, 29
 
 @dataclass(frozen=True)
 class Linked:
-    """What one ELF file asks the dynamic loader for.
+    """The libraries that one ELF file asks the dynamic loader for.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a worker may use up: rlimits, set after the imports, whose threads and mappings they would break."""
+"""Set a worker's rlimits, after the imports, whose threads and mappings they would break."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who a boxed process is, and what it sees of processes and networks: user, pid, net, ipc and uts namespaces.
+"""Enter the namespaces of a sandboxed process: user, pid, net, ipc and uts.
 
 A process that has more than one thread cannot enter a user namespace, so all of this comes before numpy is imported.
 """
@@ -19,7 +19,7 @@ _WORKER = linux.CLONE_NEWUSER | linux.CLONE_NEWNS | linux.CLONE_NEWIPC | linux.C
 
 
 def may_drop_root() -> bool:
-    """Whether this is root, able to become `DROPPED_ID`: not so where a container maps root alone, or lacks CAP_SETUID.
+    """Return whether this is root and may become `DROPPED_ID`: not where a container maps root alone or lacks CAP_SETUID.
 
     Such a root must build the sandbox before it gives up its rights, for a Python below /root (mode 700) is its alone.
     """

@@ -1,4 +1,4 @@
-"""Whether a sandbox shows any copy of the grader or of the reference: found out by looking from inside."""
+"""Search a sandbox from inside for any copy of the grader or of the reference."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WITHIN_CPU_S = 300.0
 
 @dataclass(frozen=True)
 class Search:
-    """How many files could be opened in a sandbox, and which of them are ours (a hundred at most)."""
+    """The number of files that could be opened in a sandbox, and those of the grader (a hundred at most)."""
 
     opened: int
     found: tuple[str, ...]
@@ -44,13 +44,13 @@ def search(isolation_level: IsolationLevel) -> Search:
 
 
 def _roots() -> list[str]:
-    """Where to begin: on a isolation level with the host's root, / itself cannot be listed."""
+    """Return the folders to start from: on an isolation level with the host's root, / itself cannot be listed."""
     shown = surroundings.visible()
     return list(dict.fromkeys(["/", str(_PACKAGE.parent), os.getcwd(), *filter(None, sys.path), *shown]))
 
 
 def _own() -> list[str]:
-    """What every sandbox holds of us."""
+    """Return the grader's files that every sandbox needs."""
     return [rootfs.SANDBOX, rootfs.WORKER_CODE, str(_WORKER_CODE), *surroundings.code()]
 
 

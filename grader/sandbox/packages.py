@@ -1,4 +1,4 @@
-"""Which installed packages a sandbox shows: the lab's libraries and what was installed for students, entry by entry.
+"""Choose the installed packages that a sandbox shows: the lab's libraries and those installed for students, entry by entry.
 
 A package folder is never shown whole: another copy of the grader may lie in it, or the path file of one. What stands in
 it and belongs to no distribution is not shown either.
@@ -54,7 +54,7 @@ class Distribution:
 
 @dataclass(frozen=True)
 class Contents:
-    """What distributions put into a package folder, as absolute paths: the entries, and what the dynamic loader reads."""
+    """The absolute paths that distributions put into a package folder: entries, and files that the dynamic loader reads."""
 
     entries: tuple[str, ...]
     shared_objects: tuple[str, ...]
@@ -104,7 +104,7 @@ def _closure(first: Iterable[Needed], known: Mapping[str, Sequence[Distribution]
 
 @lru_cache(maxsize=8)
 def shown(folders: tuple[str, ...]) -> Contents:
-    """What a sandbox shows of some package folders: nothing that brings a folder of a name of ours, whatever it is called."""
+    """Return what a sandbox shows of some package folders: no distribution that brings a folder with a name of the grader's."""
     kept = for_students([one for folder in folders for one in installed(folder)])
     contents = [found for one in kept if not _is_ours(found := contents_of(one))]
     return Contents(
@@ -160,7 +160,7 @@ def _first_parts(files: Iterable[str]) -> set[str]:
 
 
 def _modules(distribution: Distribution) -> set[str]:
-    """What a distribution without a RECORD says that it brings; without a word, the module of its own name."""
+    """Return the modules that a distribution without a RECORD declares, by default the one of its own name."""
     modules = _text(os.path.join(distribution.folder, distribution.record), "top_level.txt").split()
     modules = modules or [distribution.name.replace("-", "_")]
     return {name for name in os.listdir(distribution.folder) if name.partition(".")[0] in modules}

@@ -20,7 +20,7 @@ class Step(NamedTuple):
 
 
 def is_below(path: str, folders: Iterable[str]) -> bool:
-    """Whether `path` is one of the folders or lies in one; all of them free of links."""
+    """Return whether `path` is one of the folders or lies in one; all of them are free of links."""
     return any(path == folder or path.startswith(folder.rstrip("/") + "/") for folder in folders)
 
 
@@ -53,7 +53,7 @@ def follow(path: str, root: str = "") -> tuple[str | None, list[Link]]:
 
 
 def arranged(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> list[Step]:
-    """How a root is made that shows `visible` but for `hidden`, outer folders first.
+    """Return the mounts of a root that shows `visible` without `hidden`, outer folders first.
 
     What is visible below something hidden is shown in its place. Paths that do not exist below `root` are left out.
     """
@@ -71,7 +71,7 @@ def arranged(visible: Iterable[str], hidden: Iterable[str], root: str = "") -> l
 
 
 def _kind_over(path: str, done: Mapping[str, str]) -> str:
-    """What was done with the path itself, or with the nearest folder that it lies in."""
+    """Return the mount of the path itself, or of the nearest folder that holds it."""
     while path not in done and path != "/":
         path = os.path.dirname(path)
     return done.get(path, "")

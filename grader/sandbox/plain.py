@@ -145,7 +145,7 @@ def _kill_group(popen: subprocess.Popen[bytes]) -> None:
 
 
 def _shared(theirs: socket.socket, pid: int) -> bytes:
-    """What a child on Windows needs to open the socket; elsewhere it inherits it and reads nothing."""
+    """Return the bytes from which a child on Windows opens the socket; elsewhere it inherits the socket and reads nothing."""
     if sys.platform == "win32":
         return theirs.share(pid)
     return b""

@@ -1,4 +1,4 @@
-"""What the grader tells a zygote before anything else: which walls to raise, what to show, what to import."""
+"""The grader's first message to a zygote: isolation level, visible files, imports."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .isolation_levels import LEVELS, IsolationLevel
 
 @dataclass(frozen=True)
 class Contents:
-    """What a sandbox is opened for.
+    """The code that runs in a sandbox, and what it needs.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Plan:
     end_with_parent: bool
 
     def packed(self) -> bytes:
-        """As one message, which has to fit into a socket's buffer: a machine may have thousands of packages."""
+        """Return the plan as one compressed message, which has to fit into a socket's buffer even with thousands of packages."""
         return zlib.compress(
             json.dumps({**asdict(self), "isolation_level": LEVELS.index(self.isolation_level)}).encode(), 1
         )

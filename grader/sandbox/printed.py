@@ -1,4 +1,4 @@
-"""Where a worker's stdout and stderr go: a file in memory that cannot grow, so that a flood costs nothing."""
+"""Capture a worker's stdout and stderr in a file in memory of fixed size, so that a flood costs nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PLACE_AT, PLACE_BYTES = MAX_BYTES, 1 << 10
 
 
 class Printed:
-    """Both standard streams of one worker, in the order in which they were written.
+    """The standard streams of one worker, in the order in which they were written.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Printed:
         self.fd: int = self._file.fileno()
 
     def read(self) -> str:
-        """What was written so far, at most 256 KB, undecodable bytes replaced."""
+        """Return the text written so far, at most 256 KB, undecodable bytes replaced."""
         if self._file.closed:
             return ""
         # The offset is shared with the worker, which may have moved it: clamped, and never moved here.
@@ -34,7 +34,7 @@ class Printed:
         return _read_start(self.fd, size).decode("utf-8", "replace")
 
     def place(self) -> str:
-        """What the worker wrote down last of where it is; it may be anything."""
+        """Return the place that the worker wrote down last; it may be anything."""
         if self._file.closed or not hasattr(os, "pread"):
             return ""
         return os.pread(self.fd, PLACE_BYTES, PLACE_AT).decode("utf-8", "replace")

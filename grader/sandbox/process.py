@@ -1,4 +1,4 @@
-"""What a worker needs of the process behind it, whatever started that process."""
+"""The interface of a worker's process, independent of how it was started."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Protocol
 
 
 def is_main_thread() -> bool:
-    """Whether the kernel may end a child with this thread: it knows no other parent, and other threads may end."""
+    """Return whether this is the main thread, with which the kernel may end a child: other threads may end earlier."""
     return threading.current_thread() is threading.main_thread()
 
 

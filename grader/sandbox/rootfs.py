@@ -81,7 +81,7 @@ def _mount_cache() -> None:
 
 
 def freeze_cache() -> None:
-    """What one worker could leave there, the next one could read."""
+    """Make the cache read-only: one worker could leave there what the next one reads."""
     linux.mount_setattr(CACHE, _READ_ONLY | linux.MS_NOEXEC, recursive=False)
 
 

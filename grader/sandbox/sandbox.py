@@ -236,7 +236,7 @@ class Worker:
         raise failure
 
     def printed(self) -> str:
-        """What the worker wrote to stdout and stderr so far, at most 256 KB."""
+        """The worker's stdout and stderr so far, at most 256 KB."""
         return self._printed.read() if self._text is None else self._text
 
     def place(self) -> str:

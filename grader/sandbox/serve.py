@@ -105,7 +105,7 @@ def _enter(plan: Plan, control: socket.socket) -> confine.Walls:
 
 
 def _shown_in_place(plan: Plan) -> tuple[list[str], list[str]]:
-    """What Landlock lets through where the host's own root stays the root, and of which folders the names only."""
+    """Return the paths that Landlock allows where the host's root stays the root, and the folders that may only be listed."""
     whole, split = paths.around(paths.arranged(plan.visible, plan.hidden))
     return [*whole, *plan.code, *rootfs.copies(plan).values()], split
 
@@ -340,7 +340,7 @@ class _Zygote:
 
 
 def _work(line_fd: int, printed_fd: int, walls: confine.Walls, scratch: str, answer: Any) -> None:
-    """What a worker does from its first moment to its last."""
+    """Run a worker from its start to its end."""
     from . import worker  # noqa: PLC0415 - see _warm_up
 
     os.dup2(printed_fd, 1)

@@ -1,4 +1,4 @@
-"""What a sandbox needs of this machine: Python, packages, shared libraries, fonts; found from the running interpreter."""
+"""Find what a sandbox needs of this machine, from the running interpreter: Python, packages, shared libraries, fonts."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def search_without_walls() -> tuple[str, ...]:
 
 
 def hidden() -> tuple[str, ...]:
-    """What a sandbox shows empty: this copy of the grader and of the reference, and what lies beside the standard library.
+    """Return the folders that a sandbox shows empty: the grader, the reference, and the files beside the standard library.
 
     Packages are installed below that library, too; those that a sandbox shows stand in `visible` one by one.
     """

@@ -189,7 +189,7 @@ _COLUMNS = {"x86_64": 1, "aarch64": 2}
 
 
 class Machine(NamedTuple):
-    """What seccomp must know of a machine: `audit` is its AUDIT_ARCH_* of linux/audit.h."""
+    """The constants that seccomp needs for a machine: `audit` is its AUDIT_ARCH_* of linux/audit.h."""
 
     name: str
     audit: int

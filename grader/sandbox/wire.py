@@ -27,7 +27,7 @@ MAX_INTEGER_DIGITS = 40
 
 @dataclass(frozen=True)
 class Caps:
-    """How much a frame may hold: bytes of JSON, bytes of arrays, and number of arrays."""
+    """Limits of a frame: bytes of JSON, bytes of arrays, and number of arrays."""
 
     text: int
     body: int
@@ -46,7 +46,7 @@ class WireError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What one side tells the other.
+    """One message: fields and arrays.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Frame:
 
 @cache
 def _arrays() -> ModuleType:
-    """What needs numpy, imported with the first frame: a sandbox is opened before, and warms up meanwhile."""
+    """Import the part that needs NumPy with the first frame: a sandbox opens before and warms up meanwhile."""
     from . import arrays  # noqa: PLC0415
 
     return arrays

@@ -1,4 +1,4 @@
-"""What runs in the sandbox beside a student's code: it loads files, runs experiments and reports what came out.
+"""Run in the sandbox beside a student's code: load files, run experiments and report the outcome.
 
 Nothing here decides anything, and nothing here is trusted: the questions come over the wire, the answers are plain arrays
 and facts, and the grader judges them in another process. So this package holds no check, no trace, no rubric and no seed,

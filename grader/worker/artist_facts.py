@@ -123,7 +123,7 @@ def must_be_honest(*artists: Any) -> None:
 
 
 def _generated(kind: type) -> bool:
-    """Whether matplotlib makes the class itself, or inherits it from elsewhere."""
+    """Return whether matplotlib defines the class itself, and does not inherit it from elsewhere."""
     return kind.__module__.startswith(("matplotlib.", "mpl_toolkits.")) and "<locals>" not in kind.__qualname__
 
 
@@ -131,12 +131,12 @@ def _generated(kind: type) -> bool:
 
 
 def place(axes: Any) -> Any:
-    """Where a panel lies, in parts of the whole figure; its own position counts from its part of the figure."""
+    """Return a panel's position as fractions of the whole figure; its own position is relative to its subfigure."""
     return axes.bbox.transformed(axes.get_figure().canvas.figure.transFigure.inverted())
 
 
 def words(text: Any, behind: Any) -> str:
-    """What a text says, if it can be read: switched on, large enough, in a colour that is not the background's."""
+    """Return a text's words if they can be read: visible, large enough, and not in the colour of the background."""
     from matplotlib.colors import to_rgba
 
     if text is None or not text.get_visible() or float(text.get_fontsize()) < _SMALLEST_FONT:

@@ -1,4 +1,4 @@
-"""How a student's function is called: as it was promised, or else by what the names of its parameters mean.
+"""Call a student's function: as the lab sheet promises, or else by the meaning of its parameters' names.
 
 A function whose parameters have other names, another order or a companion more than promised does the same job. So it is called
 in the way that it asks for, and what it departs in is told beside what it answers: one fault, and not as many as there are calls.
@@ -61,7 +61,7 @@ class Way:
 
 
 def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
-    """How a function takes these slots; as promised where it does, and where nothing else can be made out."""
+    """Return how a function takes these arguments; as promised where it can, and where nothing else can be made out."""
     promised = Way(
         tuple(slot.name for slot in slots if slot.passed == "position"),
         {slot.name: slot.name for slot in slots if slot.passed in ("name", "option")},
@@ -87,7 +87,7 @@ def way_of(function: Callable[..., Any], slots: Sequence[Slot]) -> Way:
 
 
 def has_place_for(slot: Slot, function: Callable[..., Any]) -> bool:
-    """Whether one of a function's parameters stands for a slot, or any name is taken."""
+    """Return whether one of a function's parameters stands for a slot, or the function takes any keyword."""
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
@@ -107,7 +107,7 @@ def fitted(
 
 
 def _takes(signature: inspect.Signature, promised: Way) -> bool:
-    """Whether Python lets it be called as promised, each slot where the function has no other place for it."""
+    """Return whether the function can be called as promised, with each slot where it has no other parameter for it."""
     try:
         bound = signature.bind(*promised.positions, **promised.names).arguments
     except TypeError:
@@ -116,7 +116,7 @@ def _takes(signature: inspect.Signature, promised: Way) -> bool:
 
 
 def _claimed(parameters: Sequence[inspect.Parameter], slots: Sequence[Slot]) -> dict[str, Slot]:
-    """Which parameter takes which slot: by its name, by its meaning, what is still needed by position, and what is left."""
+    """Assign parameters to slots: by name, by meaning, then required ones by position, then the rest."""
     claims: dict[str, Slot] = {}
     for suits in (_by_name, Slot.suits, _by_position, _at_last):
         for parameter in parameters:

@@ -59,7 +59,7 @@ def _colour_map(mpl: Any, name: Any, lut: int | None) -> Any:
 
 
 def _fill(owner: Any, names: dict[str, Any]) -> None:
-    """What is there stays: it is what this release means by that name."""
+    """Add only missing names: an existing one is this release's own meaning of the name."""
     for name, value in names.items():
         if name not in vars(owner):
             setattr(owner, name, value)

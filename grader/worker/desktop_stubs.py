@@ -1,4 +1,4 @@
-"""What programs find on a student's desk and not here: windows, a notebook around them, an installer.
+"""Stubs of what a program finds on a student's computer and not here: windows, a notebook, an installer.
 
 Whoever asks for one gets an answer that lets the program go on: a window was closed again, what is to be installed is there.
 """
@@ -125,7 +125,7 @@ class _Renderer:
         self._depth = False
 
     def update_scene(self, *args: object, **kwargs: object) -> None:
-        """Nothing is seen."""
+        """Do nothing: there is no window."""
 
     enable_segmentation_rendering = disable_segmentation_rendering = close = update_scene
 
@@ -137,13 +137,13 @@ class _Renderer:
 
 
 class _Context:
-    """What a graphics card would draw in."""
+    """Stub of a graphics context."""
 
     def __init__(self, max_width: int, max_height: int) -> None:
-        """Of any size."""
+        """Accept any size."""
 
     def make_current(self) -> None:
-        """Nothing is drawn."""
+        """Do nothing: nothing is drawn."""
 
     free = make_current
 
@@ -158,7 +158,7 @@ def _render_nothing() -> None:
 
 
 def _be_any_system() -> None:
-    """What a terminal and Windows have."""
+    """Add the functions that only a terminal or Windows has."""
     vars(os)["get_terminal_size"] = lambda *_: os.terminal_size((80, 24))
     vars(os).setdefault("startfile", lambda *args, **kwargs: None)
     for name in ("msvcrt", "winsound"):
@@ -166,7 +166,7 @@ def _be_any_system() -> None:
 
 
 def _set_without_tex() -> None:
-    """Who has TeX may ask matplotlib to set texts with it; here matplotlib sets them itself."""
+    """Let matplotlib set texts itself where a program asks for TeX, which is not installed here."""
     from matplotlib.text import Text
 
     setattr(Text, "get_usetex", lambda text: False)  # noqa: B010 - a method is replaced on purpose
@@ -192,7 +192,7 @@ class _Viewer:
         self._glances = 0
 
     def sync(self, *args: object, **kwargs: object) -> None:
-        """Nothing is shown."""
+        """Do nothing: nothing is shown."""
 
     set_figures = set_images = set_texts = clear_figures = clear_images = clear_texts = sync
     update_hfield = update_mesh = update_texture = sync
@@ -344,7 +344,7 @@ class _Installed:
         return self
 
     def __exit__(self, *args: object) -> None:
-        """Nothing to wait for."""
+        """Do nothing: there is no window to close."""
 
     def communicate(self, *args: Any, **options: Any) -> Any:
         return self.stdout.read(), self.stderr.read()
@@ -357,7 +357,7 @@ class _Installed:
 
 
 def _is_done(command: Any) -> bool:
-    """Whether it installs something, or shows a file in a window."""
+    """Return whether the command installs something, or shows a file in a window."""
     words = command.split() if isinstance(command, str) else command if isinstance(command, list | tuple) else []
     names = [os.path.basename(word) for word in words if isinstance(word, str)]
     return ("install" in names and not _INSTALLERS.isdisjoint(names)) or (bool(names) and names[0] in _OPENERS)

@@ -49,7 +49,7 @@ class Seen:
 
 
 def reads_pictures_back(sources: Iterable[bytes]) -> bool:
-    """Whether a submission may look at a picture that it drew: its pixels, or how large the file is."""
+    """Return whether a submission may look at a picture that it drew: its pixels, or the file's size."""
     return any(_READS_BACK.search(source) for source in sources)
 
 
@@ -163,7 +163,7 @@ def _height(artist: Any) -> float:
 
 
 def _ordinary(axes: Any) -> Iterator[Any]:
-    """What lies beside the curves, too small to hide them; it is examined, for it may raise."""
+    """Examine the artists beside the curves, too small to hide them: what would raise when drawn, raises here."""
     for title in (axes.title, axes._left_title, axes._right_title):
         if _is_small(title, _HEADING):
             _examine(title)
@@ -180,7 +180,7 @@ def _ordinary(axes: Any) -> Iterator[Any]:
 
 
 def _is_ordinary_axis(axis: Any) -> bool:
-    """Whether ticks and grid are few and thin; asking for what the ticks say raises what a formatter raises."""
+    """Return whether ticks and grid are few and thin; reading the tick labels raises what a formatter raises."""
     ticks = [
         *axis.majorTicks,
         *axis.minorTicks,
@@ -220,7 +220,7 @@ def _is_ordinary_legend(legend: Any) -> bool:
 
 
 def _is_small(text: Any, size: float) -> bool:
-    """Whether a text is no larger than that, short and without a box."""
+    """Return whether a text is no larger than that, short and without a frame."""
     bare = text.get_bbox_patch() is None and not text.get_path_effects()
     return bool(bare and text.get_fontsize() <= size and len(text.get_text()) <= _FEW_LETTERS)
 
@@ -257,7 +257,7 @@ def save(really: Callable[..., Any], canvas: Any, target: Any, asked: Any, optio
 
 
 def _cut_out(seen: Seen, part: Any) -> Seen:
-    """What is seen where a part of the figure is saved, a box in inches: white paper around it."""
+    """Return the visible area where a part of the figure is saved, a rectangle in inches, with white around it."""
     from matplotlib.transforms import BboxBase
 
     if isinstance(part, BboxBase):
@@ -270,7 +270,7 @@ def _cut_out(seen: Seen, part: Any) -> Seen:
 
 
 def _has_all(figure: Any, renderer: Any, dots: float) -> bool:
-    """Whether a renderer holds pixels of the whole figure."""
+    """Return whether a renderer holds pixels of the whole figure."""
     try:
         shape = np.asarray(renderer.buffer_rgba()).shape[:2]
     except (AttributeError, ValueError):  # of a PDF, an SVG
@@ -322,14 +322,14 @@ def save_blank(really: Callable[..., Any], canvas: Any, target: Any, asked: Any,
 
 
 def blank(figure: Any, asked: Any) -> bytes:
-    """As many bytes as bare pixels of the figure take with this `dpi` of `savefig`."""
+    """Return as many zero bytes as the figure's raw pixels take with this `dpi` of `savefig`."""
     dots = _dots(asked, figure.dpi)
     width, height = (int(size * dots) for size in figure.get_size_inches())
     return bytes(4 * width * height)
 
 
 def _dots(asked: Any, own: float) -> float:
-    """What `dpi` of `savefig` means; ValueError where it means nothing."""
+    """Return the dots per inch of `savefig`'s `dpi`; ValueError where it has no meaning."""
     dots = own if asked is None or asked == "figure" else float(asked)
     if not np.isfinite(dots) or dots <= 0:
         raise ValueError("dpi must be positive")

@@ -296,7 +296,7 @@ def watch_next_run() -> None:
 
 
 def watched_run() -> dict[str, np.ndarray]:
-    """What was noted of the run; nothing is noted from now on."""
+    """Return the notes of the run, and stop taking notes."""
     global _COURSE
     course, _COURSE = _COURSE, None
     return course.told() if course else {}

@@ -27,7 +27,7 @@ def path_of(own: str) -> str:
 
 
 def is_own(name: str) -> bool:
-    """Whether a file name is of a student's code."""
+    """Return whether a file name is that of a student's code."""
     return name.startswith(_OWN_PREFIX)
 
 
@@ -83,7 +83,7 @@ def type_name(error: BaseException) -> str:
 
 
 def is_a(error: BaseException, kind: type[BaseException]) -> bool:
-    """Whether an exception is of a kind; `isinstance` would ask its `__class__`, which is the student's code."""
+    """Return whether an exception is of a type; `isinstance` would ask its `__class__`, which may be student code."""
     return issubclass(type(error), kind)
 
 
@@ -106,7 +106,7 @@ def _pointed_at(error: BaseException) -> str:
 
 
 def message_of(error: BaseException) -> str:
-    """What an exception says, without addresses and other long integers, which differ from run to run."""
+    """Return an exception's message without addresses and other long integers, which differ from run to run."""
     try:
         text = str(error)
     except BaseException:  # __str__ is the student's code

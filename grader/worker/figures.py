@@ -44,7 +44,7 @@ def facts_of(figure: Any, packer: Packer) -> dict[str, Any]:
 
 
 def parts_of(figure: Any) -> dict[tuple[int, str], Any]:
-    """What is drawn and written on a figure, each by itself; nothing where the student's own artists do not tell.
+    """Return a figure's artists and texts one by one; nothing where a student's own artists raise.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def _axes(axes: Any, all_axes: list[Any], packer: Packer) -> dict[str, Any]:
 
 
 def _part_of_a_figure(axes: Any, behind: Any) -> dict[str, str]:
-    """What a subfigure says of all its panels; the figure as a whole speaks for itself."""
+    """Return a subfigure's texts for all its panels; those of the whole figure are reported by themselves."""
     part = axes.get_figure()
     whole = part is part.canvas.figure
     artists = {name: None if whole else getattr(part, f"_sup{name}", None) for name in ("title", "xlabel", "ylabel")}
@@ -226,7 +226,7 @@ def _points_of(line: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _stroke(line: Any) -> str:
-    """What tells lines of one colour and style apart: dashes, width and opacity."""
+    """Return what distinguishes lines of one colour: dashes, width and opacity."""
     dashes = getattr(line, "_unscaled_dash_pattern", None)  # matplotlib has no getter for it
     return _short((dashes, line.get_linewidth(), line.get_alpha()))
 
@@ -273,7 +273,7 @@ def _ink_of(artist: Any, colour: Any) -> dict[str, Any]:
 
 
 def _inks(colours: Iterable[Any]) -> list[str]:
-    """Each colour once, with its opacity; none at all where there are so many that any may be meant."""
+    """Return each colour once, with its opacity; none where there are so many that any could be meant."""
     from matplotlib.colors import to_hex
 
     inks: dict[str, None] = {}

@@ -102,7 +102,7 @@ def _main_module(path: str) -> types.ModuleType:
 
 
 def outline(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Which of the wanted names each file or notebook defines at its top level, read from its text; nothing of it runs."""
+    """List the wanted names that each file or notebook defines at its top level, from its text; nothing is run."""
     del fields, arrays
     code = sorted((p for p in STATE.paths if p.endswith((".py", ".ipynb"))), key=lambda p: (p.count("/"), p))
     found = ((path, sorted(compiling.defined(path).intersection(STATE.stepper.wanted))) for path in code)
@@ -247,7 +247,7 @@ def _library_or_partner(name: str) -> Any:
 
 
 def _unreadable(path: str) -> dict[str, Any] | None:
-    """What is wrong with a file, or the first such cell of a notebook, that is no Python at all."""
+    """Return the syntax error of a file, or of the first such cell of a notebook."""
     return next((e for p, e in STATE.unreadable.items() if p == path or p.startswith(f"{path}:")), None)
 
 

@@ -39,7 +39,7 @@ def _source(cell: dict[str, Any]) -> str:
 
 
 def files_written(content: bytes) -> dict[str, str]:
-    """What ``%%writefile`` cells leave behind, Python files only, by path; ValueError where it is no notebook."""
+    """Return the Python files that ``%%writefile`` cells write, by path; ValueError where it is no notebook."""
     files: dict[str, str] = {}
     for source in raw_cells(content):
         head, _, body = source.lstrip().partition("\n")

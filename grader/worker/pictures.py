@@ -61,7 +61,7 @@ def _reduction(picture: Any) -> Any:
 
 
 def _on_white(picture: Any, longest: int) -> Any:
-    """As a reader sees it, of a few pixels: what is transparent shows the page."""
+    """Return a small version as a reader sees it: transparent pixels show the white page."""
     from PIL import Image
 
     small = picture.convert("RGBA")

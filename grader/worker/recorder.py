@@ -1,4 +1,4 @@
-"""What a submission saves and shows: each figure is noted with its facts then, and once more where it has more at its end."""
+"""Record what a submission saves and shows: each figure's facts at that moment, and again at the end if it has more then."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ENDS = ("closed", "cleared", "open")
 
 
 class Recorder:
-    """What was saved and shown since the last `take`."""
+    """The figures saved and shown since the last `take`."""
 
     def __init__(self) -> None:
         self._drawn: list[saved.Drawn] = []

@@ -1,4 +1,4 @@
-"""Which figure stands in which picture file at the end, by whatever call it came there.
+"""Find which figure each picture file holds at the end, whichever call wrote it.
 
 A file that holds what saving a figure wrote holds that figure. Any other picture is looked at: one that was made of the canvas or
 of a buffer, by Pillow or `imsave`, resembles the figure that it shows.
@@ -48,7 +48,7 @@ def written_pictures(folder: str) -> list[str]:
 
 
 def content_of(target: Any) -> tuple[bytes | None, str | None]:
-    """What was written to a target of `savefig` just now, and where that is."""
+    """Return what was just written to a target of `savefig`, and its path."""
     if isinstance(target, str | os.PathLike):
         place = os.path.abspath(os.fspath(target))
         return _read(place if os.path.exists(place) else f"{place}.png"), place

@@ -23,7 +23,7 @@ Done = Callable[[], bool]
 
 
 class Screen:
-    """What stands between a student's program and matplotlib while it is watched.
+    """Stand between a student's program and matplotlib while the program is watched.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Screen:
     # --- showing -------------------------------------------------------------------------------------------------------
 
     def show_figure(self, canvas: Any) -> None:
-        """What drawing does, but for the pixels: the figure is up to date, and who waits for a drawing is told."""
+        """Do what drawing does without the pixels: update the figure and call the draw callbacks."""
         from matplotlib.backend_bases import DrawEvent
 
         if self._depth > 4:
@@ -105,7 +105,7 @@ class Screen:
         self._animations.append(weakref.ref(animation))
 
     def play(self, animation: Any) -> None:
-        """Every frame of an animation that is saved."""
+        """Play every frame of an animation that is saved."""
         animation._init_draw()
         for number, frame in enumerate(animation.new_saved_frame_seq()):
             animation._draw_next_frame(frame, blit=False)

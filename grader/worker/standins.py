@@ -1,4 +1,4 @@
-"""What takes the place of a submission's own parts: sound stand-ins that the grader sends, and the right names of misspelt ones."""
+"""Replace parts of a submission: sound stand-ins that the grader sends, and the right names of misspelt ones."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class NotThere:
 
 @dataclass(frozen=True)
 class Unit:
-    """What is run at once: a statement, or a notebook's cell that waits for something."""
+    """The unit that is run at once: a statement, or a notebook's cell that awaits something."""
 
     number: int
     node: ast.stmt
@@ -105,7 +105,7 @@ _CLOCK = _Clock()
 
 
 def _is_of_a_statement(frame: types.FrameType | None) -> bool:
-    """Whether a statement's code is running, and not ours after it or between two."""
+    """Return whether a student's statement is running, and not the grader's code between two of them."""
     while frame is not None and frame.f_code is not Stepper._run_unit.__code__:
         if faults.is_own(frame.f_code.co_filename):
             return True
@@ -218,11 +218,11 @@ class Stepper:
         self.noted.append(told | about | {"within": sorted(within)})
 
     def defined(self, names: dict[str, Any]) -> list[str]:
-        """Which of the wanted names are there."""
+        """Return the wanted names that are defined."""
         return [name for name in self.wanted if name in names and not isinstance(names[name], NotThere)]
 
     def _write_place(self) -> None:
-        """For the case that this process does not come back; it may have closed or filled what it writes to."""
+        """Write down the place in case this process does not come back; the file may be closed or full."""
         at, room = self._place
         said = json.dumps(self._running[-1:]).encode()
         if hasattr(os, "pwrite") and len(said) <= room:
@@ -250,7 +250,7 @@ def is_main_guard(node: ast.stmt) -> TypeGuard[ast.If]:
 
 
 def _callables_on(trace: types.TracebackType | None, wanted: Collection[str]) -> set[str]:
-    """Which of the wanted functions, or of their classes' methods, were running."""
+    """Return the wanted functions, or methods of wanted classes, that were running."""
     found: set[str] = set()
     while trace is not None:
         code, names = trace.tb_frame.f_code, trace.tb_frame.f_globals

@@ -1,4 +1,4 @@
-"""What a sandbox knows of its one submission, beside the files in the scratch folder."""
+"""The state of a sandbox's one submission, beside the files in the scratch folder."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def answer(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Any]) -> tup
 
 
 def _files(roots: Sequence[str], own: Collection[str]) -> Iterator[str]:
-    """Every regular file once; what the sandbox itself is made of is left out."""
+    """Yield every regular file once, without the sandbox's own mounts."""
     seen: set[tuple[int, int]] = set()
     for root in roots:
         for top, folders, names in os.walk(root):
@@ -60,7 +60,7 @@ def _content(path: str) -> bytes | None:
 
 
 def _named(path: str) -> bool:
-    """Whether it is of our own package, of the record of its installation, or of an archive that holds it."""
+    """Return whether a file belongs to the grader, to its installation record, or to an archive that holds it."""
     *folders, name = path.split("/")
     if any(_OWN_RECORD.fullmatch(part) for part in (*folders, name)):
         return True
