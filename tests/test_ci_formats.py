@@ -32,6 +32,7 @@ from grader.platforms.job import answer_of, named, recognise, submission_of
 from grader.platforms.junit import junit
 from grader.platforms.places import Place, Places, find_places
 from grader.platforms.prairielearn import prairielearn
+from grader.report import words
 from tests.examples import expected
 from tests.made_up import HOSTILE, check, lost, result
 
@@ -371,10 +372,14 @@ def test_only_a_fault_of_the_grader_is_an_error() -> None:
     assert as_jenkins_reads(junit(incomplete(), AT))[0].get("errors") == "1"
 
 
-def test_what_was_not_reached_is_skipped_but_an_empty_submission_is_not_green() -> None:
+def test_a_check_that_needs_another_is_skipped_and_an_empty_submission_has_one_failure_instead_of_one_a_check() -> None:
     row = check("skipped", 0.0)
     assert as_jenkins_reads(junit(result(row), AT))[0].get("skipped") == "1"
-    assert as_jenkins_reads(junit(result(row, status="empty"), AT))[0].get("failures") == "1"
+    empty = as_jenkins_reads(junit(result(row, status="empty"), AT))
+    assert (empty[0].get("skipped"), empty[0].get("failures")) == ("1", "0")
+    (failure,) = empty.findall("testsuite[@name='submission']/testcase/failure")
+    assert (failure.get("message"), failure.get("type")) == (words.STATUS["empty"], "empty")
+    assert empty.get("failures") == "1"
 
 
 def test_no_text_of_a_submission_becomes_xml_or_a_command_in_the_log() -> None:

@@ -343,7 +343,7 @@ def test_a_submission_that_kills_its_markers_is_incomplete_told_and_tried_again(
     out = tmp_path / "out"
     code, told, _ = run("grade", students, "-o", out)
     assert code == 3
-    assert "Not judged, through a fault of the grader: kill. Run again: only these are done anew." in told
+    assert "Not judged, because the grader failed: kill. Run the command again: only these are graded again." in told
     record = json.loads((out / "submissions" / "kill" / "result.json").read_text())
     assert record["status"] == "incomplete"
     assert {each["points"] for criterion in record["criteria"] for each in criterion["checks"]} == {None}

@@ -34,12 +34,17 @@ HOSTILE_RESULT = result(
 
 
 def terminal(
-    made: Result, *, width: int = 90, only: str | None = None, before: Mapping[str, float] | None = None
+    made: Result,
+    *,
+    width: int = 90,
+    only: str | None = None,
+    before: Mapping[str, float] | None = None,
+    verbose: bool = False,
 ) -> str:
     """What a terminal shows, in letters."""
     out = io.StringIO()
     console = Console(file=out, width=width, force_terminal=True, highlight=False)
-    show(made, console, LAB, only=only, before=before)
+    show(made, console, LAB, only=only, before=before, verbose=verbose)
     return plain(out.getvalue())
 
 
@@ -191,7 +196,7 @@ def test_one_cause_is_one_block_in_the_order_of_the_sheets_steps() -> None:
         "   Try       Write it.\n"
         "   Read      Lab 04-01, Steps 2, 5 and 6; imugrade explain not-written\n"
         "\n"
-        " – skipped  3 checks, 18 points: they need what was lost above\n"
+        " – skipped  3 checks, 18 points: not graded until the checks above are fixed\n"
         "\n"
         "Rerun  imugrade check --only sensor_access\n"
     )
@@ -243,11 +248,11 @@ def test_code_that_does_not_run_comes_first_with_what_it_costs() -> None:
         "   Got       accel = [ 1.000  0.412 -0.031]\n"
         "   Try       data.sensordata is flat: sensor i starts at model.sensor_adr[i],\n"
         "             not at i\n"
-        "   Read      Lab 04-01, Step 2; imugrade explain sensor-id-as-address\n"
         "\n"
-        " – skipped  2 checks, 12 points: they need what was lost above\n"
+        " – skipped  2 checks, 12 points: not graded until the checks above are fixed\n"
         "\n"
         "Rerun  imugrade check --only sensor_access\n"
+        "All lines  imugrade check -v\n"
     )
 
 
@@ -319,12 +324,33 @@ def test_a_submission_with_nothing_to_mark_is_told_in_one_line() -> None:
         )
 
 
-def test_of_one_criterion_what_was_earned_is_told_too() -> None:
-    assert terminal(result(check(lab_step=2)), only="sensor_access") == (
-        " ✓ Sensor access  ████████████████████  6 / 6\n"
+def test_of_one_criterion_what_was_earned_is_folded_into_one_line_below_what_was_lost() -> None:
+    passed = check(lab_step=2), check(lab_step=2, max_points=4.0, points=4.0, title="Returns copies")
+    assert terminal(result(*passed), only="sensor_access") == (
+        " ✓ Sensor access  ████████████████████  10 / 10\n"
         "\n"
-        " ✓ passed   Reads the right sensor                                                   6 / 6\n"
+        " ✓ passed   2 checks                                                               10 / 10\n"
     )
+    shown = terminal(result(*passed, lost(lab_step=2, title="Lost")), only="sensor_access")
+    assert shown.index("Lost") < shown.index(" ✓ passed   2 checks")
+
+
+def test_with_verbose_every_passed_check_is_shown_below_what_was_lost() -> None:
+    shown = terminal(result(check(lab_step=2), lost(lab_step=2, title="Lost")), verbose=True)
+    assert shown.index("✗ failed   Lost") < shown.index("✓ passed   Reads the right sensor")
+
+
+def test_at_84_of_100_the_screen_has_forty_lines_at_most() -> None:
+    """Three faults, four earned criteria; words as long as the longest of the lab's."""
+    long = "a sentence of a check that is a little longer than one line of a terminal that has a hundred columns"
+    lost_ = [
+        lost(title=f"{n}, {long}", hint=f"{n} {long}.", misconceptions=(f"fault-{n}",), max_points=5.33) for n in "abc"
+    ]
+    passed = [check(max_points=84.01, points=84.01)]
+    made = replace(result(*passed, *lost_), extensions=())
+    assert len(terminal(made, width=100).splitlines()) + len(("checking …", "files", "checks", "")) <= 40
+    assert terminal(made, width=100).endswith("All lines  imugrade check -v\n")
+    assert "All lines" not in terminal(made, width=100, verbose=True)
 
 
 OUTCOMES: list[tuple[Outcome, str]] = [

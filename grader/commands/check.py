@@ -42,6 +42,9 @@ def check(
     ] = None,
     watch: Annotated[bool, typer.Option("--watch", help="Check again whenever a file is saved.")] = False,
     prints: Annotated[bool, typer.Option("--prints", "-s", help="Show what your own code prints.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Show all lines of every deduction, and each passed check.")
+    ] = False,
     rubric: RubricOption = None,
     isolation_level: LevelOption = None,
 ) -> int:
@@ -53,7 +56,7 @@ def check(
       imugrade check my_lab --only filtering --watch
       imugrade check my_lab.zip --html report.html
     """
-    wanted = _Wanted(path, only, html, json, prints, rubric)
+    wanted = _Wanted(path, only, html, json, prints, verbose, rubric)
     if watch:
         return _watch(wanted, rubric, isolation_level)
     from grader.commands import opening  # noqa: PLC0415
@@ -102,23 +105,24 @@ _CHECKING = "checking …"
 
 @dataclass(frozen=True)
 class _Wanted:
-    """What is checked, how much of it is shown, and where it is written."""
+    """The arguments of `check`."""
 
     path: Path
     only: str | None
     html: Path | None
     json: Path | None
     prints: bool
+    verbose: bool
     rubric: Path | None
 
     @property
     def command(self) -> str:
-        """What to type to check it again."""
+        """The command that checks it again."""
         return shlex.join(("imugrade", "check", *self._given))
 
     @property
     def repeat(self) -> str:
-        """What to type to get a check as a program, with ``{}`` for its id; empty where there is no file that Python finds."""
+        """The command that writes a check as a program, with ``{}`` for its id; "" without a Python file."""
         if not any(next(self.path.glob(each), None) for each in ("*.py", "*/*.py")):
             return ""
         rubric = () if self.rubric is None else ("--rubric", str(self.rubric))
@@ -193,8 +197,9 @@ def _lines(
     from grader.report import terminal  # noqa: PLC0415
 
     lines = terminal.screen(
-        result, screen, LAB, only=wanted.only, before=before, command=wanted.command, repeat=wanted.repeat
-    )
+        result, screen, LAB, only=wanted.only, before=before, command=wanted.command, repeat=wanted.repeat,
+        verbose=wanted.verbose,
+    )  # fmt: skip
     return [*lines, *told]
 
 

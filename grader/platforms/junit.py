@@ -1,7 +1,8 @@
-"""JUnit XML as Jenkins' schema has it (xunit-plugin, `junit-10.xsd`), for GitLab and whoever else reads it.
+"""JUnit XML that is valid against Jenkins' schema (xunit-plugin, `junit-10.xsd`), for GitLab and other CI servers.
 
-JUnit has no word for points: they are properties of the suite, since the schema allows none of a case. What a student lost is a
-failure, a part of it too (JUnit knows no half); an error is what the grader failed to judge.
+JUnit has no points: they are properties of the suite, because the schema allows none for a case. A failed or partial check is a
+failure. A check that the grader could not judge is an error. A skipped check is skipped. A submission without files to grade has
+only skipped checks, which a CI server would show as green; so it has one more case, which fails and says why.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ def junit(result: Result, at: datetime) -> str:
         _suite(root, part, result, at)
     if result.repairs:
         _repairs(root, result, at)
+    if words.STATUS[result.status] and result.status != "incomplete":
+        _nothing_to_grade(root, result, at)
     for name in _COUNTED:
         root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
     root.set("time", _seconds(check.duration_s for part in rows.parts(result) for check in part.checks))
@@ -77,7 +80,7 @@ def _facts(part: rows.Part) -> Iterator[tuple[str, str]]:
 def _case(suite: Element, check: CheckResult, part: rows.Part, result: Result) -> None:
     time = _seconds([check.duration_s])
     case = SubElement(suite, "testcase", classname=f"imugrade.{part.id}", name=_name(check), time=time)
-    verdict = _verdict(check, result)
+    verdict = _verdict(check)
     if verdict:
         told = rows.plain(check, part, result.lab)
         SubElement(case, verdict, message=_headline(check, told), type=check.outcome).text = told
@@ -95,14 +98,19 @@ def _mistakes(check: CheckResult) -> list[str]:
     return [printable(id_, 80) for id_ in check.misconceptions if id_ not in words.FOR_THE_INSTRUCTOR]
 
 
-def _verdict(check: CheckResult, result: Result) -> str:
-    """The element of a check that was not earned; empty for one that was."""
-    if check.outcome == "passed":
-        return ""
-    if check.outcome == "not_judged":
-        return "error"
-    # A skipped check names the check to fix first. An empty submission has none, and skipped would look green.
-    return "skipped" if check.outcome == "skipped" and result.status in ("graded", "incomplete") else "failure"
+def _nothing_to_grade(root: Element, result: Result, at: datetime) -> None:
+    """Add the one failing case of an empty or unreadable submission."""
+    suite = SubElement(root, "testsuite", name="submission", timestamp=at.isoformat(timespec="seconds"))
+    for name, count in {"tests": "1", "failures": "1", "errors": "0", "skipped": "0", "time": _seconds([])}.items():
+        suite.set(name, count)
+    case = SubElement(suite, "testcase", classname="imugrade.submission", name="can_be_graded", time=_seconds([]))
+    failure = SubElement(case, "failure", message=words.STATUS[result.status], type=result.status)
+    failure.text = "\n".join([words.STATUS[result.status], *words.notes(result)])
+
+
+def _verdict(check: CheckResult) -> str:
+    """Return the element for an outcome; "" for a passed check."""
+    return {"passed": "", "not_judged": "error", "skipped": "skipped"}.get(check.outcome, "failure")
 
 
 def _headline(check: CheckResult, told: str) -> str:
@@ -121,9 +129,13 @@ writes `.gitlab-ci.yml` and the wheel beside it. Elsewhere:
 
     imugrade ci --out junit.xml
 
-Where no platform is recognised JUnit is what `imugrade ci` writes; the file is valid against Jenkins' own schema. A part earned is
-a failure with the fraction in its message, since JUnit knows no half; points are the properties `score` and `max_score` of each
-suite, and of each case as `follows_address.score`. An error is what the grader could not judge.""",
+`imugrade ci` writes JUnit if it recognizes no platform. The file is valid against Jenkins' own schema.
+
+- A partial check is a failure with its points in the message: JUnit has no half.
+- A check that needs another one is skipped. A check that the grader could not judge is an error.
+- A submission without files to grade has only skipped checks and one failure, `imugrade.submission.can_be_graded`. So the job is
+  red, and the number of failures is not 30.
+- Points are the properties `score` and `max_score` of each suite, and of each case as `follows_address.score`.""",
     ),
     respond=lambda result, _: junit(result, datetime.now(timezone.utc)),
     recognise=lambda *_: True,  # whatever runs jobs reads it

@@ -1,4 +1,4 @@
-"""One result as a screen on the terminal. Texts are set as `Text`, so nothing in them is taken for markup."""
+"""Terminal output of one result. Texts are set as `Text`, so that nothing in them is read as markup."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _STYLE = {"passed": "green", "partial": "yellow", "failed": "red", "blank": "bri
 
 
 class ClassTotals(Protocol):
-    """What is told of a run over a class."""
+    """Totals of a run over a class."""
 
     results: dict[str, Result]
     resumed: int
@@ -38,7 +38,7 @@ class ClassTotals(Protocol):
 
 
 class Found(Protocol):
-    """What is told of a finding of `doctor`."""
+    """One finding of `doctor`."""
 
     @property
     def name(self) -> str: ...
@@ -58,9 +58,10 @@ def show(
     only: str | None = None,
     before: Mapping[str, float] | None = None,
     command: str = "imugrade check",
+    verbose: bool = False,
 ) -> None:
     """Print a result, or one criterion or extension of it; see `screen`."""
-    for line in screen(result, console, lab, only=only, before=before, command=command):
+    for line in screen(result, console, lab, only=only, before=before, command=command, verbose=verbose):
         show_line(line, console)
 
 
@@ -78,25 +79,29 @@ def screen(
     before: Mapping[str, float] | None = None,
     command: str = "imugrade check",
     repeat: str = "",
+    verbose: bool = False,
 ) -> list[Text]:
-    """Return the lines of a result: code that does not run, totals, what to do next, deductions by cause, what to run again.
+    """Return the lines of a result: code that does not run, totals, next step, deductions by cause, the command to run again.
+
+    The first cause and code that does not run are shown with all lines, the other causes without what to read and to run. Passed
+    checks are folded into the totals, or into one line where only one criterion is shown.
 
     Parameters
     ----------
-    result
-        What was found.
     console
-        Where it will be shown; lines are at most 100 columns wide, however wide it is, and unbroken in a pipe.
+        The output. Lines have at most 100 columns on a terminal and are unbroken in a pipe.
     lab
-        Its names and files are those to go on with and to hand in.
+        Supplies the names to work on next and the files to hand in.
     only
-        The id of the one criterion or extension to show, with what was earned in it.
+        The id of the one criterion or extension to show.
     before
-        The points of each check at the last check, by its id; None where that is not known.
+        The points of each check in the last run, by its id; None if unknown.
     command
-        What was called, without options.
+        The command that was called, without options.
     repeat
-        What writes a check down as a program, with ``{}`` for its id; empty where it cannot be had.
+        The command that writes a check as a program, with ``{}`` for its id; "" if there is none.
+    verbose
+        Show every cause with all lines, and each passed check.
     """
     setting = Setting(console, min(console.width, WIDTH) if console.is_terminal else None)
     parts = causes.parts_of(result, only)
@@ -104,21 +109,21 @@ def screen(
     found = causes.causes_of(checks)
     change = Change(before or {})
     broken = [cause for cause in found if cause.does_not_run]
+    others = [cause for cause in found if not cause.does_not_run]
+    whole = others if verbose or only is not None else others[: 0 if broken else 1]
     blocks = [
         [Text("Does not run", "bold")] if broken else [],
         *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in broken),
         _totals(result, parts, setting, change, only),
         _next(found, lab, setting),
-        *([_earned(checks, setting)] if only is not None else [_mended(parts, setting, change)]),
-        *(
-            [*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)]
-            for cause in found
-            if not cause.does_not_run
-        ),
+        _gained(parts, setting, change) if only is None and not verbose else [],
+        *([*_cause(cause, result.lab, setting, change), *_repeat(cause, lab, repeat, setting)] for cause in whole),
+        *(_cause(cause, result.lab, setting, change, read=False) for cause in others if cause not in whole),
         _without_verdict(checks, setting),
+        _passed(checks, setting, verbose=verbose) if only is not None or verbose else [],
         _closing(result, setting),
         _hand_in(result, lab, setting) if only is None else [],
-        _again(found, command, setting),
+        [*_again(found, command, setting), *(_more(command, setting) if len(whole) < len(others) else [])],
     ]
     return [line for block in blocks if block for line in (Text(), *block)][1:]
 
@@ -130,7 +135,7 @@ def _totals(
     change: Change,
     only: str | None,
 ) -> list[Text]:
-    """A line for each part, and the score below them: of a part alone there is none."""
+    """A line for each part, and the score below them. No total when only one criterion is shown."""
     rows = [_total_of(part, change) for part in parts]
     if only is None and parts:
         rows.append(_Total(" ", "Score", words.total_points(result), None, change.since(result.criteria)))
@@ -143,7 +148,7 @@ def _totals(
 
 @dataclass(frozen=True)
 class _Total:
-    """One line of the totals; `share` is what was earned of it, None where there is no saying."""
+    """One line of the totals. `share` is the earned share, None if a check was not judged."""
 
     sign: str
     title: str
@@ -193,12 +198,17 @@ def _next(found: Sequence[Cause], lab: Lab, setting: Setting) -> list[Text]:
     return setting.hang(Text("Next  ", LABEL), Text(step, "bold")) if step else []
 
 
-def _earned(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
-    return [line for check in checks if check.outcome == "passed" for line in _head(check, setting)]
+def _passed(checks: Sequence[CheckResult], setting: Setting, *, verbose: bool) -> list[Text]:
+    """Return the passed checks, folded into one line unless `verbose`."""
+    passed = [check for check in checks if check.outcome == "passed"]
+    if verbose or not passed:
+        return [line for check in passed for line in _head(check, setting)]
+    points = words.fraction(sum(check.points or 0.0 for check in passed), sum(check.max_points for check in passed))
+    return setting.head(_outcome(passed[0]), f"{len(passed)} check{'s' * (len(passed) > 1)}", points)
 
 
-def _mended(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, change: Change) -> list[Text]:
-    """What has been earned since the last check; a part that is complete says so itself."""
+def _gained(parts: Sequence[CriterionResult | ExtensionResult], setting: Setting, change: Change) -> list[Text]:
+    """Return the checks that have passed since the last run. A complete part needs none: its total says so."""
     open_ = [part for part in parts if part.points < part.max_points]
     gained = [check for part in open_ for check in part.checks if check.outcome == "passed" and change.was(check)]
     return [line for check in gained for line in _head(check, setting, change.was(check))]
@@ -214,19 +224,20 @@ def _outcome(check: CheckResult) -> Text:
     return Text(f" {outcome.sign} {outcome.word}", _STYLE[outcome.kind])
 
 
-def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change) -> list[Text]:
-    """The first check whole; of the others what came in their case; then what to try and to read for all."""
+def _cause(cause: Cause, lab: LabName, setting: Setting, change: Change, *, read: bool = True) -> list[Text]:
+    """Return the first check with all its lines, of the others what came, then what to try and, if `read`, to read."""
     lines: list[Text] = []
     for check, news in causes.told(cause):
         lines += _head(check, setting, change.was(check))
         lines += [line for text in news for line in setting.labelled(text.label, text.text)]
     for line in causes.going_on(cause, lab):
-        lines += setting.labelled(line.label, line.text)
+        if read or line.label != "Read":
+            lines += setting.labelled(line.label, line.text)
     return lines
 
 
 def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]:
-    """How to ask the same once more without the grader; what was never called cannot be."""
+    """Return how to repeat a check without the grader. Code that was never called cannot be repeated."""
     first = cause.checks[0]
     call = lab.call_of(first.id)
     if not repeat or not call or not _NEVER_CALLED.isdisjoint(first.misconceptions):
@@ -235,12 +246,12 @@ def _repeat(cause: Cause, lab: Lab, repeat: str, setting: Setting) -> list[Text]
 
 
 def _without_verdict(checks: Sequence[CheckResult], setting: Setting) -> list[Text]:
-    """What was not reached, and what could not be judged, a line for each reason."""
+    """Return the skipped checks and those that were not judged, one line for each reason."""
     reasons: dict[str, list[CheckResult]] = {}
     for check in checks:
         if check.outcome in ("skipped", "not_judged"):
             skipped = check.outcome == "skipped"
-            reason = "they need what was lost above" if skipped else printable(check.message, 300)
+            reason = "not graded until the checks above are fixed" if skipped else printable(check.message, 300)
             reasons.setdefault(reason, []).append(check)
     return [line for reason, together in reasons.items() for line in _together(reason, together, setting)]
 
@@ -252,7 +263,7 @@ def _together(reason: str, checks: Sequence[CheckResult], setting: Setting) -> l
 
 
 def _closing(result: Result, setting: Setting) -> list[Text]:
-    """Notes, then what stands in the way of a score; where nothing was found, in one line."""
+    """Return the notes, then why there is no score. A submission without files has one line."""
     status = words.STATUS[result.status]
     if result.status in ("empty", "unreadable"):
         return setting.hang(Text(), Text(" ".join([f"{words.name(result)}: {status}", *words.notes(result)])))
@@ -261,7 +272,7 @@ def _closing(result: Result, setting: Setting) -> list[Text]:
 
 
 def _hand_in(result: Result, lab: Lab, setting: Setting) -> list[Text]:
-    """Where nothing is left to do, what the lab asks for."""
+    """Return the files to hand in, if all points are earned."""
     if result.status != "graded" or result.score < result.max_score:
         return []
     return setting.hang(Text("Hand in  ", LABEL), Text(", ".join((*lab.files, *lab.pictures))))
@@ -272,8 +283,12 @@ def _again(found: Sequence[Cause], command: str, setting: Setting) -> list[Text]
     return setting.hang(Text("Rerun  ", LABEL), Text(f"{command} --only {part}")) if part else []
 
 
+def _more(command: str, setting: Setting) -> list[Text]:
+    return setting.hang(Text("All lines  ", LABEL), Text(f"{command} -v"))
+
+
 def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
-    """The last lines of a run over a class: how many, the mean, who needs attention, where to look."""
+    """Print the last lines of a run over a class: counts, mean, submissions that were not graded, where the pages are."""
     scores = [result.score for result in outcome.results.values() if result.status != "incomplete"]
     fresh = len(outcome.results) - outcome.resumed
     facts = [f"{fresh} graded"] + ([f"{outcome.resumed} on record"] if outcome.resumed else [])
@@ -284,14 +299,16 @@ def show_class(outcome: ClassTotals, index: str, console: Console) -> None:
     if outcome.incomplete:
         names = ", ".join(printable(id_, words.NAME_LIMIT) for id_ in outcome.incomplete)
         console.print(
-            Text(f"Not judged, through a fault of the grader: {names}. Run again: only these are done anew."),
+            Text(
+                f"Not judged, because the grader failed: {names}. Run the command again: only these are graded again."
+            ),
             soft_wrap=True,
         )
     console.print(Text(f"Open {printable(index, 1000)}"), soft_wrap=True)
 
 
 def show_findings(sections: Sequence[tuple[str, Sequence[Found]]], console: Console) -> None:
-    """What `doctor` found, a heading and its lines at a time."""
+    """Print what `doctor` found, one section after the other."""
     for heading, findings in sections:
         console.print(Text(heading, "bold"))
         table = Table.grid(expand=True, padding=(0, 1, 0, 0))
