@@ -46,7 +46,7 @@ def _isolation() -> list[Finding]:
 
 
 def _one_copy(isolation_level: IsolationLevel) -> Finding:
-    """Whether a submission could read the solution of a second install, of a checkout, or of this one."""
+    """Return whether a submission could read the solution of a second install, of a checkout, or of this one."""
     try:
         search = one_copy.search(isolation_level)
     except GraderError as error:
@@ -74,7 +74,7 @@ def _version(package: str) -> tuple[bool | None, str]:
 
 
 def _reference() -> Finding:
-    """Whether a secret gives hidden scenarios here: tried with one that is thrown away."""
+    """Return whether a secret gives hidden scenarios here: tried with one that is thrown away."""
     try:
         recorded = rehearse(LAB)
     except (GraderError, RequestError, OSError) as problem:

@@ -274,7 +274,7 @@ def _adjustment(wish: Wish, final_grade: FinalGrade, author: str, now: str) -> A
 
 
 def _stands(wish: Adjustment, final_grade: FinalGrade) -> bool:
-    """Whether it is in force already, on the same marks; or withdrawn already."""
+    """Return whether it is in force already, on the same marks; or withdrawn already."""
     same = (each for each in final_grade.adjustments if (each.criterion, each.alone) == (wish.criterion, wish.alone))
     now = next(same, None)
     if now is None:

@@ -103,7 +103,7 @@ class Examination:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Whether the check is asked for; nothing is asked about an extension that was not attempted."""
+        """Return whether the check is asked for; nothing is asked about an extension that was not attempted."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
@@ -162,7 +162,7 @@ class Examination:
         }
 
     def lost_beside_standins(self, criterion: str) -> bool:
-        """Whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
+        """Return whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
         part = self._lab.part(criterion)
         needed = part is not None and part.needed and criterion in self._lab.examined
         return bool(needed and self.student.broken) and criterion in self._lost

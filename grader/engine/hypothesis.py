@@ -26,7 +26,7 @@ class Hypothesis(Protocol):
         """How much it asks to be believed."""
 
     def fits(self, seen: Any, /) -> bool:
-        """Whether it predicts what was seen."""
+        """Return whether it predicts what was seen."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Reason(Generic[Seen]):
     takes: frozenset[str] = frozenset()
 
     def fits(self, seen: Seen, /) -> bool:
-        """Whether the fault predicts the facts; numbers that it cannot compute with are none that it predicts."""
+        """Return whether the fault predicts the facts; numbers that it cannot compute with are none that it predicts."""
         try:
             return self.holds(seen)
         except (ArithmeticError, ValueError):  # NumPy's LinAlgError is a ValueError

@@ -134,7 +134,7 @@ class _Ending:
     within: frozenset[str] | None = None
 
     def still(self, beside: Collection[str]) -> bool:
-        """Whether it would do so beside other stand-ins, too: not if they may take the place of what it was about."""
+        """Return whether it would do so beside other stand-ins, too: not if they may take the place of what it was about."""
         return self.beside == frozenset(beside) or (self.within is not None and self.within.isdisjoint(beside))
 
 

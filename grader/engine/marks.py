@@ -45,7 +45,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Whether a result on record can be marked by this rubric: it was asked the same, about the checks that stand there."""
+    """Return whether a result on record can be marked by this rubric: it was asked the same, about the checks that stand there."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}

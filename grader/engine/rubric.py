@@ -485,7 +485,7 @@ _APPLY = {"suggested": True, "none": False}
 
 
 def _repairs(reader: Reader, node: yaml.Node | None) -> RepairPolicy:
-    """Whether suggested repairs are applied, and what a repair costs."""
+    """Return whether suggested repairs are applied, and what a repair costs."""
     if node is None:
         return RepairPolicy()
     keys = reader.fields(node, "repairs", ("apply", "deduct"), ())

@@ -67,7 +67,7 @@ class Conversation(Asking):
         return session.loaded[path]
 
     def _may_be_innocent(self, path: str, nothing: NoAnswer) -> bool:
-        """Whether a file is to be loaded once more, see `retried`."""
+        """Return whether a file is to be loaded once more, see `retried`."""
         again = not isinstance(nothing, TimedOut) and path not in self._suspects
         self._suspects.add(path)
         return again
@@ -214,5 +214,5 @@ def _together(names: Iterable[str]) -> str:
 
 
 def is_run(path: str) -> bool:
-    """Whether a file may be run because of what is in it; some files are there for tools that look for their names."""
+    """Return whether a file may be run because of what is in it; some files are there for tools that look for their names."""
     return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")

@@ -81,7 +81,7 @@ def _public_of(model: Model, cache_dir: Path) -> Traces:
 
 
 def _is_as_good_as_any(ours: Traces) -> bool:
-    """Whether the simulator here is the one that recorded it, or no other bundle can be had."""
+    """Return whether the simulator here is the one that recorded it, or no other bundle can be had."""
     return ours.versions["mujoco"] == version("mujoco") or recording.folder_of(LAB) is None
 
 

@@ -45,14 +45,14 @@ def _deviation(difference: Array) -> Deviation:
 
 
 def same(got: Array, expected: Array, atol: float) -> bool:
-    """Whether every number agrees within `atol`; NaN agrees with nothing."""
+    """Return whether every number agrees within `atol`; NaN agrees with nothing."""
     if got.shape != expected.shape or got.size == 0:
         return False
     return bool(np.all(np.abs(got - expected) <= atol))
 
 
 def same_where_known(got: Array, expected: Array, atol: float) -> bool:
-    """Whether every finite number of `got` agrees within `atol`, and there is at least one."""
+    """Return whether every finite number of `got` agrees within `atol`, and there is at least one."""
     known = np.isfinite(got)
     return bool(known.any()) and bool(np.all(np.abs(got[known] - expected[known]) <= atol))
 

@@ -10,7 +10,7 @@ _GLOBAL = "global "
 
 
 def reads_global(departs: Sequence[str]) -> bool:
-    """Whether a definition reads a global in the place of a parameter."""
+    """Return whether a definition reads a global in the place of a parameter."""
     return any(each.startswith(_GLOBAL) for each in departs)
 
 

@@ -95,7 +95,7 @@ def robot_of(traces: Traces) -> Robot:
 
 
 def is_of(model: Model, traces: Traces) -> bool:
-    """Whether traces were recorded for the robot that a rubric names."""
+    """Return whether traces were recorded for the robot that a rubric names."""
     robot = robot_of(traces)
     return (robot.file, robot.imu) == (model.file, model.imu)
 

@@ -144,7 +144,7 @@ def _world(student: Student, truth: Traces, scenario: Scenario, places: tuple[st
 
 
 def _known(world: _World) -> bool:
-    """Whether some place was read."""
+    """Return whether some place was read."""
     raised(world.got.fault, "reading all IMUs")
     return bool(world.got.calls and world.read)
 

@@ -77,7 +77,7 @@ def check_shows_true_data(student: Student, truth: Traces) -> None:
 
 
 def _is_true(curve: SeenCurve, truth: Traces) -> bool:
-    """Whether it follows a channel of a robot that was pushed, or that was reset and rests."""
+    """Return whether it follows a channel of a robot that was pushed, or that was reset and rests."""
     watched = truth["watched"]
     dt = float(watched.scalars["timestep"])
     return any(liveplot.shows(curve.x, curve.y, watched[kind], dt) for kind in ("pushed", "still"))

@@ -76,7 +76,7 @@ def _exact(samples: Array, m: int, value: float) -> bool:
 
 
 def _estimates(usable: list[tuple[int, float]], samples: Array) -> bool:
-    """Whether it is a sound estimate that we do not know, from its distance to the overlapping one."""
+    """Return whether it is a sound estimate that we do not know, from its distance to the overlapping one."""
     clusters = np.array([len(samples) / m for m, _ in usable])
     if min(value for _, value in usable) <= 0:
         return False
@@ -142,7 +142,7 @@ def mistakes(records: list[Record], rate: float) -> list[str]:
 
 
 def _every(predicts: Callable[[Sizes, Array, Array], bool]) -> Callable[[tuple[list[Record], float]], bool]:
-    """Whether one meaning of averaging times makes all records what is predicted."""
+    """Return whether one meaning of averaging times makes all records what is predicted."""
 
     def predicted(seen: tuple[list[Record], float]) -> bool:
         records, rate = seen

@@ -104,7 +104,7 @@ def too_few(figure: Figure) -> int:
 
 
 def _may_be_smoothed(raw: Array, smooth: Array) -> bool:
-    """Whether a series is as long as another, is smoother, and lies where that one lies."""
+    """Return whether a series is as long as another, is smoother, and lies where that one lies."""
     near = abs(np.mean(smooth) - np.mean(raw)) <= 3 * np.std(raw)
     return len(raw) == len(smooth) and bool(near) and _is_smoother(raw, smooth)
 
@@ -160,7 +160,7 @@ def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -
 
 
 def _is_smoothed(raw: Array, smooth: Array, step: int, *, named: bool) -> bool:
-    """Whether one series is smoother than the other and goes where its running mean goes, at some lag.
+    """Return whether one series is smoother than the other and goes where its running mean goes, at some lag.
 
     An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
     standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
@@ -197,14 +197,14 @@ def _of_noise(raw: Array, step: int, window: int) -> _Likeness:
 
 
 def _has_noise(raw: Array) -> bool:
-    """Whether a series goes up and down from value to value, by however little."""
+    """Return whether a series goes up and down from value to value, by however little."""
     bends = np.diff(raw, 2)
     bends = bends[np.abs(bends) > _ROUNDING * np.abs(raw).max()]
     return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
 def _follows(raw: Array, smooth: Array, window: int, likeness: _Likeness) -> bool:
-    """Whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
+    """Return whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
 
     Both are as long, and longer than four windows: a lag leaves two thirds of the rows.
     """
@@ -218,7 +218,7 @@ def _follows(raw: Array, smooth: Array, window: int, likeness: _Likeness) -> boo
 
 
 def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, likeness: _Likeness) -> bool:
-    """Whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
+    """Return whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
     begins, ends = rows
     means, widths = _moments(wanted, begins, ends)
     its_means, its_widths = _moments(got, begins + lags, ends + lags)

@@ -73,7 +73,7 @@ def _by_time(x: Array, y: Array, channels: Array, dt: float) -> bool:
 
 
 def _noisy(y: Array, truth: Array) -> bool:
-    """Whether y (n,) is one of the first six columns of truth (n, c), but for noise; a flat line shows none."""
+    """Return whether y (n,) is one of the first six columns of truth (n, c), but for noise; a flat line shows none."""
     own, limits = truth[:, :6], np.repeat(_NOISY, 3)
     close = np.abs(own - y[:, None]).max(axis=0) <= limits
     moving = own.std(axis=0) > limits / 3

@@ -82,7 +82,7 @@ def turns(outputs: list[Array]) -> Array:
 
 
 def ignores_gyroscope(outputs: list[Array]) -> bool:
-    """Whether neither of the two turns shows in the outputs (n, 2)."""
+    """Return whether neither of the two turns shows in the outputs (n, 2)."""
     whole = all(len(out) >= BEFORE + 50 and np.isfinite(out).all() for out in outputs)
     return whole and bool(np.abs(turns(outputs)).max() < 1e-3)
 
@@ -105,7 +105,7 @@ def _degrees(seen: Response) -> bool:
 
 
 def _heavy(seen: Response) -> bool:
-    """Whether nearly all of a tilt comes out at once."""
+    """Return whether nearly all of a tilt comes out at once."""
     return bool(np.all(np.abs(seen.first - 0.98) < 0.015))
 
 
@@ -114,7 +114,7 @@ def _swapped(seen: Response) -> bool:
 
 
 def _sign(seen: Response) -> bool:
-    """Whether the tilt settles at another sign, half a turn away or on the other axis, or the turn shows up so."""
+    """Return whether the tilt settles at another sign, half a turn away or on the other axis, or the turn shows up so."""
     if _near(seen.settled, TILT):
         unit = np.round(seen.turn)
         return (

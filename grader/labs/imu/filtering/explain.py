@@ -49,7 +49,7 @@ def _every(holds: Callable[[Run], bool]) -> Callable[[Facts], bool]:
 
 
 def _rounded(run: Run) -> bool:
-    """Whether an output is the sheet's, rounded, cut off to digits, or of half precision; or its state is.
+    """Return whether an output is the sheet's, rounded, cut off to digits, or of half precision; or its state is.
 
     A rounded output differs from the recursion by one grain at most, and the start that it is judged from by one more; a
     rounded state obeys the recursion from each output to the next within one.
@@ -69,7 +69,7 @@ def _grains(y: Array) -> list[float]:
 
 
 def _limited(run: Run) -> bool:
-    """Whether outputs are the sheet's within two limits, and most of them lie within."""
+    """Return whether outputs are the sheet's within two limits, and most of them lie within."""
     whole = recursion(run.alpha, run.x, run.x[0])
     cut = np.clip(whole, run.y.min(), run.y.max())
     return same(run.y, cut, ATOL) and 0.5 < float(np.mean(np.abs(whole - cut) <= ATOL)) < 1
@@ -106,7 +106,7 @@ def _takes_constants_away(facts: Facts) -> bool:
 
 
 def _from_the_first(run: Run) -> bool:
-    """Whether every output is a mean of the measurement and the first one, whichever has the weight alpha."""
+    """Return whether every output is a mean of the measurement and the first one, whichever has the weight alpha."""
     return any(same(run.y[1:], w * run.x[1:] + (1 - w) * run.x[0], ATOL) for w in (run.alpha, 1 - run.alpha))
 
 
@@ -116,33 +116,33 @@ def _from_one_value(run: Run) -> bool:
 
 
 def _restarts(facts: Facts) -> bool:
-    """Whether the recursion holds, but that now and then the output is the measurement again, as at the start."""
+    """Return whether the recursion holds, but that now and then the output is the measurement again, as at the start."""
     again = [np.abs(run.y[1:] - run.x[1:]).max(axis=1) <= ATOL for run in facts.runs]
     seldom = all(o.mean() < _NOW_AND_THEN and a[o].all() for o, a in zip(facts.off, again, strict=True))
     return seldom and any((o[1:] & ~o[:-1]).any() for o in facts.off)  # after it had begun
 
 
 def _stays_at_times(facts: Facts) -> bool:
-    """Whether the recursion holds, but that at times the output stays where it was, whatever the measurement is."""
+    """Return whether the recursion holds, but that at times the output stays where it was, whatever the measurement is."""
     stays = [np.abs(np.diff(run.y, axis=0)).max(axis=1) <= ATOL for run in facts.runs]
     return all(np.sum(~o) >= _FEWEST and s[o].all() for o, s in zip(facts.off, stays, strict=True))
 
 
 def _begins_late(facts: Facts) -> bool:
-    """Whether the recursion holds after the first outputs, a third of all at most."""
+    """Return whether the recursion holds after the first outputs, a third of all at most."""
     first = [int(np.argmin(o)) for o in facts.off]
     return any(first) and all(end <= len(o) // 3 and not o[end:].any() for end, o in zip(first, facts.off, strict=True))
 
 
 def _averages(run: Run) -> bool:
-    """Whether each output is the mean of so many samples, once there are so many."""
+    """Return whether each output is the mean of so many samples, once there are so many."""
     sums = np.concatenate([np.zeros((1, 3)), np.cumsum(run.x, axis=0)])
     sizes = range(1, min(_LONGEST, len(run.x) // 2) + 1)
     return any(same(run.y[size:], (sums[size + 1 :] - sums[1:-size]) / size, ATOL) for size in sizes)
 
 
 def _leaves_axes_out(run: Run) -> bool:
-    """Whether some axes obey the recursion, and the others come out as they are or never move."""
+    """Return whether some axes obey the recursion, and the others come out as they are or never move."""
     y = run.y[1:]
     right, as_they_are = ((np.abs(y - other) <= ATOL).all(axis=0) for other in (run.wanted, run.x[1:]))
     left = as_they_are | (np.ptp(y, axis=0) <= ATOL)
@@ -150,7 +150,7 @@ def _leaves_axes_out(run: Run) -> bool:
 
 
 def _mixes_axes(run: Run) -> bool:
-    """Whether the outputs follow from all axes together, but not from each by itself."""
+    """Return whether the outputs follow from all axes together, but not from each by itself."""
     columns = np.concatenate([run.x[1:], run.y[:-1]], axis=1)
     weights, *_ = np.linalg.lstsq(columns, run.y[1:], rcond=None)
     apart = ~np.tile(np.eye(3, dtype=bool), (2, 1))
@@ -174,7 +174,7 @@ def _default_alone(facts: Facts) -> bool:
 
 
 def _from_zero(facts: Facts) -> bool:
-    """Whether the first output is what comes of zero before it; a high-pass filter lets that through at first, too."""
+    """Return whether the first output is what comes of zero before it; a high-pass filter lets that through at first, too."""
     run = facts.runs[0]
     weights = (run.alpha, 1 - run.alpha, 0.0, *(run.weights or ())[:1])
     high_pass = any(_made_of(weights)(facts) for _, told, weights in WEIGHTS if told == "high-pass")
@@ -182,7 +182,7 @@ def _from_zero(facts: Facts) -> bool:
 
 
 def ignores_initial(run: Run) -> bool:
-    """Whether the first output is what comes of the first measurement alone, or of zero in the initial value's place."""
+    """Return whether the first output is what comes of the first measurement alone, or of zero in the initial value's place."""
     if run.weights is None or run.initial is None or abs(run.weights[1]) <= ATOL:
         return False
     places = (run.x[0], run.weights[0] * run.x[0]) if run.initial.any() else (run.x[0],)

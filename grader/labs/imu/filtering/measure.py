@@ -122,7 +122,7 @@ class Ownership:
         return self.stumbles is not None or not same(self.beside, self.alone, ATOL)
 
     def settles(self, other: Array) -> bool:
-        """Whether another run grows alike, as filters do that only start from different states."""
+        """Return whether another run grows alike, as filters do that only start from different states."""
         difference = np.abs(other - self.alone)
         return bool(difference[-1].max() <= ATOL + _SETTLED * difference.max())
 

@@ -116,7 +116,7 @@ def recorded_as(recording: Any, function: Any, slots: Sequence[Slot]) -> Iterato
 
 
 def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
-    """Whether nothing is there yet, or what a recorder may have returned: one of its own classes, too."""
+    """Return whether nothing is there yet, or what a recorder may have returned: one of its own classes, too."""
     if isinstance(value, tuple | list):
         return not any(isinstance(part, str) for part in value)
     return value is None or isinstance(value, dict) or type(value).__module__ in classes
@@ -187,7 +187,7 @@ def _values_read(function: FunctionType) -> Iterator[Any]:
 
 
 def _is_no_id(value: Any) -> bool:
-    """Whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
+    """Return whether a number is one that no sensor has; elsewhere than in a placeholder it is what an unknown name gives."""
     return isinstance(value, int | np.integer) and bool(value < 0)
 
 
