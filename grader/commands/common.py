@@ -1,4 +1,4 @@
-"""What several commands share: options, and how they speak."""
+"""Options and output shared by several commands."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LevelOption = Annotated[str | None, typer.Option("--isolation", hidden=True)]
 
 
 def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
-    """What an option says, if it is one of the words that it may say."""
+    """Return an option's value if it is one of the allowed words."""
     from grader.base.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:
@@ -68,7 +68,7 @@ def console() -> Console:
 
 
 def login() -> str:
-    """Who is logged in; a machine need not know."""
+    """Return the login name, or "unknown" where the machine has none."""
     import getpass  # noqa: PLC0415
 
     try:

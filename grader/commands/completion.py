@@ -1,4 +1,4 @@
-"""What the Tab key offers: criteria, and whatever `imugrade explain` explains. Nothing is read before it is pressed."""
+"""Tab completion: criteria, and everything that `imugrade explain` explains. Nothing is read before Tab is pressed."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ def criteria(incomplete: str) -> list[str]:
 
 
 def checks(incomplete: str) -> list[str]:
-    """Every check."""
+    """Return the ids of the checks."""
     from grader.engine import rubric  # noqa: PLC0415
 
     return _beginning(incomplete, [weight.id for weight in rubric.load(LAB).checks])
 
 
 def explained(incomplete: str) -> list[str]:
-    """Every mistake, criterion, extension and check."""
+    """Return every fault, criterion, extension and check."""
     from grader.engine.faults import catalogue  # noqa: PLC0415
 
     return _beginning(incomplete, [*catalogue(LAB), *LAB.titles, *checks("")])

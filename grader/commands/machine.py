@@ -1,4 +1,4 @@
-"""What this machine can isolate, and which versions are in use: `imugrade doctor`."""
+"""`imugrade doctor`: the isolation levels of this machine, and the versions in use."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Finding:
 
 
 def examine() -> list[tuple[str, list[Finding]]]:
-    """All findings under their headings. Walls and recordings are tried out, not looked up."""
+    """Return all findings under their headings. Isolation and recordings are tried out, not looked up."""
     return [("Isolation", _isolation()), ("Versions", _versions()), ("Traces", [_reference()])]
 
 

@@ -18,12 +18,12 @@ OTHERS = "another robot of the same kind, its sensors in another order, other nu
 
 
 def begins(path: Path) -> str:
-    """What is looked at, said before even that is."""
+    """Name the submission before it is read."""
     return f"checking {printable(Path(os.path.abspath(path)).name, 120)} …"  # "." has a name too
 
 
 def found(lab: Lab, submission: Submission) -> str:
-    """Which of the sheet's files are there, and which are not; a notebook may stand for all that are programs."""
+    """Say which of the sheet's files are present and which are missing; a notebook may replace all programs."""
     asked_for = (*lab.files, *lab.pictures)
     there = [name for name in asked_for if name in submission.files]
     notebooks = [] if set(there) & set(lab.files) else sorted(n for n in submission.files if n.endswith(".ipynb"))
@@ -37,7 +37,7 @@ def found(lab: Lab, submission: Submission) -> str:
 
 
 def waiting(submission: Submission, rubric: Rubric, traces: Traces, only: str | None, *, secret: bool) -> str:
-    """How many public checks are run now, and what else there is.
+    """Say how many public checks run now, and what else there is.
 
     Parameters
     ----------

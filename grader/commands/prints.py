@@ -1,5 +1,7 @@
-"""What a student's own code printed during a check, by the part that was being checked. Each part is checked in many calls, so
-equal lines are counted in place of being repeated."""
+"""Collect what a student's own code printed, by the part that was being checked.
+
+Each part is called many times, so equal lines are counted in place of being repeated.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,7 @@ class Prints:
         self._lines.clear()
 
     def told(self, lab: Lab) -> list[Text]:
-        """What was printed, in the order in which it was first printed."""
+        """Return the printed lines in the order in which each was first printed."""
         lines = [Text(), Text("Printed by your code")]
         for part, counted in self._lines.items():
             if counted:

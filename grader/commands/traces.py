@@ -61,7 +61,7 @@ def plot(
 
 
 def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: str | None) -> Mapping[str, Collection]:
-    """What the submission's own `simulate_and_collect` records, run in a sandbox; what cannot be had is said."""
+    """Return what the submission's own `simulate_and_collect` records in a sandbox; print what could not be obtained."""
     from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.findings import Missing, Raised  # noqa: PLC0415
@@ -104,7 +104,7 @@ def record(
 
 
 def _obtained(seed: str | None, rubric: Path | None) -> Traces:
-    """For the robot that the rubric names."""
+    """Obtain the traces of the robot that the rubric names."""
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 

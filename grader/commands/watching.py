@@ -1,4 +1,4 @@
-"""What `imugrade check --watch` shows: what is going on, then the top of the last result, as much as the terminal holds."""
+"""`imugrade check --watch`: show the current state, then as much of the last result as the terminal holds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came back over the wire, as frozen records of plain arrays: the shapes that the checks work with.
+"""The worker's answers as frozen dataclasses of plain arrays, the form that the checks work with.
 
 Everything in here was said by the sandbox and is believed of nobody: a record holds what a student's function returned, in a
 form that can be compared, and what was odd about its form.
@@ -40,7 +40,7 @@ def numbers(node: Node | None, arrays: Arrays) -> Array | None:
 
 
 def shape_in_words(node: Node | None, arrays: Arrays) -> str:
-    """What a value is, for a student: ``a tuple of (array (3,), array (2,))``."""
+    """Describe a value for a student: ``a tuple of (array (3,), array (2,))``."""
     if node is None:
         return "nothing"
     kind = node["kind"]
@@ -131,7 +131,7 @@ def three(vector: Array | None) -> Array:
 
 @dataclass(frozen=True)
 class Readings:
-    """All calls of a reader on one scenario.
+    """The calls of a reader on one scenario.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ SENSORS, SENSOR_UNITS = KEYS[1:], ("m/s²", "rad/s")
 
 @dataclass(frozen=True)
 class Collection:
-    """What `simulate_and_collect` returned.
+    """The return value of `simulate_and_collect`.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ class Collection:
 
     @cached_property
     def filled_rows(self) -> int:
-        """How many rows hold anything: arrays that were allocated and left end in rows of zeros."""
+        """The number of rows up to the last one that is not zero: arrays that were allocated and not filled end in zeros."""
         both = zip(SENSORS, self.sensors, strict=True)
         sensors = [rows for key, rows in both if rows is not None and key != self.absent]
         n = min(map(len, sensors))
@@ -278,7 +278,7 @@ def as_collection(node: Node | None, arrays: Arrays) -> Collection:
 
 
 def _members(node: Node, arrays: Arrays) -> dict[str, Array | None]:
-    """What a dictionary holds, with what stands in those that it holds: under its own name, or both where there is another."""
+    """Flatten a dictionary of dictionaries: an inner entry keeps its own key, or gets both keys where two would be the same."""
     members: dict[str, Array | None] = {}
     for name, item in node["items"]:
         if item["kind"] in ("dict", "object"):
@@ -316,7 +316,7 @@ _COLUMN_NAMES = {
 
 
 def column_named(name: str) -> str | None:
-    """Which of the two sensors a key such as `ax` or `gyro_z` is one axis of."""
+    """Return the sensor of which a key such as `ax` or `gyro_z` names one axis."""
     return next((key for key, pattern in _COLUMN_NAMES.items() if pattern.fullmatch(name)), None)
 
 
@@ -441,7 +441,7 @@ class Drawing:
 
 
 def drawing_of(frame: Frame) -> Drawing:
-    """What an answer tells of figures and pictures."""
+    """Return the figures and pictures that an answer reports."""
     patience = Patience()
     figures = tuple(looked_at(figure, patience) for figure in figures_of(frame))
     return Drawing(

@@ -15,7 +15,7 @@ SHEETS_NOISE = (0.05, 0.0051)
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far ``got`` is from ``expected``.
+    """The distance of ``got`` from ``expected``.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What kits hand out of this lab: the robot's model in the sheet's folder, its motions, and its names in the starter files."""
+"""Choose what kits contain of this lab: the robot's model in the sheet's folder, its motions, its names in the starter files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What grading on an instructor's robot cannot see."""
+"""Say what grading on an instructor's robot cannot test."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _UNMOVED = 1e-3  # m/s², rad/s: less than what rows are told apart by
 
 
 def blind_spot(truth: Traces) -> str:
-    """What cannot be seen, in a sentence; "" for a robot whose IMU moves when it is pushed."""
+    """Return what cannot be tested, in a sentence; "" for a robot whose IMU moves when it is pushed."""
     push = truth["push"]
     for key in ("acceleration", "angular_velocity"):
         still = push[f"alt_no_push_{key}"]

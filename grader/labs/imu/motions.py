@@ -18,7 +18,7 @@ _PANELS = (("acceleration", "Specific force (m/s²)"), ("angular_velocity", "Ang
 
 
 class Series(Protocol):
-    """What somebody else says of a motion: rows in the order of the truth's."""
+    """Another program's series of a motion, with rows in the order of the truth's."""
 
     @property
     def time(self) -> Array | None: ...

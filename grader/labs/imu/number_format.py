@@ -8,6 +8,6 @@ _FEWEST, _MOST = 3, 16
 
 
 def told_apart(wanted: Array, got: Array) -> tuple[str, str]:
-    """Both in the fewest decimals, three at least, in which they are not the same."""
+    """Format both numbers with the fewest decimals, at least three, in which they differ."""
     pairs = ((vector(wanted, decimals), vector(got, decimals)) for decimals in range(_FEWEST, _MOST + 1))
     return next((pair for pair in pairs if pair[0] != pair[1]), (vector(wanted), vector(got)))

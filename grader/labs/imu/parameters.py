@@ -15,7 +15,7 @@ def reads_global(departs: Sequence[str]) -> bool:
 
 
 def departure(name: str, departs: Sequence[str]) -> Deviation | None:
-    """How the definition of `name` departs from the sheet's; `departs` holds the sheet's names, and nothing of the student's."""
+    """Describe how the definition of `name` differs from the sheet's; `departs` holds the sheet's names, none of the student's."""
     if not departs:
         return None
     read = [each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)]

@@ -20,7 +20,7 @@ Lines = Iterator[str]
 
 @dataclass(frozen=True)
 class Asked:
-    """What was asked of a student's code, with the number that names its arrays in the trace file."""
+    """One question to a student's code, with the number that names its arrays in the trace file."""
 
     number: int
     op: str
@@ -28,12 +28,12 @@ class Asked:
     arrays: Mapping[str, np.ndarray]
 
     def given(self, name: str) -> str:
-        """How the program finds one of the arrays."""
+        """Return the expression by which the program finds one of the arrays."""
         return f'given["{name}_{self.number}"]'
 
     @property
     def kept(self) -> dict[str, np.ndarray]:
-        """What the trace file holds of it."""
+        """Return the arrays that the trace file holds of it."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
         return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model}.items()}
 
@@ -69,7 +69,7 @@ class Recorder(Student):
         return super().ask(op, fields, arrays)
 
     def questions(self, check_id: str) -> list[Asked]:
-        """What a check looked at, in that order, whoever had asked it first."""
+        """Return the questions of a check in order, also those that another check had asked first."""
         keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
         return [Asked(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
 

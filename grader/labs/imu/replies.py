@@ -1,4 +1,4 @@
-"""What the sandbox may answer to each of the lab's questions."""
+"""Rules for the worker's reply to each of the lab's questions."""
 
 from __future__ import annotations
 

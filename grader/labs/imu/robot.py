@@ -1,4 +1,4 @@
-"""Which robot is graded on: the lab's, or the instructor's own, which the rubric names."""
+"""The robot that is used for grading: the lab's, or the instructor's own, named in the rubric."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Robot:
-    """What is simulated: the name of a model's file, its text, and its IMU as (accelerometer, gyroscope)."""
+    """A robot: the name of its model's file, the text, and its IMU as (accelerometer, gyroscope)."""
 
     file: str
     xml: str = field(repr=False)
@@ -62,11 +62,11 @@ class Robot:
 
     @property
     def identity(self) -> Sequence[str]:
-        """All that its traces depend on."""
+        """Everything that its traces depend on."""
         return (self.file, self.xml, *self.imu)
 
     def options(self, folder: Path) -> list[str]:
-        """Of the reference's command, to record this robot; its model is written into the folder."""
+        """Return the reference command's options to record this robot; its model is written into the folder."""
         path = folder / self.file
         path.write_text(self.xml, encoding="utf-8", newline="")
         return ["--model", str(path), "--accelerometer", self.imu[0], "--gyroscope", self.imu[1]]
@@ -76,7 +76,7 @@ LAB_MODEL = Model()
 
 
 def read_model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
-    """What a rubric says under `model`; paths start from `folder`."""
+    """Read the rubric's `model`; paths are relative to `folder`."""
     keys = reader.fields(node, "model", (), ("path", "sensors"))
     sensors = reader.fields(keys.get("sensors"), "sensors", (), ("accelerometer", "gyroscope"))
     names = {key: reader.text(value, f"the {key}'s name") for key, value in sensors.items()}
@@ -89,7 +89,7 @@ def read_model(reader: Reader, node: yaml.Node | None, folder: Path) -> Model:
 
 
 def robot_of(traces: Traces) -> Robot:
-    """What traces were recorded of; where their manifest does not name it, the lab's."""
+    """Return the robot of some traces; the lab's where their manifest names none."""
     about = traces.manifest.get("robot", {"file": LAB_FILE, "imu": LAB_IMU})
     return Robot(about["file"], traces.models.get("lab", ""), tuple(about["imu"]))
 

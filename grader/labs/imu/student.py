@@ -53,7 +53,7 @@ class Student(Plotting):
     def simulate(self, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
                  dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None,
                  called: str = "") -> Collection:  # fmt: skip
-        """What `simulate_and_collect` returns on the robot, handed over in a dirty state if one is given.
+        """Return what `simulate_and_collect` records on the robot, which starts from `dirt` if given.
 
         With `gravity` (3,), the model that is handed over has that one.
         """
@@ -66,7 +66,7 @@ class Student(Plotting):
         return self.answer(Question("simulate", "simulate_and_collect", _collected, fields, arrays), called)
 
     def replay(self, course: Mapping[str, Array], steps: int) -> Array | None:
-        """All sensors (steps, n) of the robot in a run that goes as it is said to, simulated in a worker of its own.
+        """Return all sensors (steps, n) of the robot in a run as claimed, simulated in a worker of its own.
 
         None where it cannot be simulated: what is said came out of a student's process, and may be anything.
         """
@@ -82,7 +82,7 @@ class Student(Plotting):
         return rows if np.isfinite(rows).all() else None
 
     def read_along(self, course: Mapping[str, Array], steps: int, ids: tuple[int, int]) -> Array | None:
-        """What the submission's own reader (steps, 6) reads after each step of such a run; None where it cannot."""
+        """Return the readings (steps, 6) of the submission's own reader after each step of such a run; None where it fails."""
         fields = {"model": self.robot.xml, "steps": steps, "accel_id": ids[0], "gyro_id": ids[1]}
         question = Question("read_along", "get_imu_readings", lambda frame: frame.arrays["rows"], fields, course)
         try:
@@ -121,7 +121,7 @@ class Student(Plotting):
         }  # fmt: skip
 
     def filter(self, cases: Sequence[FilterCase], called: str = "") -> list[FilterRun]:
-        """What `LowPassFilter` makes of each case."""
+        """Return the output of `LowPassFilter` for each case."""
         arrays: dict[str, np.ndarray] = {}
         rows = []
         for number, case in enumerate(cases):
@@ -169,7 +169,7 @@ def _collected(frame: Frame) -> Collection:
 
 
 def _believable(arrays: Mapping[str, Array]) -> dict[str, Array]:
-    """How a run is said to go; nothing where it cannot be so: a student's process may claim anything."""
+    """Return the claimed course of a run; None where it is impossible: a student's process may claim anything."""
     names = ("qpos", "qvel", "gravity", "timestep", "force", "steps", "set_at", "set_qpos", "set_qvel", "set_force")
     claim = {name: arrays[f"first_{name}"] for name in names if f"first_{name}" in arrays}
     sound = len(claim) == len(names) and all(np.isfinite(value).all() for value in claim.values())

@@ -23,7 +23,7 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class TiltCase:
-    """What a filter is fed: specific force and angular velocity (n, 3), every `dt` seconds."""
+    """A filter's input: specific force and angular velocity (n, 3), every `dt` seconds."""
 
     dt: float
     acceleration: Array
@@ -32,7 +32,7 @@ class TiltCase:
 
 @dataclass(frozen=True)
 class TiltRun:
-    """What it made of that: roll and pitch (n, 2), fewer rows where it raised; `odd` is the first value that is no such pair."""
+    """A filter's output: roll and pitch (n, 2), fewer rows where it raised; `odd` is the first value that is no such pair."""
 
     output: Array
     odd: str | None
@@ -70,7 +70,7 @@ class AllanRun:
 
 
 def allan(student: Student, samples: Array, sample_rate_hz: float) -> AllanRun:
-    """What `allan_deviation` returns for samples (n,) or (n, 3)."""
+    """Return the result of `allan_deviation` for samples (n,) or (n, 3)."""
     becomes = partial(_allan_run, columns=1 if samples.ndim == 1 else samples.shape[1])
     fields = {"sample_rate_hz": sample_rate_hz}
     return student.answer(Question("allan", "allan_deviation", becomes, fields, {"samples": samples}))
@@ -114,7 +114,7 @@ def _two(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]
 
 @dataclass(frozen=True)
 class ImuReadings:
-    """What `read_all_imus` returned in each state, by place; `later` is the first answer, looked at after the next step."""
+    """The results of `read_all_imus` in each state, by place; `later` is the first result, examined after the next step."""
 
     calls: tuple[Mapping[str, Reading], ...]
     later: Mapping[str, Reading]
@@ -158,7 +158,7 @@ class SeenCurve:
 
 @dataclass(frozen=True)
 class LiveRun:
-    """What was seen while `live_plot` ran.
+    """The observations while `live_plot` ran.
 
     Attributes
     ----------

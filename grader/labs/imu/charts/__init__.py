@@ -11,7 +11,7 @@ from grader.labs.imu.student import Student
 
 
 def charts(student: Student, truth: Traces) -> tuple[Chart, ...]:
-    """Every chart that the answers allow; none of hidden scenarios, and none of what code said that has seen one."""
+    """Return the charts of the answers; none of hidden scenarios, and none from code that has seen one."""
     pictures = tuple(handed_in.chart(name, student.answered(name)) for name in student.pictures)
     if truth.name != "public":
         return tuple(chart for chart in pictures if chart is not None)

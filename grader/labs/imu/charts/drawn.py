@@ -1,4 +1,4 @@
-"""What the student's code drew, from the figures that it is judged by: curves, labels, legends and titles."""
+"""Chart the student's own figures, as they are graded: curves, labels, legends and titles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _COLOUR = re.compile(r"#[0-9a-f]{6}")
 
 
 def charts(plotted: Drawing | None, drawings: Iterable[Drawing]) -> Iterator[Chart]:
-    """What `plot_imu_data` drew, then what the scripts drew; of figures that look the same the first one."""
+    """Yield the figures of `plot_imu_data`, then those of the scripts; of equal ones the first."""
     told: set[tuple[object, ...]] = set()
     for drawing in (*([plotted] if plotted else []), *drawings):
         for figure in sorted(drawing.figures, key=lambda figure: not figure.is_saved):
@@ -70,7 +70,7 @@ def _reach(axes: Axes) -> Array:
 
 
 def _pieces(each: figures.Curve, axes: Axes, entries: Sequence[Entry], across: Array) -> Iterator[Curve]:
-    """What a reader sees of a curve, and what nobody does: all of one that is hidden, of others what the limits leave outside.
+    """Split a curve into its visible part and the rest: all of a hidden curve, or what lies outside the axis limits.
 
     Named as the legend names it: a label that no legend shows is not seen by a reader either.
     """

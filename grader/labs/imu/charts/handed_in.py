@@ -10,7 +10,7 @@ from grader.engine.figures import Picture
 
 
 def chart(name: str, picture: Picture | None) -> Chart | None:
-    """What the sandbox made out of the picture `name`; None where it was not looked at or could not be read."""
+    """Chart what the sandbox recognised in the picture `name`; None where it was not examined or could not be read."""
     if picture is None:
         return None
     width, height = picture.size_px

@@ -1,4 +1,4 @@
-"""From arrays to the points of a curve: few and finite."""
+"""Turn arrays into the few, finite points of a curve."""
 
 from __future__ import annotations
 
@@ -33,5 +33,5 @@ def worst_of_each(error: Array, most: int = MOST) -> np.ndarray:
 
 
 def _single(values: Array) -> tuple[float, ...]:
-    """As they are recorded, see `evidence.packed`."""
+    """Round as the record does, see `chart_data.packed`."""
     return tuple(values.astype(np.float32).tolist())

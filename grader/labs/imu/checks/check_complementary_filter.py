@@ -129,7 +129,7 @@ def _output(run: TiltRun) -> Array:
 
 
 def _mistakes(student: Student) -> list[str]:
-    """What the filter's response to single changes shows; asked only where points are lost."""
+    """Name the fault from the filter's response to single changes; asked only where points are lost."""
     cases = [TiltCase(tilting.DT, *signals) for signals in tilting.probes()]
     seen = tilting.response([run.output for run in tilt(student, cases)])
     return tilting.mistakes(seen) if seen else []

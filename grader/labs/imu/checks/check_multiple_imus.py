@@ -91,7 +91,7 @@ def check_readings_are_copies(student: Student, truth: Traces) -> None:
 
 @dataclass(frozen=True)
 class _World:
-    """What was read in one model, and the truth: ``pairs`` (p, 2) of sensor ids by place."""
+    """The readings in one model, and the truth: ``pairs`` (p, 2) of sensor ids by place."""
 
     scenario: Scenario
     places: tuple[str, ...]

@@ -12,7 +12,7 @@ _GLOBAL, _NAME = "global ", "name for "
 
 @dataclass(frozen=True)
 class _Departure:
-    """How a definition departs from the sheet's: what was expected, what came, a short form of it, and the mistake's id."""
+    """A definition's difference from the sheet's: expected, got, a short form of it, and the fault's id."""
 
     expected: str
     got: str

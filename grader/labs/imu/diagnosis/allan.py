@@ -107,7 +107,7 @@ Record = tuple[Array, Array, Array]
 
 
 def unit_of_times(records: list[Record], rate: float) -> tuple[bool, Sized] | None:
-    """How averaging times become cluster sizes such that every curve is an Allan deviation: whether they are seconds, and how.
+    """Return how averaging times convert to cluster sizes so that every curve is an Allan deviation: in seconds or samples.
 
     One meaning must fit all records: without the factor one half, white noise alone looks as if times were twice too long.
     """

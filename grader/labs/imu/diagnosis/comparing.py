@@ -97,7 +97,7 @@ def named_comparisons(figure: Figure) -> list[Compared]:
 
 
 def too_few(figure: Figure) -> int:
-    """How many samples the curves have of which one may be filtered, and has too few for anybody to tell; 0 without such curves."""
+    """Return the number of samples of curves that may be filtered but are too short to tell; 0 without such curves."""
     drawn = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes) if _is_seen(curve)]
     short = [y for y in drawn if _FEWEST_OF_ALL <= len(y) < FEWEST_POINTS]
     return max((len(raw) for raw in short for smooth in short if _may_be_smoothed(raw, smooth)), default=0)
@@ -179,14 +179,14 @@ def _is_smoothed(raw: Array, smooth: Array, step: int, *, named: bool) -> bool:
 
 @dataclass(frozen=True)
 class _Likeness:
-    """What two series must have in common: a correlation, and means no farther apart than that or three of their widths."""
+    """Bounds on the likeness of two series: correlation, and distance of the means in three of their widths."""
 
     correlation: float = _LIKENESS
     apart: float = 0.0
 
 
 def _of_noise(raw: Array, step: int, window: int) -> _Likeness:
-    """What is asked of a series with that noise: of the variance of its running mean, the part that is none at the least.
+    """Return the bounds for a series with this noise: the share of its running mean's variance that is not noise.
 
     By chance white noise moves a mean by three times its variance. A bias is a few times as large as the noise (Step 5).
     """

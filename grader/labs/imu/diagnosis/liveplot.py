@@ -1,4 +1,4 @@
-"""What the curves of a live plot show: their growth against simulated time, and the channels that they follow."""
+"""Facts about the curves of a live plot: growth against simulated time, and the channels that they follow."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def updates(events: Array) -> int:
 
 
 def changes_after(events: Array) -> int:
-    """How often the curves changed while the simulation stood still at its end."""
+    """Return how often the curves changed after the simulation had ended."""
     return int(np.count_nonzero(events[:, 0] == events[:, 0].max())) if len(events) else 0
 
 
@@ -55,7 +55,7 @@ def shows(x: Array, y: Array, channels: Array, dt: float) -> bool:
 
 
 def _rows(x: Array, count: int, dt: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Which points (mask) belong to which rows, if x is time in s or ms, stamped before or after the step."""
+    """Match points (mask) to rows, where x is time in s or ms, stamped before or after the step."""
     for unit in (1.0, 1e-3):
         for shift in (-1, 0):
             row = np.round(np.clip(x * unit, -_LATEST, _LATEST) / dt).astype(np.int64) + shift

@@ -1,4 +1,4 @@
-"""What a filter of tilt does with its two sensors, told from its response to single changes of each.
+"""Diagnose a tilt filter from its response to single changes of each sensor.
 
 Any filter that blends the two shows the same things, whatever is inside: a turn within one sample comes out as that turn, a
 tilt that lasts comes out as that tilt in the end, and at first as a small part of it.
@@ -48,7 +48,7 @@ def probes() -> list[Signals]:
 
 @dataclass(frozen=True)
 class Response:
-    """What the probes show.
+    """The filter's responses to the probes.
 
     Attributes
     ----------

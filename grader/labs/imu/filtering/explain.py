@@ -1,4 +1,4 @@
-"""Why a filter's outputs are not the sheet's: hypotheses over its recursion, its start and its state."""
+"""Hypotheses on why a filter's outputs differ from the sheet's: its recursion, its start and its state."""
 
 from __future__ import annotations
 

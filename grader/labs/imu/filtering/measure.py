@@ -129,7 +129,7 @@ class Ownership:
 
 @dataclass(frozen=True)
 class Facts:
-    """What is known of one filter.
+    """The facts about one filter.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class Facts:
 
     @cached_property
     def off(self) -> list[NDArray[np.bool_]]:
-        """Which outputs from the second on are not the sheet's from the one before, in each run."""
+        """Mark, in each run, the outputs from the second on that do not follow from the one before as in the sheet."""
         return [run.off > ATOL for run in self.runs]
 
     @property
@@ -190,7 +190,7 @@ def measure(student: Student, truth: Traces) -> Facts:
 
 
 def asked(scenario: Scenario) -> dict[str, FilterCase]:
-    """Every case by name. The first ones are a signal with each alpha that is asked for."""
+    """Return every case by name. The first ones are a signal with each required alpha."""
     signal, initial = scenario["input"], scenario["initial"]
     alphas = [float(alpha) for alpha in scenario["alpha"]]
     short = signal[:60]
@@ -214,7 +214,7 @@ def asked(scenario: Scenario) -> dict[str, FilterCase]:
 
 
 def facts(cases: Mapping[str, FilterCase], answers: Sequence[FilterRun], stumbles: Fault | None = None) -> Facts:
-    """What the answers to all cases show, in their order."""
+    """Return the facts from the answers to all cases, in their order."""
     pairs = {n: _from_first_vector(c, run) for (n, c), run in zip(cases.items(), answers, strict=True)}
     said = {name: run for name, (_, run) in pairs.items()}
     runs = {name: Run(c.alpha or DEFAULT_ALPHA, c.signal, _rows(c, run), c.initial) for name, (c, run) in pairs.items()}
@@ -259,7 +259,7 @@ def _rows(case: FilterCase, run: FilterRun) -> Array:
 
 
 def _stopped(said: Mapping[str, FilterRun], plain: Sequence[str], own: Sequence[str]) -> dict[str, Exception]:
-    """Why a check's property could not be measured; infinity and NaN for one signal alone are a property of that signal."""
+    """Return why a check's property could not be measured; infinity or NaN for one signal alone concern that signal."""
     whole = next((stop for name in plain if (stop := _stop(said[name]))), None)
     found = {
         "follows_recursion": whole,
@@ -273,7 +273,7 @@ def _stopped(said: Mapping[str, FilterRun], plain: Sequence[str], own: Sequence[
 
 
 def _whatever_goes_in(run: Run) -> dict[str, Exception]:
-    """Nothing is known of the state of a filter whose output is the same number, and none that was measured."""
+    """Return whether the output is always the same number, none that was measured: then the state cannot be known."""
     same_numbers = np.isfinite(run.y).all() and not np.ptp(run.y, axis=0).any() and not run.starts
     return {"instances_independent": Skipped("an output that depends on the measurements")} if same_numbers else {}
 

@@ -24,7 +24,7 @@ HANDLERS = {
 
 
 def sheet_names(lab_configuration: dict[str, Any]) -> dict[str, Any]:
-    """What ``from imu_reader import *`` brings along in the sheet's own code."""
+    """Return the names that ``from imu_reader import *`` imports in the sheet's own code."""
     import matplotlib.pyplot as plt
 
     model = mujoco.MjModel.from_xml_path(lab_configuration["model_file"])

@@ -1,4 +1,4 @@
-"""What each of the lab's functions is given, and the other words for it that people call their parameters by."""
+"""The arguments of each of the lab's functions, and other names that people use for the parameters."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ class Reader:
 
 
 def readings(fields: Mapping[str, Any], model: Any, data: Any) -> dict[str, Any]:
-    """What a `read` that asks for it is given: each sensor's present values, and the time since the last ones."""
+    """Return the arguments of a `read` that takes readings: each sensor's present values, and the time since the last ones."""
     start = {name: int(model.sensor_adr[fields[f"{name}_id"]]) for name in ("accel", "gyro")}
     return {name: data.sensordata[at : at + 3].copy() for name, at in start.items()} | {"dt": BETWEEN_S}
 
@@ -146,7 +146,7 @@ _ALPHA_ON_SHEET, _SMALLEST = 0.1, 1e-9
 
 
 def filter_by(kind: Callable[..., Any]) -> tuple[Callable[[Mapping[str, Any]], Any], list[str]]:
-    """What builds a filter from the sheet's options, and what it departs in.
+    """Return a function that builds a filter from the sheet's options, and where its signature differs from the sheet's.
 
     One that is made of a cutoff or a time constant gets those of alpha: an RC circuit, sampled by the backward difference, has
     alpha = dt / (RC + dt) and the cutoff 1 / (2 pi RC).

@@ -84,7 +84,7 @@ def _kept_in(instance: Any) -> list[tuple[str, np.ndarray]]:
 
 
 def _state_in(kept: list[list[tuple[str, np.ndarray]]], signal: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Where no update gave a vector: the one that the filter keeps, and that is not what it was given."""
+    """Return the vector that the filter keeps where no update returned one, if only one differs from the input."""
     if not np.isnan(rows).all() or len({tuple(name for name, _ in each) for each in kept}) != 1:
         return rows
     series = [np.array([vector for _, vector in each]) for each in zip(*kept, strict=True)]

@@ -134,7 +134,7 @@ class _Watch:
 
 
 def _curves(figure: Any) -> list[Curve]:
-    """Every visible curve of a figure with its finite points."""
+    """Return every visible curve of a figure with its finite points."""
     found: list[Curve] = []
     for axes in figure.get_axes():
         artists: list[tuple[Any, Callable[[], tuple[Any, Any]]]] = [(one, one.get_data) for one in axes.get_lines()]

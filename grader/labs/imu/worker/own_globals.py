@@ -1,4 +1,4 @@
-"""What a submission's functions read from the globals of its modules: the sensors' ids, and its own model and data.
+"""Provide what a submission's functions read from their modules' globals: sensor ids, and its own model and data.
 
 On the sheet one program holds all, and what it gives its functions is what its globals hold. So they hold it here, too.
 """
@@ -70,7 +70,7 @@ _MEASUREMENT = re.compile(
 
 
 def measured_by(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """What lets the global that a filter reads as its measurement be this one for a while; and that global, if there is one."""
+    """Return a context manager that sets the global which a filter reads as its measurement; and that global, if any."""
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
         return nullcontext, []
@@ -123,7 +123,7 @@ def _may_be_recorded(value: Any, classes: Collection[str]) -> bool:
 
 
 def read_instead(function: Any, slots: Collection[Slot]) -> list[str]:
-    """Which of model and data a function reads as globals, though it has a parameter for it, which it does not use.
+    """Return which of model and data a function reads as globals although it has an unused parameter for it.
 
     Asked while the globals stand for these.
     """
@@ -148,7 +148,7 @@ def _own_names(function: FunctionType, *slots: Slot) -> list[str]:
 
 
 def _places(module: ModuleType, name: str, given: Any) -> Iterator[tuple[ModuleType, str, Any]]:
-    """Where the functions of a module read a model, or data, with what is there."""
+    """Return where a module's functions read a model or data from globals, with the present value."""
     values = vars(module)
     for own in {own for function in _functions(module) for own in _globals_read(function.__code__, "LOAD_GLOBAL")}:
         held = values.get(own)

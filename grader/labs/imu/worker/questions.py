@@ -34,7 +34,7 @@ def examined(answer: dict[str, Any]) -> Iterator[None]:
 
 
 def parts_of(value: Any) -> list[tuple[str, Any]]:
-    """What a dictionary, a sequence or an object holds, by names where it has any; TypeError where it holds nothing."""
+    """Return the members of a dictionary, a sequence or an object, by name where it has names; TypeError without members."""
     if isinstance(value, dict):
         return [(str(name), part) for name, part in value.items()]
     if isinstance(value, tuple | list | np.ndarray):
@@ -43,7 +43,7 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
 
 
 def vectors_in(parts: Iterable[tuple[str, Any]]) -> list[tuple[str, np.ndarray]]:
-    """Those that are three numbers."""
+    """Return the members that are three numbers."""
     found = []
     for name, part in parts:
         with suppress(TypeError, ValueError):
@@ -289,7 +289,7 @@ def plot(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
 
 def _recorded(recorder: dict[str, Any], arrays: dict[str, Any], series: dict[str, Any]) -> Any:
-    """What the submission returns of a run in which these series are measured, in whatever form it keeps them.
+    """Return what the submission records of a run in which these series are measured, in its own form.
 
     Where it alters what it reads, the series are put in the place of its own that have the same form.
     """
