@@ -53,7 +53,7 @@ class Student(Plotting):
     def simulate(self, *, duration_s: float, ids: tuple[int, int], timestep: float | None = None,
                  dirty: tuple[Array, Array, float] | None = None, gravity: Array | None = None,
                  called: str = "") -> Collection:  # fmt: skip
-        """Return what `simulate_and_collect` records on the robot, which starts from `dirt` if given.
+        """Return what `simulate_and_collect` records on the robot, handed over in the state `dirty` if given.
 
         With `gravity` (3,), the model that is handed over has that one.
         """

@@ -273,7 +273,7 @@ def _stopped(said: Mapping[str, FilterRun], plain: Sequence[str], own: Sequence[
 
 
 def _whatever_goes_in(run: Run) -> dict[str, Exception]:
-    """Return whether the output is always the same number, none that was measured: then the state cannot be known."""
+    """Stop the question of the state where the output is always the same number, none that was measured."""
     same_numbers = np.isfinite(run.y).all() and not np.ptp(run.y, axis=0).any() and not run.starts
     return {"instances_independent": Skipped("an output that depends on the measurements")} if same_numbers else {}
 

@@ -70,7 +70,7 @@ _MEASUREMENT = re.compile(
 
 
 def measured_by(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Return a context manager that sets the global which a filter reads as its measurement; and that global, if any."""
+    """Return what sets the global that a filter reads as its measurement for a while, and the name of that global, if any."""
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
         return nullcontext, []
