@@ -239,13 +239,14 @@ def test_names_and_dates_that_come_later_grade_nothing_and_mend_the_pages(run: R
     )
     given = ("grade", tmp_path / "class", "-o", out, "--rubric", with_rubric(tmp_path, *LATE), "--roster", roster)
     code, _, err = run(*given, "--change")
-    change = "another late policy, a roster: 1 of 2 scores change, mean 17.0 to 10.0"
+    change = "another late policy, a roster: 1 of 2 scores change, mean of graded 17.0 to 10.0"
     assert (code, err) == (0, f"imugrade: {change}\n{NO_SEED}imugrade: in the roster, no submission: Gone\n")
     assert marked(tmp_path) == ["alice", "bob"]
     assert (out / "gradebook.csv").read_text() == (
         "id,name,section,sensor_access,total,submitted,late,late_deduction,final,status\n"
         'alice,"Müller, A.",B,14,14,2026-11-21T13:00:00+00:00,2,14,0,graded\n'
         "bob,Bob,A,20,20,2026-11-25T12:00:00+00:00,0,0,20,graded\n"
+        ",Gone,A,,,,,,,no submission\n"
     )
 
 
@@ -343,10 +344,10 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
         "bob  20 → 19\n"
         "  sensor_access by hand  none → 19\n"
         "carol  only in the second: 1\n"
-        "2 of 2 moved; mean 17.0 → 18.0\n",
+        "2 of 2 moved; mean of graded 17.0 → 18.0\n",
         "",
     )
-    assert run("diff", out, out)[1] == "0 of 2 moved; mean 17.0 → 17.0\n"
+    assert run("diff", out, out)[1] == "0 of 2 moved; mean of graded 17.0 → 17.0\n"
 
 
 def test_of_those_that_differ_and_end_with_the_same_points_only_the_number_is_told() -> None:
@@ -359,7 +360,7 @@ def test_of_those_that_differ_and_end_with_the_same_points_only_the_number_is_to
         "b  0 → 6",
         "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6",
         "1 more differ in their checks and end with the same points",
-        "1 of 2 moved; mean 0.0 → 3.0",
+        "1 of 2 moved; mean of graded 0.0 → 3.0",
     ]
 
 
@@ -373,7 +374,7 @@ def test_the_cause_is_told_where_the_record_shows_it(tmp_path: Path) -> None:
     new = replace(result(name="a"), provenance={**old.provenance, "rubric_sha256": "other", "submission_sha256": "x"})
     lines = list(told({"a": FinalGrade("a", old)}, {"a": FinalGrade("a", new)}))
     assert lines[:2] == ["a  0 → 20", "  sensor_access.follows_address  failed 0 / 6 → passed 6 / 6"]
-    assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean 0.0 → 20.0"]
+    assert lines[-2:] == ["  changed: the submission, the rubric", "1 of 1 moved; mean of graded 0.0 → 20.0"]
 
 
 # ---- the record ----

@@ -64,7 +64,7 @@ def test_another_rubric_is_told_and_waits_for_consent(run: Run, before: dict[str
     rubric_with(Path("rub2.yaml"))
     mean = sum(before.values()) / 3
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml")
-    told = f"another rubric: 2 of 3 scores change, mean {mean:.1f} to"
+    told = f"another rubric: 2 of 3 scores change, mean of graded {mean:.1f} to"
     assert code == 2
     assert err.startswith(f"imugrade: {told}")
     assert err.endswith("Nothing was changed\n")
@@ -333,7 +333,10 @@ def test_those_who_are_not_in_the_download_stay_as_they_are_and_that_is_told(
     hand_in(Path("again"), bob=0.5)
     code, _, err = run("grade", "again", "-o", "out", "--rubric", "rub2.yaml", "--change")
     assert code == 0
-    assert "another rubric: 1 of 1 scores change, mean 96.1 to 97.0, 2 not in the download stay as they are\n" in err
+    assert (
+        "another rubric: 1 of 1 scores change, mean of graded 96.1 to 97.0, 2 not in the download stay as they are\n"
+        in err
+    )
     assert totals() == {**before, "bob": 97.0}
     err = run("export", "out", "-f", "csv", "-o", "marks.csv")[2]
     assert (

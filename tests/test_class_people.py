@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.class_commands import Run, column, commands, hand_in
+from tests.class_commands import Run, commands, hand_in
 from tests.corpus.writing import zipped
+from tests.desk import desk_over
 
 GITHUB_ROSTER = '"identifier","github_username","github_id","name"\n"s1001","jdoe-gh","9001","Jane Doe"\n"s1002","rroe42","9002",""\n"s1003","","",""\n'
 """What GitHub Classroom downloads as `classroom_roster.csv`."""
@@ -37,7 +38,11 @@ def test_the_roster_of_github_classroom_is_taken_as_it_is_downloaded(run: Run) -
     code, _, err = run("grade", "class", "-o", "out", "--roster", "classroom_roster.csv")
     assert code == 0
     assert "in the roster, no submission: s1003\n" in err
-    assert column(Path("out/gradebook.csv"), "name") == {"lab04-jdoe-gh": "Jane Doe", "lab04-rroe42": "lab04-rroe42"}
+    assert [(row["id"], row["name"], row["status"]) for row in rows("out/gradebook.csv")] == [
+        ("lab04-jdoe-gh", "Jane Doe", "graded"),
+        ("lab04-rroe42", "lab04-rroe42", "graded"),
+        ("", "s1003", "no submission"),
+    ]
     for word in ("s1001", "jdoe-gh", "9001", "Jane Doe"):
         assert "1 on record" in run("grade", "class", "-o", "out", "--only", word)[1]
     code, _, err = run("export", "out", "-f", "gradescope", "-o", "marks.csv")
@@ -107,7 +112,12 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     hand_in(Path("class"), ann=1, bob=None)
     Path("roster.csv").write_text("id,name,section\nann,Ann Lee,A\nbob,Bob Roe,A\ncy,Cy Moe,B\n")
     assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
-    assert column(Path("out/gradebook.csv"), "total") == {"ann": "100", "bob": ""}
+    assert [(row["name"], row["section"], row["total"], row["status"]) for row in rows("out/gradebook.csv")] == [
+        ("Ann Lee", "A", "100", "graded"),
+        ("Bob Roe", "A", "", "empty"),
+        ("Cy Moe", "B", "", "no submission"),
+    ]
+    assert "No submission: Cy Moe cy" in Path("out/index.html").read_text()
     code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")
     assert (code, err) == (
         0,
@@ -121,6 +131,18 @@ def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run)
     ]
     assert run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank", "--unreadable", "0")[0] == 0
     assert [row["final"] for row in rows("marks.csv")] == ["100", "0", ""]
+
+
+def test_two_of_one_name_are_shown_with_their_ids(run: Run) -> None:
+    hand_in(Path("class"), a1=1, a2=1, b1=1)
+    Path("roster.csv").write_text("id,name\na1,Ann Lee\na2,ann lee\nb1,Bob Roe\n")
+    assert run("grade", "class", "-o", "out", "--roster", "roster.csv")[0] == 0
+    page = Path("out/index.html").read_text()
+    for name in ("Ann Lee (a1)", "ann lee (a2)", "Bob Roe"):
+        assert f">{name}</a>" in page
+    with desk_over(Path("out").resolve()) as desk:
+        for path in ("/class", "/regrade-requests", "/submission/a1"):
+            assert "Ann Lee (a1)" in desk.get(path).text, path
 
 
 def test_an_ambiguous_name_is_told_with_those_that_it_may_mean(run: Run) -> None:

@@ -295,7 +295,9 @@ def test_grade_writes_the_folder_that_the_contract_names(
     assert (out / "gradebook.csv").read_text() == (
         "id,name,sensor_access,total,status\nalice,alice,20,20,graded\nbob,bob,20,20,graded\ncarol,carol,20,20,graded\n"
     )
-    assert told == ("1/3 alice 20\n2/3 bob 20\n3/3 carol 20\n" + f"3 graded · mean 20.0\nOpen {out}/index.html\n")
+    assert told == (
+        "1/3 alice 20\n2/3 bob 20\n3/3 carol 20\n" + f"3 graded · mean of graded 20.0\nOpen {out}/index.html\n"
+    )
 
 
 def test_a_second_run_marks_only_what_changed(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:
@@ -304,7 +306,7 @@ def test_a_second_run_marks_only_what_changed(run: Run, students: Path, tmp_path
     code, told, _ = run("grade", students, "-o", tmp_path / "out")
     assert code == 0
     assert sorted(marker.marked()) == ["alice", "bob", "bob", "carol"]
-    assert "1 graded · 2 on record · mean 20.0" in told
+    assert "1 graded · 2 on record · mean of graded 20.0" in told
 
 
 def test_force_marks_everything_again(run: Run, students: Path, tmp_path: Path, marker: FakeMarker) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from grader.base.errors import RequestError
+from grader.course.class_settings import ClassSettings, causes
 from grader.engine import recording, rubric
 from grader.engine.grader import Marker
 from grader.engine.results import Result
@@ -23,6 +24,7 @@ from grader.labs.imu import bundles
 from grader.labs.imu.hidden_coverage import blind_spot
 from grader.labs.imu.lab import LAB
 from grader.labs.imu.robot import Model
+from grader.people.roster import NO_ROSTER
 from reference.self_contained import self_contained
 from tests.examples import FOLDER, files
 from tests.other_robots import OTHERS, ROOT, exchanged, fetched, rubric_for
@@ -226,8 +228,11 @@ def test_another_file_that_the_model_includes_makes_other_traces(cache: Path, tm
     seen = []
     for timestep in ("0.004", "0.005", "0.004"):
         (tmp_path / "more.xml").write_text(f'<mujoco><option timestep="{timestep}"/></mujoco>')
-        seen.append(bundles.obtain(None, cache, model).sha256)
-    assert seen[0] == seen[2] != seen[1]
+        seen.append(bundles.obtain(None, cache, model))
+    assert seen[0].sha256 == seen[2].sha256 != seen[1].sha256
+    settings = [ClassSettings.of(rubric.load(LAB), NO_ROSTER, "latest", each) for each in seen]
+    assert causes(settings[0], settings[1]) == ("other scenarios (another secret, model or version of MuJoCo)",)
+    assert causes(settings[0], settings[2]) == ()
 
 
 # --- what cannot be graded --------------------------------------------------------------------------------------------

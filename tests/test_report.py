@@ -480,7 +480,7 @@ def test_the_index_links_each_report_and_counts_the_class() -> None:
     assert {href for href in hrefs if href[0] != "#"} == {"submissions/a/report.html", "submissions/b%20b/report.html"}
     text = Tags(page).text
     assert "2 submissions" in text
-    assert re.search(r"mean score\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
+    assert re.search(r"mean of graded\s*10\s*median\s*10\s*lowest\s*0\s*highest\s*20", text)
     assert re.search(r"sensor id as address\s*1\s*Bob", text)
 
 

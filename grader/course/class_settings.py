@@ -20,7 +20,7 @@ from grader.engine.marks import fits, marked
 from grader.engine.rubric import OwnChecks, Rubric, load, parse
 from grader.engine.traces import Traces
 from grader.people import late_policy, roster
-from grader.people.final_grade import FinalGrade, HandIn
+from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.roster import NO_ROSTER, Roster
 from grader.report.causes import stops
 
@@ -43,7 +43,8 @@ class ClassSettings:
     attempts
         Which of several attempts counts.
     traces_sha256, hidden
-        Digest of the scenarios, and whether they come from a secret. To find the secret from the digest takes seconds of simulation
+        Digest of the scenarios with the whole text of the robot's model, and whether they come from a secret. A model file that
+        changes under the same path makes other scenarios. To find the secret from the digest takes seconds of simulation
         for each guess.
     grader
         Version of imugrade.
@@ -136,6 +137,11 @@ def rubric_of(lab: Lab, settings: ClassSettings | None, path: Path | None = None
     return parse(lab, data, source=settings.rubric_source, folder=folder, own=own)
 
 
+def absent(settings: ClassSettings | None, hand_ins: Mapping[str, HandIn]) -> list[Person]:
+    """Return the people of the roster who have no submission on record."""
+    return [listed.person for listed in roster.place(roster_of(settings).people, hand_ins).absent]
+
+
 def roster_of(settings: ClassSettings | None, path: Path | None = None) -> Roster:
     """Return the roster of a class: the file at `path`, else the one on record; empty where there is none.
 
@@ -189,7 +195,7 @@ class Change:
         """Return one line: what differs and what it does."""
         effects = [f"{self.moved} of {self.of} scores change" if self.moved else "no score changes"] if self.of else []
         if self.moved and self.means:
-            effects.append(f"mean {self.means[0]:.1f} to {self.means[1]:.1f}")
+            effects.append(f"mean of graded {self.means[0]:.1f} to {self.means[1]:.1f}")
         if self.regraded:
             effects.append(f"{self.regraded} on record {'is' if self.regraded == 1 else 'are'} graded again")
         if self.chosen_anew:
@@ -235,7 +241,8 @@ def change(
         for id_, each in kept.items()
     }
     finals = [(kept[id_].final, each.final) for id_, each in after.items()]
-    known = [(was, now) for was, now in finals if was is not None and now is not None]
+    graded = [(kept[id_].final, each.final) for id_, each in after.items() if each.result.status == "graded"]
+    known = [(was, now) for was, now in graded if was is not None and now is not None]
     means = (statistics.fmean(was for was, _ in known), statistics.fmean(now for _, now in known)) if known else None
     moved = sum(was != now for was, now in finals)
     broken = (each for each in kept.values() if not each.result.repairs and stops(each.result, rubric.lab))

@@ -464,10 +464,10 @@ def guarded_marker(
 class _Drawing:
     """A marker that draws the charts, too: there are several of them, and one process that has the pages of all to write."""
 
-    marker: Marker
+    marker: Marking
 
     def mark(self, submission: Submission, cpu_s: float | None = None) -> Result:
-        result = self.marker.mark(submission, cpu_s=cpu_s)
+        result = self.marker.mark(submission) if cpu_s is None else self.marker.mark(submission, cpu_s)
         return replace(result, evidence=replace(result.evidence, figures=drawn(unpacked(result.evidence.charts))))
 
 

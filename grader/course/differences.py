@@ -45,7 +45,7 @@ def told(old: Mapping[str, FinalGrade], new: Mapping[str, FinalGrade]) -> Iterat
     if others:
         yield f"{others} more differ in their checks and end with the same points"
     means = [_mean([side[id_] for id_ in both]) for side in (old, new)]
-    yield f"{len(moved)} of {len(both)} moved; mean {means[0]} → {means[1]}"
+    yield f"{len(moved)} of {len(both)} moved; mean of graded {means[0]} → {means[1]}"
 
 
 def _final(final_grade: FinalGrade) -> str:
@@ -53,7 +53,8 @@ def _final(final_grade: FinalGrade) -> str:
 
 
 def _mean(final_grades: list[FinalGrade]) -> str:
-    finals = [final_grade.final for final_grade in final_grades if final_grade.final is not None]
+    graded = (final_grade for final_grade in final_grades if final_grade.result.status == "graded")
+    finals = [final_grade.final for final_grade in graded if final_grade.final is not None]
     return f"{statistics.fmean(finals):.1f}" if finals else "–"
 
 

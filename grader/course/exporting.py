@@ -14,7 +14,6 @@ from grader.base.text import printable
 from grader.course import class_settings
 from grader.course.publishing import outdated_pages
 from grader.course.record import Store
-from grader.people import roster
 from grader.people.final_grade import FinalGrade, Person
 from grader.people.identity import Directory
 from grader.platforms.filled import directory
@@ -132,9 +131,7 @@ def plan(order: Export) -> Plan:
             f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
             "give the `imugrade grade` command again: it writes them anew"
         )
-    people = class_settings.roster_of(settings).people
-    placed = roster.place(people, {id_: each.hand_in for id_, each in final_grades.items()})
-    absent = [listed.person for listed in placed.absent]
+    absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
     others = () if settings is None else class_settings.others(settings, final_grades)
     return Plan(order, make(given, absent), given, tuple(printable(id_, 80) for id_ in others))
 

@@ -13,6 +13,7 @@ from types import TracebackType
 
 from grader import __version__
 from grader.base.files import write_whole
+from grader.course import class_settings
 from grader.course.database import FILE_NAME
 from grader.course.record import Store, charts
 from grader.engine.faults import catalogue
@@ -39,9 +40,13 @@ def publish_class(out: Path, store: Store, lab: Lab) -> dict[str, FinalGrade]:
 
 
 def write_class(out: Path, final_grades: Mapping[str, FinalGrade], store: Store, lab: Lab) -> None:
-    """Write the gradebook and the index of these, which are everything on record; what held nothing is blank in the gradebook."""
-    write_whole(out / "gradebook.csv", gradebook(store.given_out(final_grades)))
-    write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab)))
+    """Write the gradebook and the index of these, which are everything on record.
+
+    In the gradebook those of the roster without a submission have a row, and what held nothing is blank.
+    """
+    absent = class_settings.absent(store.settings(), {id_: each.hand_in for id_, each in final_grades.items()})
+    write_whole(out / "gradebook.csv", gradebook(store.given_out(final_grades), absent))
+    write_whole(out / "index.html", index_page(final_grades, store.fingerprints(), of_the_sheet(lab), absent))
 
 
 def publish(out: Path, final_grade: FinalGrade, store: Store, lab: Lab, figures: Drawn | None = None) -> None:

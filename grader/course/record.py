@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from array import array
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import astuple, dataclass, replace
 from datetime import datetime, timezone
@@ -268,9 +269,14 @@ class Store(Database):
     def final_grades(self) -> dict[str, FinalGrade]:
         """The present result of every submission with all that stands beside it, by id, in the order of the ids."""
         present, hand_ins, adjustments = self.present(), self.hand_ins(), self.adjustments()
-        return {
+        found = {
             id_: FinalGrade(id_, result, hand_ins.get(id_, NOTHING_KNOWN), adjustments.get(id_, ()))
             for id_, result in present.items()
+        }
+        names = Counter(each.name.casefold() for each in found.values())
+        return {
+            id_: replace(each, namesake=True) if names[each.name.casefold()] > 1 else each
+            for id_, each in found.items()
         }
 
     def keep_hand_in(self, id_: str, hand_in: HandIn) -> None:

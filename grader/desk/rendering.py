@@ -34,7 +34,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {"points": points, "safe_text": safe_text, "address": address, "person": words.person}
+    made.filters |= {"points": points, "safe_text": safe_text, "address": address, "person": words.distinct}
     made.filters["instant"] = words.instant
     return made
 

@@ -88,20 +88,20 @@ class Marker:
     def mark(
         self,
         submission: Submission,
+        cpu_s: float | None = None,
         *,
         only: str | None = None,
         waiting: Callable[[str], None] | None = None,
         listen: Listener | None = None,
-        cpu_s: float | None = None,
     ) -> Result:
         """Grade one submission; never raises for what a student did.
 
         Parameters
         ----------
+        cpu_s : CPU seconds for the student's code, where the rubric gives it more
         only : the one criterion or extension to examine
         waiting : is called with what is waited for, where that takes long
         listen : hears what the student's code prints, on public scenarios alone: hidden data could be printed
-        cpu_s : CPU seconds for the student's code, where the rubric gives it more
 
         Raises
         ------

@@ -142,7 +142,7 @@ class FinalGrade:
 
     `result` is what was marked, and stays as it is. `adjusted` is its total with the adjustments, `final` what is left of that
     by the late policy. Both are None while points are open through a fault of the grader, and `unseen` where there was nothing to
-    mark and nobody has looked: such a mark is not given out.
+    mark and nobody has looked: such a mark is not given out. `namesake` says that somebody else of the class has the same name.
     """
 
     id: str
@@ -150,6 +150,7 @@ class FinalGrade:
     hand_in: HandIn = NOTHING_KNOWN
     adjustments: tuple[Adjustment, ...] = ()
     unseen: bool = False
+    namesake: bool = field(default=False, compare=False)
 
     @property
     def people(self) -> tuple[Person, ...]:

@@ -16,8 +16,8 @@ NO_SUBMISSION = "no submission"
 Cell = Callable[[FinalGrade], str]
 
 
-def gradebook(final_grades: Mapping[str, FinalGrade]) -> str:
-    """The class as CSV, in the order of `final_grades`.
+def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:
+    """Return the class as CSV, in the order of `final_grades`, then a row for each who is absent.
 
     What could not be judged is a blank cell, and so is the total above it: a fault of the grader is never a zero. Criteria and
     total are the automatic marks, those of the repaired copy where there is one. Columns for extra credit, sections, repairs,
@@ -28,7 +28,8 @@ def gradebook(final_grades: Mapping[str, FinalGrade]) -> str:
     final_grades
         The present standing of each submission, by its id.
     """
-    return _written(_columns(list(final_grades.values())), final_grades)
+    columns = _columns(list(final_grades.values()), any(person.section for person in absent))
+    return _written(columns, final_grades, absent)
 
 
 def exported(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] = ()) -> str:

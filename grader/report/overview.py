@@ -128,7 +128,7 @@ def href(id_: str) -> str:
 
 
 def link(final_grade: FinalGrade) -> Link:
-    return Link(words.person(final_grade), href(final_grade.id))
+    return Link(words.distinct(final_grade), href(final_grade.id))
 
 
 def columns(results: Iterable[Result]) -> dict[str, str]:
@@ -146,7 +146,7 @@ def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry
     points = {criterion.id: final_grade.points(criterion) for criterion in result.criteria}
     score = None if result.status == "incomplete" else result.score
     return Entry(
-        name=words.person(final_grade),
+        name=words.distinct(final_grade),
         section=printable(final_grade.section, 80),
         href=href(final_grade.id),
         criteria=tuple(_cell(points.get(criterion)) for criterion in criteria),
@@ -224,7 +224,7 @@ def figures(scores: list[float]) -> list[tuple[str, str]]:
     if not scores:
         return []
     return [
-        ("mean score", words.number(round(statistics.fmean(scores), 1))),
+        ("mean of graded", words.number(round(statistics.fmean(scores), 1))),
         ("median", words.number(round(statistics.median(scores), 1))),
         ("lowest", words.number(min(scores))),
         ("highest", words.number(max(scores))),

@@ -17,7 +17,7 @@ from grader.base.text import printable
 from grader.engine.chart_data import Chart
 from grader.engine.faults import Mistake
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Repair, Result
-from grader.people.final_grade import FinalGrade
+from grader.people.final_grade import FinalGrade, Person
 from grader.report import causes, charts, overview, words
 from grader.report.causes import Cause, causes_of, part_of
 
@@ -194,6 +194,7 @@ def index_page(
     final_grades: Mapping[str, FinalGrade],
     fingerprints: Mapping[str, tuple[int, ...]] | None = None,
     given: frozenset[int] = frozenset(),
+    absent: Sequence[Person] = (),
 ) -> str:
     """Return `index.html`, the class page.
 
@@ -205,6 +206,8 @@ def index_page(
         Code hashes of each submission, by id, for similarity.
     given
         Hashes of code that the lab hands out.
+    absent
+        People of the roster without a submission.
     """
     results = [final_grade.result for final_grade in final_grades.values()]
     scores = [result.score for result in results if result.status != "incomplete"]
@@ -218,7 +221,7 @@ def index_page(
         "table.js",
         next((result.lab for result in results), LabName()),
         count=len(final_grades),
-        figures=overview.figures(scores),
+        figures=overview.figures([result.score for result in results if result.status == "graded"]),
         bars=overview.bars(scores, top),
         columns=columns,
         entries=entries,
@@ -234,8 +237,9 @@ def index_page(
         alike=overview.alike(final_grades, fingerprints or {}, given),
         timing=overview.timing(final_grades.values()),
         mixtures=overview.mixtures(results),
-        attention=[words.person(each) for each in final_grades.values() if each.result.status == "incomplete"],
-        outdated=[words.person(each) for each in final_grades.values() if each.outdated()],
+        attention=[words.distinct(each) for each in final_grades.values() if each.result.status == "incomplete"],
+        outdated=[words.distinct(each) for each in final_grades.values() if each.outdated()],
+        absent=[printable(" ".join(filter(None, (each.name, each.sid or each.key))), 200) for each in absent],
     )
 
 

@@ -150,6 +150,12 @@ def person(final_grade: FinalGrade) -> str:
     return printable(final_grade.name, NAME_LIMIT) or "(no name)"
 
 
+def distinct(final_grade: FinalGrade) -> str:
+    """Return the same with the id behind it where somebody else of the class has the same name."""
+    name = person(final_grade)
+    return f"{name} ({printable(final_grade.id, 80)})" if final_grade.namesake and name != final_grade.id else name
+
+
 def late(final_grade: FinalGrade) -> str:
     """Format how late a submission is as ``2 d 3 h``; "" if it is not late."""
     if final_grade.late is None:
