@@ -1,4 +1,4 @@
-"""A sweep over generated filters without memory: none earns more than the points for its form.
+"""A sweep over generated filters without memory and noise models without a sensor: none earns more than the points for its form.
 
 `pytest -m sweep` runs every combination; a fixed sample runs with the other tests.
 """
@@ -7,14 +7,22 @@ from __future__ import annotations
 
 import itertools
 import random
+from collections.abc import Callable, Iterator
+from typing import Any
 
+import numpy as np
 import pytest
 
+from grader.engine import rubric
+from grader.engine.findings import Charged, CheckFailed, Missing, Raised, Skipped
 from grader.engine.grader import Marker
 from grader.intake import Submission
+from grader.labs.imu.checks import check_noise_model
+from grader.labs.imu.lab import LAB
 from tests.corpus import nothing
 from tests.corpus.nothing import Nothing
 from tests.corpus.writing import as_bytes
+from tests.judging.made import Made, truth
 
 _WITHOUT_MEMORY = (
     "np.tanh({x})", "{x} * {x}", "np.clip({x}, -1, 1)", "np.round({x}, 3)", "np.round({x}, 1)", "np.abs({x})", "np.sign({x})", "{x} + 1",
@@ -57,3 +65,98 @@ def test_a_sampled_part_that_does_nothing_earns_its_form_at_most(part: Nothing, 
 def test_no_part_that_does_nothing_earns_more_than_its_form(part: Nothing, marker: Marker) -> None:
     points, kept = earned(marker, part)
     assert points <= part.most, kept
+
+
+# --- noise models: made-up students in this process, so that hundreds take a minute -----------------------------------
+
+_COUNT = itertools.count()
+_FORM = 4.0
+_NUMBERS: dict[str, Callable[[Any, int], Any]] = {
+    "zeros": lambda self, which: np.zeros(3),
+    "gravity": lambda self, which: np.array([0.0, 0.0, -9.81]),
+    "its reads": lambda self, which: np.full(3, float(self.reads)),
+    "all reads": lambda self, which: np.full(3, float(next(_COUNT))),
+    "waves": lambda self, which: np.sin(self.reads + np.arange(3.0)),
+    "std": lambda self, which: np.full(3, self.stds[which]),
+    "normal": lambda self, which: np.random.normal(0, 9, 3),
+    "normal of std": lambda self, which: np.random.normal(0, self.stds[which], 3),
+    "normal about gravity": lambda self, which: np.random.normal((0, 0, -9.81), self.stds[which], 3),
+    "uniform": lambda self, which: np.random.uniform(-1, 1, 3),
+    "one normal": lambda self, which: np.full(3, np.random.normal(0, self.stds[which])),
+    "drawn once": lambda self, which: self.drawn,
+    "walk": lambda self, which: self.walked(which),
+    "time": lambda self, which: np.full(3, self.data.time),
+}
+_WITH: dict[str, Callable[[Any, int], Any]] = {
+    "nothing": lambda self, which: 0.0,
+    "the bias": lambda self, which: self.biases[which],
+    "a constant": lambda self, which: np.array([0.1, -0.2, 0.3]),
+    "noise": lambda self, which: np.random.normal(0, self.stds[which], 3),
+}
+CHECKS = [check for check in vars(check_noise_model).values() if hasattr(check, "check")]
+
+
+class NoSensor:
+    """A class of the sheet's form whose two vectors are `numbers` plus `added`."""
+
+    numbers: tuple[Callable[[Any, int], Any], Callable[[Any, int], Any]]
+    added: Callable[[int], Any]
+
+    def __init__(
+        self, model: Any, data: Any, accel_id: int, gyro_id: int, accel_noise_std: float = 0.05,
+        gyro_noise_std: float = 0.005, accel_bias: Any = None, gyro_bias: Any = None,
+    ) -> None:  # fmt: skip
+        self.data, self.stds, self.reads = data, (accel_noise_std, gyro_noise_std), 0
+        given = zip((accel_bias, gyro_bias), (0.1, 0.01), strict=True)
+        self.biases = [np.random.normal(0, size, 3) if bias is None else bias for bias, size in given]
+        self.drawn, self.sums = np.random.normal(0, 0.1, 3), [np.zeros(3), np.zeros(3)]
+
+    def walked(self, which: int) -> Any:
+        self.sums[which] = self.sums[which] + np.random.normal(0, self.stds[which], 3)
+        return self.sums[which]
+
+    def read(self) -> Any:
+        self.reads += 1
+        return tuple(self.numbers[which](self, which) + self.added(which) for which in (0, 1))
+
+
+def noise_models() -> Iterator[Any]:
+    for (accel, gyro), added in itertools.product(itertools.product(_NUMBERS, repeat=2), _WITH):
+        steps = {"numbers": (_NUMBERS[accel], _NUMBERS[gyro]), "added": _WITH[added]}
+        yield pytest.param(type("Noisy", (NoSensor,), steps), id=f"{accel}, {gyro}, with {added}")
+
+
+def kept(kind: type) -> dict[str, float]:
+    """Points of each check of the noise model."""
+    worth = {check.id: check.max_points for part in rubric.load(LAB).criteria for check in part.checks}
+    student, points = Made(NoisyIMU=kind), {}
+    for check in CHECKS:
+        try:
+            check(student, truth())
+            keeps = 1.0
+        except Charged as charged:
+            keeps = charged.charge.keeps
+        except CheckFailed as lost:
+            keeps = 1.0 if any(lost.belongs_to) else lost.keeps  # another check may be charged
+        except (Skipped, Raised, Missing):
+            keeps = 0.0
+        points[check.check.id] = keeps * worth[check.check.id]
+    return points
+
+
+NOISE_MODELS = [*noise_models()]
+
+
+@pytest.mark.parametrize("kind", random.Random(42).sample(NOISE_MODELS, 8))
+def test_a_sampled_noise_model_without_a_sensor_earns_its_form_at_most(kind: type) -> None:
+    points = kept(kind)
+    assert points["noise_model.leaves_simulation_alone"] == 2.0, "it did not run"
+    assert sum(points.values()) <= _FORM, points
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("kind", NOISE_MODELS)
+def test_no_noise_model_without_a_sensor_earns_more_than_its_form(kind: type) -> None:
+    points = kept(kind)
+    assert points["noise_model.leaves_simulation_alone"] == 2.0, "it did not run"
+    assert sum(points.values()) <= _FORM, points

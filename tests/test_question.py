@@ -94,7 +94,7 @@ _ASKED: Mapping[Any, dict[str, Any]] = {
     Student.replay: {"course": {"qpos": np.zeros(3)}, "steps": 3},
     Student.read_along: {"course": {"qpos": np.zeros(3)}, "steps": 5, "ids": (1, 2)},
     Student.noise: {**_NOISE, "biases": (np.zeros(3), np.ones(3))},
-    Student.noise_twins: {**_NOISE, "stds": [(0.1, 0.2)], "biases": np.zeros((1, 2, 3))},
+    Student.noise_twins: {**_NOISE, "stds": [(0.1, 0.2)], "biases": np.zeros((1, 2, 3)), "states": [0]},
     Student.default_bias: {**_NOISE, "instances": 8},
     Student.filter: {"cases": [FilterCase(_VECTORS, alpha=0.3)]},
     Student.plot: {"data": {"time": _VECTORS + 1}, "sheet": {"time": _VECTORS + 1}, "ids": (1, 2), "own_form": False},
@@ -104,7 +104,7 @@ _ASKED: Mapping[Any, dict[str, Any]] = {
     bonuses.live: {"model": "<m/>", "ids": (1, 2), "duration_s": 1.0, "timestep": 0.002, "push": 0.5},
 }
 _CHANGED: Mapping[Any, dict[str, Any]] = {
-    Student.noise_twins: {"stds": [(0.1, 0.3)], "biases": np.ones((1, 2, 3))},
+    Student.noise_twins: {"stds": [(0.1, 0.3)], "biases": np.ones((1, 2, 3)), "states": [1]},
     bonuses.tilt: {"cases": [bonuses.TiltCase(0.2, _VECTORS, _VECTORS)]},
 }
 

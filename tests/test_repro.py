@@ -77,7 +77,7 @@ def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
         kinds["noise"],
         {"biases": np.zeros((1, 2, 3))},
     )  # twins are asked only where something is to be told apart
-    twins = {**noise.fields, "twins": [dict.fromkeys(("accel_noise_std", "gyro_noise_std"), 0.1)]}
+    twins = {**noise.fields, "twins": [dict.fromkeys(("accel_noise_std", "gyro_noise_std"), 0.1)], "states": [0]}
     kinds.setdefault("noise_twins", replace(noise, op="noise_twins", fields=twins, arrays={**noise.arrays, **biases}))
     assert set(kinds) == set(WRITTEN)
     several = [replace(each, number=number) for number, each in enumerate(kinds.values(), 1)]

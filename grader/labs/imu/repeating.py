@@ -124,8 +124,8 @@ def _simulation(question: Asked) -> Lines:
     yield "data = mujoco.MjData(model)"
 
 
-def _state(question: Asked) -> Lines:
-    yield f"data.qpos[:], data.qvel[:] = {question.given('qpos')}[0], {question.given('qvel')}[0]"
+def _state(question: Asked, row: int = 0) -> Lines:
+    yield f"data.qpos[:], data.qvel[:] = {question.given('qpos')}[{row}], {question.given('qvel')}[{row}]"
     yield "mujoco.mj_forward(model, data)"
 
 
@@ -183,9 +183,10 @@ def _noise(question: Asked) -> Lines:
 
 
 def _noise_twins(question: Asked) -> Lines:
-    yield from (*_simulation(question), *_state(question))
-    yield _truth(question)
-    for number, stds in enumerate(question.fields["twins"]):
+    yield from _simulation(question)
+    for number, (stds, row) in enumerate(zip(question.fields["twins"], question.fields["states"], strict=True)):
+        yield from _state(question, row)
+        yield _truth(question)
         accel, gyro = (f"{question.given('biases')}[{number}, {sensor}]" for sensor in (0, 1))
         yield "np.random.seed(1234)"
         yield f"imu = {_noisy(question, stds, f', accel_bias={accel}, gyro_bias={gyro}')}"

@@ -101,11 +101,12 @@ class Student(Plotting):
         )
 
     def noise_twins(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], reads: int, stds: Sequence[tuple[float, float]],
-                    biases: Array) -> NoiseRun:  # fmt: skip
-        """A few reads of `NoisyIMU`s from one seed: (twins, reads, 3), for these stds and biases (twins, 2, 3)."""
+                    biases: Array, states: Sequence[int]) -> NoiseRun:  # fmt: skip
+        """A few reads of `NoisyIMU`s from one seed: (twins, reads, 3), for these stds, biases (twins, 2, 3) and rows of states."""
         fields = self._noise_fields(ids, reads, stds[0])
         fields["twins"] = [{"accel_noise_std": accel, "gyro_noise_std": gyro} for accel, gyro in stds]
-        arrays = {"qpos": qpos[:1], "qvel": qvel[:1], "biases": biases}
+        fields["states"] = list(states)
+        arrays = {"qpos": qpos, "qvel": qvel, "biases": biases}
         return self.answer(Question("noise_twins", "NoisyIMU", _noise_run, fields, arrays))
 
     def default_bias(self, *, qpos: Array, qvel: Array, ids: tuple[int, int], instances: int, reads: int,

@@ -38,6 +38,10 @@ _SIZE = Ours(
     "Draw the noise of each sensor with the standard deviation that was given for it, as it is: no other factor, unit or power "
     "of it, one draw for each axis and read (Step 5)."
 )
+_READ_FIRST = Ours(
+    "Call get_imu_readings in every read(), and add the bias and the noise to what it returns: numbers that come from no sensor "
+    "have neither (Step 5)."
+)
 _ONCE = Ours(
     "Add the bias of each sensor to its reading as it was given: whole, once, each component to its own axis, and nothing of "
     "another bias (Step 5)."
@@ -63,10 +67,22 @@ _ORDER = Ours(
 )
 
 
+def of_the_sensors(student: Student, truth: Traces) -> None:
+    """Skip a check where the readings do not follow the sensors: there is no noise and no bias without a reading."""
+    if not runs.reads_the_sensors(student, truth):
+        raise Skipped("readings that change with the sensors")
+
+
 @check("noise_model.noise_size", lab_step=5)
 def check_noise_size(student: Student, truth: Traces) -> None:
     """The noise of each sensor has the standard deviation that was asked for"""
     sensors = runs.steady(student, truth)
+    if not runs.reads_the_sensors(student, truth):
+        raise CheckFailed(
+            "readings that change where the robot's state does",
+            "readings that do not follow any sensor",
+            hint=_READ_FIRST,
+        )
     right = [
         noise_sizes.is_right(facts)
         or (laws.correlated(facts) and noise_sizes.right_of_correlated(student, truth, which, facts))
@@ -110,7 +126,7 @@ def _law_explains(student: Student, truth: Traces, wrong: list[int]) -> bool:
     return twins is not None and all(twins[i].scales() for i in wrong)
 
 
-@check("noise_model.given_bias", lab_step=5)
+@check("noise_model.given_bias", lab_step=5, needs=of_the_sensors)
 def check_given_bias(student: Student, truth: Traces) -> None:
     """A bias that is given is added to every reading, zero included"""
     sensors, silent = runs.given(student, truth), runs.without_noise(student, truth)
@@ -188,7 +204,7 @@ def _bias_is_right(facts: Facts) -> bool:
     return diagnosis.bias_is_right(facts)
 
 
-@check("noise_model.default_bias", lab_step=5)
+@check("noise_model.default_bias", lab_step=5, needs=of_the_sensors)
 def check_default_bias(student: Student, truth: Traces) -> None:
     """Without a given bias, each instance draws its own, keeps it, and has one for every axis"""
     biases = runs.default_biases(student, truth)
@@ -216,9 +232,10 @@ def check_default_bias(student: Student, truth: Traces) -> None:
             )
         if np.ptp(mean[1:], axis=0).max() <= diagnosis.EXACT and not noisy:
             got = f"{vector(mean[1])} for each of {len(mean)} instances"
-            reseeded = all(f.still for f in sensors) and diagnosis.size_mistakes(
+            repeated = all(f.still for f in sensors) and diagnosis.size_mistakes(
                 sensors, runs.given_again(student, truth), silent
             )
+            reseeded = [] if repeated == ["no-noise"] else repeated
             mistakes = reseeded or ["bias-not-random"]
             raise CheckFailed(
                 f"another {name} bias for each instance",
@@ -302,7 +319,7 @@ def _differs_from_read_to_read(student: Student, truth: Traces) -> NoReturn:
     raise Skipped(wanted)
 
 
-@check("noise_model.white_and_gaussian", lab_step=5)
+@check("noise_model.white_and_gaussian", lab_step=5, needs=of_the_sensors)
 def check_white_and_gaussian(student: Student, truth: Traces) -> None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
     raw, both = runs.given(student, truth), runs.steady(student, truth)
@@ -391,7 +408,7 @@ def _is_white(facts: Facts, name: str) -> None:
             )
 
 
-@check("noise_model.axes_and_sensors_independent", lab_step=5)
+@check("noise_model.axes_and_sensors_independent", lab_step=5, needs=of_the_sensors)
 def check_axes_and_sensors_independent(student: Student, truth: Traces) -> None:
     """Each axis of each sensor has noise of its own"""
     sensors = runs.steady(student, truth)

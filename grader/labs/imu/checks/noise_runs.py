@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from grader.base.errors import NoAnswer
-from grader.engine.findings import CheckFailed, Raised, Unusable, raised
+from grader.engine.findings import CheckFailed, Missing, Raised, Unusable, raised
 from grader.engine.submission_session import found_once
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
@@ -30,6 +30,9 @@ _SILENT, _ALMOST_SILENT = (0.0, 0.0), (1e-12, 1e-12)
 """Standard deviations. Code may refuse a zero, or divide by it, and a picometre a second squared is as good as none."""
 _TWINS, _LARGER = 40, 1.5
 """Reads of each twin, and how much larger the noise of the last one is."""
+_BY_CHANCE = 10.0
+"""Smallest change of a reading with the state, in units of what a twin in the same state differs by. Counters reach 2; the sheet's
+noise at 20 times its size reaches 50."""
 
 
 def judged(student: Student, truth: Traces, key: str) -> NoiseRun:
@@ -70,7 +73,8 @@ def returns_exchanged(student: Student, truth: Traces) -> bool:
     run = asked(student, truth, "given", given=True)
     if not _is_sound(run):
         return False
-    straight, exchanged = (_facts_of(r, truth, _biases(truth)) for r in (run, _exchanged(run)))
+    clean = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
+    straight, exchanged = (_facts_of(r, truth, clean, _biases(truth)) for r in (run, _exchanged(run)))
     return all(map(diagnosis.bias_is_right, exchanged)) and not any(map(diagnosis.bias_is_right, straight))
 
 
@@ -124,18 +128,55 @@ def asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun
 
 @found_once
 def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
-    run = judged(student, truth, key)
+    run, clean = judged(student, truth, key), clean_readings(student, truth)
     if key == "silent":
-        return _facts_of(run, truth, (np.zeros(3), np.zeros(3)))
-    return _facts_of(run, truth, _biases(truth) if takes_biases(student, truth, key) else None)
+        return _facts_of(run, truth, clean, (np.zeros(3), np.zeros(3)))
+    return _facts_of(run, truth, clean, _biases(truth) if takes_biases(student, truth, key) else None)
 
 
-def _facts_of(run: NoiseRun, truth: Traces, biases: tuple[Array, Array] | None) -> list[Facts]:
+def _facts_of(
+    run: NoiseRun, truth: Traces, clean: tuple[Array, Array], biases: tuple[Array, Array] | None
+) -> list[Facts]:
     """The facts of both sensors, about these biases, or about the mean where they are not known."""
-    clean = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
     residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
     about = biases or [r.mean(axis=(0, 1)) for r in residuals]
     return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, asked_stds(truth), about, strict=True)]
+
+
+@found_once
+def clean_readings(student: Student, truth: Traces) -> tuple[Array, Array]:
+    """(states, 3) what each sensor reads without noise: the truth, or what the submission's own reader returns.
+
+    The reader's own value counts for a sensor where the noisy readings go with it and not with the truth, so that a fault of the
+    reader costs nothing here.
+    """
+    straight = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
+    try:
+        run = judged(student, truth, "given")
+    except (CheckFailed, Raised):
+        return straight
+    sensors = _facts_of(run, truth, straight, None)
+    own = None if all(map(_keeps_its_offset, sensors)) else _own_readings(student, truth)
+    if own is None:
+        return straight
+    beside_own = _facts_of(run, truth, own, None)
+    pairs = list(zip(sensors, beside_own, strict=True))
+    accel, gyro = (f.truth if _keeps_its_offset(f) or not _keeps_its_offset(o) else o.truth for f, o in pairs)
+    return accel, gyro
+
+
+def _keeps_its_offset(facts: Facts) -> bool:
+    return bool(np.ptp(facts.offset, axis=0).max() <= 2 * diagnosis.mean_bound(facts))
+
+
+def _own_readings(student: Student, truth: Traces) -> tuple[Array, Array] | None:
+    scenario = truth["noise"]
+    states = {key: scenario[key] for key in ("qpos", "qvel")}
+    try:
+        readings = student.read(model=student.robot.xml, pairs=np.array([torso_ids(truth)]), **states)
+    except (Missing, NoAnswer):
+        return None
+    return (readings.accel[0], readings.gyro[0]) if np.isfinite([readings.accel, readings.gyro]).all() else None
 
 
 def given(student: Student, truth: Traces) -> list[Facts]:
@@ -168,24 +209,51 @@ def without_noise_or_drift(student: Student, truth: Traces) -> list[Facts]:
 @found_once
 def from_one_seed(student: Student, truth: Traces) -> list[Twins] | None:
     """What the submission makes of one seed; None where it did not answer with whole vectors."""
+    run = _twins(student, truth)
+    if not _is_sound(run):
+        return None
+    run = _exchanged(run) if returns_exchanged(student, truth) else run
+    biases = np.array(_biases(truth))
+    return [
+        Twins(base, again, larger, noisier, change, _LARGER)
+        for (base, again, _, larger, noisier), change in zip(
+            (run.accel, run.gyro), _other(biases) - biases, strict=True
+        )
+    ]
+
+
+def _other(biases: Array) -> Array:
+    return np.asarray(biases[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0]))
+
+
+def _twins(student: Student, truth: Traces) -> NoiseRun:
+    """The same arguments twice, then in another state, with another bias, and with larger noise."""
     scenario, stds, biases = truth["noise"], asked_stds(truth), np.array(_biases(truth))
-    other = biases[:, [2, 0, 1]] * np.array([1.5, -2.0, 3.0])
-    run = student.noise_twins(
+    return student.noise_twins(
         qpos=scenario["qpos"],
         qvel=scenario["qvel"],
         ids=torso_ids(truth),
         reads=_TWINS,
-        stds=[stds, stds, stds, (_LARGER * stds[0], _LARGER * stds[1])],
-        biases=np.array([biases, biases, other, biases]),
+        stds=[*[stds] * 4, (_LARGER * stds[0], _LARGER * stds[1])],
+        biases=np.array([biases, biases, biases, _other(biases), biases]),
+        states=(0, 0, 1, 0, 0),
     )
-    if not _is_sound(run):
-        return None
-    run = _exchanged(run) if returns_exchanged(student, truth) else run
-    changes = other - biases
-    return [
-        Twins(base, again, larger, noisier, change, _LARGER)
-        for (base, again, larger, noisier), change in zip((run.accel, run.gyro), changes, strict=True)
-    ]
+
+
+@found_once
+def reads_the_sensors(student: Student, truth: Traces) -> bool:
+    """Whether the readings follow the state: a new instance in another state reads something else, by more than chance.
+
+    It may be any sensor, in any order, sign, unit or scale. True where nothing can be told.
+    """
+    if any(map(_keeps_its_offset, given(student, truth))):
+        return True
+    run = _twins(student, truth)
+    base, again, elsewhere = np.concatenate([run.accel, run.gyro], axis=2)[:3].mean(axis=1)
+    if not np.isfinite([base, again, elsewhere]).all():
+        return True
+    chance = _BY_CHANCE * float(np.abs(again - base).max())
+    return bool(np.abs(elsewhere - base).max() > diagnosis.TRUTH_ATOL + chance)
 
 
 def given_again(student: Student, truth: Traces) -> list[Facts]:
@@ -204,5 +272,5 @@ def default_biases(student: Student, truth: Traces, stds: tuple[float, float] = 
     )
     if stds == _SILENT and not _is_sound(run):
         return default_biases(student, truth, _ALMOST_SILENT, reads)
-    run = _sound_form(student, truth, run)
-    return [run.accel - scenario["acceleration"][0], run.gyro - scenario["angular_velocity"][0]]
+    run, (accel, gyro) = _sound_form(student, truth, run), clean_readings(student, truth)
+    return [run.accel - accel[0], run.gyro - gyro[0]]

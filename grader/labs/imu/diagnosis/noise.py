@@ -33,6 +33,10 @@ _FINEST = 0.99e-4
 """Of a step that counts as one: finer ones are as good as the truth."""
 
 
+_FAR = 1e4
+"""m/s², rad/s. Half precision ends at 65504; no reading of the lab comes near."""
+
+
 @dataclass(frozen=True)
 class Facts:
     """One sensor's reads.
@@ -89,8 +93,9 @@ class Facts:
         readings = self.residual + self.truth[:, None, :]
         if self.still:
             return 0.0
-        if np.abs(readings - readings.astype(np.float16)).max() < EXACT:
-            return float(np.spacing(np.float16(np.abs(readings).max())))
+        largest = float(np.abs(readings).max())
+        if largest < _FAR and np.abs(readings - readings.astype(np.float16)).max() < EXACT:
+            return float(np.spacing(np.float16(largest)))
         steps = (_closest(readings), *_DECIMALS)
         return next((s for s in steps if s > _FINEST and _are_multiples(readings, s)), 0.0)
 
@@ -200,12 +205,22 @@ def bias_is_redrawn(sensors: Sequence[Facts], silent: Sequence[Facts]) -> bool:
 
 
 def _only_offsets(seen: _Sizes) -> bool:
-    """Whether every read is the truth, alone or with the bias, or has a multiple of the standard deviation in place of a draw."""
+    """Return whether nothing is drawn: each read is the truth plus the bias, a constant or a multiple of the standard deviation."""
     beside = np.array([(f.offset - f.bias) / f.std for f in seen.sensors])
     return bool(np.ptp(beside) <= TRUTH_ATOL / min(f.std for f in seen.sensors)) or all(
-        np.allclose(f.offset, f.bias, atol=TRUTH_ATOL) or np.allclose(f.offset, 0, atol=TRUTH_ATOL)
-        for f in seen.sensors
+        np.allclose(f.offset, f.bias, atol=TRUTH_ATOL)
+        or np.allclose(f.offset, 0, atol=TRUTH_ATOL)
+        or _is_constant(f, silent)
+        for f, silent in zip(seen.sensors, seen.silent, strict=True)
     )
+
+
+def _is_constant(facts: Facts, silent: Facts) -> bool:
+    """Return whether an offset stays the same where no noise is asked for, with the bias or without it."""
+    if not silent.still:
+        return False
+    beside = facts.offset - silent.offset
+    return any(np.allclose(beside, bias, atol=TRUTH_ATOL) for bias in (np.zeros(3), facts.bias))
 
 
 def _one_draw(seen: _Sizes) -> bool:

@@ -72,8 +72,9 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
 
     Parameters
     ----------
-    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``, ``twins``: for each the two standard deviations
-    arrays : ``qpos`` (1, nq), ``qvel`` (1, nv), ``biases`` (twins, 2, 3)
+    fields : ``path``, ``model``, ``accel_id``, ``gyro_id``, ``reads``; for each twin ``twins``, its two standard deviations, and
+        ``states``, the row of its state
+    arrays : ``qpos`` (s, nq), ``qvel`` (s, nv), ``biases`` (twins, 2, 3)
 
     Returns
     -------
@@ -83,13 +84,15 @@ def noise_twins(fields: dict[str, Any], arrays: dict[str, Any]) -> Reply:
     answer: dict[str, Any] = {"odd": None, "departs": []}
     readings = np.full((len(fields["twins"]), fields["reads"], 6), np.nan)
     with examined(answer), scene(fields["model"]) as (model, data):
-        still = _Still(fields, model, data, arrays["qpos"][0], arrays["qvel"][0])
+        put_in_state(model, data, arrays["qpos"][0], arrays["qvel"][0])
         build = _building(fields, model, data, answer)
         generators = [(generator, _state(generator)) for generator in _generators()]
-        for rows, stds, (accel, gyro) in zip(readings, fields["twins"], arrays["biases"], strict=True):
+        twins = zip(readings, fields["twins"], fields["states"], arrays["biases"], strict=True)
+        for rows, stds, state, (accel, gyro) in twins:
+            still = _Still(fields, model, data, arrays["qpos"][state], arrays["qvel"][state])
             sources.seed(_SEED)
-            for generator, state in generators:
-                _rewind(generator, state)
+            for generator, began in generators:
+                _rewind(generator, began)
             read = build({"accel_bias": accel, "gyro_bias": gyro}, **stds)
             for row in rows:
                 _store(read(), row, answer, packer)
