@@ -64,6 +64,45 @@ def test_the_program_shows_what_the_check_saw(lab: Path, tmp_path: Path) -> None
     assert sorted(path.name for path in lab.iterdir() if path.is_file()) == sorted(FAULTY)
 
 
+@pytest.mark.parametrize(
+    ("check_id", "files", "said"),
+    [
+        (
+            "filtering.follows_recursion",
+            {},
+            "output: row 1 is the first that differs, of 60: yours",
+        ),
+        (
+            "data_collection.matches_truth",
+            {"imu_reader.py": IMU_READER.replace("angular_velocities[i] = gyro", "angular_velocities[i] = -gyro")},
+            "angular_velocity: row 1 is the first that differs, of 600: yours",
+        ),
+        ("data_collection.sample_count", {"imu_reader.py": IMU_READER.replace("int(duration", "int(0.5 * duration")}, "acceleration: 300 rows, and 600 are expected"),
+    ],
+)  # fmt: skip
+def test_the_first_row_that_differs_stands_beside_the_expected_one(
+    check_id: str, files: dict[str, str], said: str, lab: Path, tmp_path: Path
+) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    for name, text in {**FAULTY, **files}.items():
+        (own / name).write_text(text)
+    shown = ran(repeating.write(load(LAB), check_id, own, own / ".imugrade"), tmp_path)
+    assert said in shown
+    assert "expected" in shown.split(said)[1] or "are expected" in said
+
+
+def test_a_sound_series_is_as_expected(tmp_path: Path) -> None:
+    sound = FOLDER / "s01-sheet-verbatim"
+    for check_id, names in (
+        ("filtering.follows_recursion", ["output"]),
+        ("data_collection.matches_truth", ["acceleration", "angular_velocity"]),
+    ):
+        shown = ran(repeating.write(load(LAB), check_id, sound, tmp_path / "out"), tmp_path)
+        assert [name for name in names if f"{name}: all rows as expected" in shown] == names
+        assert "differs" not in shown
+
+
 def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
     sound = FOLDER / "s15-extensions"
     student, judgements = repeating.examined(load(LAB), read_submission(sound, LAB.files))

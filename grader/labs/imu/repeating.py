@@ -6,16 +6,34 @@ Each function here writes the lines of one kind of question; `grader.labs.imu.wo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from grader.engine.check_catalog import Check
 from grader.engine.check_runner import Examination
+from grader.engine.traces import Traces
+from grader.labs.imu.compare import Array
+from grader.labs.imu.filtering.explain import recursion
+from grader.labs.imu.filtering.measure import ATOL, DEFAULT_ALPHA
 from grader.labs.imu.student import Student
 
 Lines = Iterator[str]
+_COMPARE = f"""
+def compare(name, mine, expected):
+    mine, rows = np.asarray(mine), len(expected)
+    if mine.shape != expected.shape:
+        print(f"{{name}}: {{len(mine) if mine.shape else 'no'}} rows, and {{rows}} are expected")
+        return
+    differs = np.flatnonzero(~(np.abs(mine - expected).reshape(rows, -1) <= {ATOL}).all(axis=1))
+    if len(differs) == 0:
+        print(f"{{name}}: all rows as expected")
+        return
+    row = differs[0]
+    print(f"{{name}}: row {{row}} is the first that differs, of {{rows}}: yours {{mine[row]}}, expected {{expected[row]}}")
+"""
+"""A function of the program: it prints the first row in which a series differs from the expected one."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +44,7 @@ class Asked:
     op: str
     fields: Mapping[str, Any]
     arrays: Mapping[str, np.ndarray]
+    expected: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def given(self, name: str) -> str:
         """Return the expression by which the program finds one of the arrays."""
@@ -35,7 +54,8 @@ class Asked:
     def kept(self) -> dict[str, np.ndarray]:
         """Return the arrays that the trace file holds of it."""
         model = {"model": np.array(self.fields["model"])} if "model" in self.fields else {}
-        return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model}.items()}
+        expected = {f"expected_{name}": array for name, array in self.expected.items()}
+        return {f"{name}_{self.number}": array for name, array in {**self.arrays, **model, **expected}.items()}
 
     @property
     def module(self) -> str:
@@ -47,8 +67,9 @@ class Recorder(Student):
 
     now = ""
 
-    def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
+    def __init__(self, *args: Any, truth: Traces, **options: Any) -> None:
+        super().__init__(*args, truth=truth, **options)
+        self.truth = truth
         self._asking: list[Any] = []
         self._questions: dict[Any, tuple[str, Mapping[str, Any], Mapping[str, np.ndarray]]] = {}
         self._looked_at: dict[Any, list[Any]] = {}
@@ -71,7 +92,8 @@ class Recorder(Student):
     def questions(self, check_id: str) -> list[Asked]:
         """Return the questions of a check in order, also those that another check had asked first."""
         keys = [key for key in dict.fromkeys(self._below(check_id)) if key in self._questions]
-        return [Asked(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
+        asked = [(number, *self._questions[key]) for number, key in enumerate(keys, 1)]
+        return [Asked(*each, expected=expected(*each[1:], self.truth)) for each in asked]
 
     def _below(self, key: Any) -> Iterator[Any]:
         for each in self._looked_at.get(key, ()):
@@ -85,6 +107,25 @@ class Watched(Examination):
     def begin(self, this: Check) -> None:
         self.student.now = this.id  # type: ignore[attr-defined] # a Recorder
         super().begin(this)
+
+
+def expected(op: str, fields: Mapping[str, Any], arrays: Mapping[str, Array], truth: Traces) -> dict[str, Array]:
+    """Return the series that a sound submission gives for a question, where only one is right."""
+    if op == "filter":
+        return {f"output_{i}": _filtered(case, arrays) for i, case in enumerate(fields["cases"])}
+    if op == "simulate" and "gravity" not in arrays:
+        scenario = truth["push_dirty" if "qpos" in arrays else "push"]
+        timestep, steps = scenario["time"][0], round(fields["duration_s"] / scenario["time"][0])
+        if (fields["timestep"] or timestep) == timestep and steps <= len(scenario["time"]):
+            # not the times: those before and those after the steps are both right
+            return {name: scenario[name][:steps] for name in ("acceleration", "angular_velocity")}
+    return {}
+
+
+def _filtered(case: Mapping[str, Any], arrays: Mapping[str, Array]) -> Array:
+    x, alpha = arrays[case["input"]], DEFAULT_ALPHA if case["alpha"] is None else case["alpha"]
+    before = x[0] if case["initial"] is None else arrays[case["initial"]]
+    return recursion(alpha, x, alpha * x[0] + (1 - alpha) * before)
 
 
 def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -> str:
@@ -113,6 +154,7 @@ def program(check_id: str, said: str, questions: Sequence[Asked], folder: str) -
         f"sys.path.insert(0, str(HERE / {folder!r}))",
         "os.chdir(HERE)  # the lab's model lies here where the sheet loads it, and what is saved comes here",
         'given = np.load(HERE / "repro.npz")',
+        *(_COMPARE.splitlines() if any(each.expected for each in questions) else []),
     ]
     for question in questions:
         lines += ["", f"# {question.number}", f"import {question.module}", "", *WRITTEN[question.op](question)]
@@ -158,6 +200,9 @@ def _simulate(question: Asked) -> Lines:
     yield "for name, series in recording.items():"
     yield "    print(name, np.shape(series))"
     yield "    print(np.asarray(series)[:3])"
+    for name in question.expected:
+        yield f'if "{name}" in recording:'
+        yield f'    compare("{name}", recording["{name}"], {question.given(f"expected_{name}")})'
 
 
 def _noisy(question: Asked, std: Mapping[str, Any], biases: str) -> str:
@@ -211,7 +256,7 @@ _HANDLING = {
 
 
 def _filter(question: Asked) -> Lines:
-    for case in question.fields["cases"]:
+    for i, case in enumerate(question.fields["cases"]):
         options = {} if case["alpha"] is None else {"alpha": repr(case["alpha"])}
         options |= {} if case["initial"] is None else {"initial_value": question.given(case["initial"])}
         yield f"low_pass = {_low_pass(question, options)}"
@@ -224,6 +269,7 @@ def _filter(question: Asked) -> Lines:
         yield from _HANDLING[case["handling"]]
         yield f'print("in ", {question.given(case["input"])}[:3].tolist())'
         yield 'print("out", [out.tolist() for out in mine[:3]])'
+        yield f'compare("output", mine, {question.given(f"expected_output_{i}")})'
 
 
 def _low_pass(question: Asked, options: Mapping[str, str]) -> str:
