@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from urllib.parse import urlencode
 
 import pytest
 
@@ -187,11 +188,11 @@ def test_undo_brings_back_what_stood_before_and_history_keeps_all(desk: Desk, ou
 @pytest.mark.parametrize(
     ("target", "points", "comment", "line"),
     [
-        (ADDRESS, "7", "x", "points must be a number from 0 to 6, not 7"),
-        (ADDRESS, "nan", "x", "points must be a number from 0 to 6, not nan"),
+        (ADDRESS, "7", "x", "Enter points from 0 to 6, not 7."),
+        (ADDRESS, "nan", "x", "Enter points from 0 to 6, not nan."),
         ("nothing", "1", "x", "there is no criterion nothing"),
         (ADDRESS, "1", "", "Enter a comment"),
-        (ADDRESS, "1", "x" * 2001, "say why in a comment of at most 2000 characters"),
+        (ADDRESS, "1", "x" * 2001, "Enter at most 2000 characters."),
     ],
 )
 def test_a_wish_that_cannot_be_met_is_said_and_not_recorded(
@@ -201,6 +202,83 @@ def test_a_wish_that_cannot_be_met_is_said_and_not_recorded(
     assert answer.status == 400
     assert line in words(answer.text)
     assert desk.book.on_thread(desk.book.store.history) == []
+
+
+def test_an_override_that_is_refused_keeps_what_was_typed(desk: Desk) -> None:
+    page = give(desk, "bob", ADDRESS, "7", "kept <b>", do="give").text
+    form = page.partition(f'id="override-{ADDRESS.replace(".", "-")}"')[2].partition("</form>")[0]
+    assert "<details open>" in form
+    assert 'value="7" aria-invalid="true" aria-describedby="error-points"' in form
+    assert '<span class="error" id="error-points">Enter points from 0 to 6, not 7.</span>' in form
+    assert "kept &lt;b&gt;</textarea>" in form
+    assert page.count('class="error"') == 1
+
+
+def test_a_regrade_request_that_is_refused_keeps_what_was_typed_and_people_are_picked(desk: Desk) -> None:
+    page = desk.get("/regrade-requests").text
+    assert '<option value="bob">Bob Bird</option>' in page
+    answer = desk.post("/regrade-requests", {"text": "Please <i>look</i>", "who": "", "about": ADDRESS})
+    assert answer.status == 400
+    assert 'id="error-who">the request: no student is named' in answer.text
+    assert "Please &lt;i&gt;look&lt;/i&gt;</textarea>" in answer.text
+    assert f"<option selected>{ADDRESS}</option>" in answer.text
+
+
+# ---- export ----
+
+
+def test_grades_and_reports_are_downloaded_from_the_class_page(desk: Desk, out: Path) -> None:
+    assert 'action="/export"' in desk.get("/class").text
+    give(desk, "bob", ADDRESS, "4")
+    answer = desk.post("/export", {"format": "csv", "do": "grades"})
+    assert (answer.status, answer.headers["content-disposition"]) == (200, 'attachment; filename="marks.csv"')
+    assert {row["id"]: row["final"] for row in csv.DictReader(answer.text.splitlines())}["bob"] == "98"
+    answer = desk.post("/export", {"do": "feedback"})
+    assert (answer.status, answer.headers["content-type"]) == (200, "application/zip")
+
+
+def test_an_export_that_leaves_somebody_blank_is_told_first(tmp_path: Path) -> None:
+    out = make_class(tmp_path / "out", NEEDY)
+    with desk_over(out) as desk:
+        answer = desk.post("/export", {"format": "csv", "do": "grades"})
+        assert answer.status == 400
+        assert "graded: 12" in words(answer.text)
+        assert "blank: 3 (" in words(answer.text)
+        assert desk.post("/export", {"format": "csv", "do": "grades", "allow_blank": "yes"}).status == 200
+
+
+def test_an_export_that_is_refused_says_why_beside_the_field(desk: Desk) -> None:
+    page = desk.post("/export", {"format": "canvas", "do": "grades"})
+    assert page.status == 400
+    assert 'id="error-template"' in page.text
+    page = desk.post("/export", {"format": "canvas", "template": "a,b\n1,2\n", "do": "grades"})
+    assert 'id="error-' in page.text
+    assert "/tmp" not in words(page.text)
+    assert "a,b\n1,2" in page.text.replace("\r", "")
+
+
+# ---- the late policy in what-if ----
+
+
+def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
+    late = HandIn(submitted="2026-11-21T12:00:00+00:00")
+    out = make_class(tmp_path / "out", (Student("ada", hand_in=late), Student("bob")))
+    with desk_over(out) as desk:
+        given = {"late:due": "2026-11-20T23:00+00:00", "late:per_day": "10%"}
+        page = desk.get(f"/what-if?{urlencode(given)}").text
+        assert "1 of 2 final grades change" in words(page)
+        assert desk.post("/what-if", {**given, "do": "mark"}).status == 303
+        desk.book.settled()
+        assert row(out, "ada")["final"] == "90"
+        page = desk.get("/what-if").text
+        assert 'name="late:due" size="24" value="2026-11-20' in page
+        assert desk.post("/what-if", {"late:due": "", "late:per_day": "", "do": "mark"}).status == 303
+        desk.book.settled()
+        assert row(out, "ada")["total"] == "100"
+        assert "final" not in row(out, "ada")
+        page = words(desk.get("/what-if?late:due=tomorrow").text)
+        assert "due must be a date and time" in page
+        assert "what was entered" not in page
 
 
 def test_points_beneath_others_by_hand_are_refused_because_they_would_change_nothing(desk: Desk) -> None:
@@ -509,7 +587,9 @@ def test_a_price_of_a_mistake_marks_the_class_when_it_is_asked_to(desk: Desk, ou
 
 
 def test_a_rubric_that_is_none_is_refused_with_its_reasons(desk: Desk) -> None:
-    assert "must be a number" in words(desk.get(f"/what-if?weight:{ADDRESS}=many").text)
+    page = desk.get(f"/what-if?weight:{ADDRESS}=many").text
+    assert f'<span class="error" id="error-weight:{ADDRESS}">Enter a number from 0 to 1000.</span>' in page
+    assert 'value="many" aria-invalid="true"' in page
     assert desk.post("/what-if", {f"weight:{ADDRESS}": "-1", "do": "save"}).status == 400
 
 

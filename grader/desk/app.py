@@ -12,7 +12,7 @@ from starlette.routing import Route
 
 from grader.base.errors import RequestError
 from grader.course.record import OvertakenError
-from grader.desk import asking, comparing, grouping, overviews, regrade_requests, rubric_what_if, submissions
+from grader.desk import asking, comparing, exports, grouping, overviews, regrade_requests, rubric_what_if, submissions
 from grader.desk.asking import Ask
 from grader.desk.auth import Guard, Keys
 from grader.desk.classbook import Classbook
@@ -24,6 +24,7 @@ Handler = Callable[[Classbook, Ask], Response]
 PAGES: dict[str, Handler] = {
     "/": overviews.review_queue,
     "/class": overviews.class_page,
+    "/export": exports.show,
     "/find": overviews.find,
     "/groups": grouping.show_all,
     "/groups/{kind}/{key}": grouping.show,
@@ -35,6 +36,7 @@ PAGES: dict[str, Handler] = {
     "/submission/{id}/picture/{place:int}": submissions.picture,
 }
 WRITES: dict[str, Handler] = {
+    "/export": exports.send,
     "/reviewed": overviews.mark_reviewed,
     "/groups/{kind}/{key}": grouping.decide,
     "/decisions/take-back": grouping.take_back,
@@ -59,7 +61,7 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
         async def answer(request: Request) -> Response:
             try:
                 ask = await asking.read(request, called, author)
-                await _awaited(book, ask)
+                await _awaited(book, ask, request)
                 return await asyncio.get_running_loop().run_in_executor(book.thread, handler, book, ask)
             except asking.TooLargeError:
                 return _refused("The form is too large: at most 2 MB.", 413)
@@ -90,11 +92,14 @@ def application(book: Classbook, keys: Keys, author: str) -> Guard:
     return Guard(Starlette(routes=routes, exception_handlers=nothing), keys)
 
 
-async def _awaited(book: Classbook, ask: Ask) -> None:
-    """Wait a moment for the job that a page is about: most end within it, and the page shows the outcome at once."""
+async def _awaited(book: Classbook, ask: Ask, request: Request) -> None:
+    """Wait a moment for the job that a page is about, as most end within it; before an export, for the files of OUT."""
+    loop = asyncio.get_running_loop()
     job = book.jobs.get(ask.number("job"))
     if job is not None and not job.done:
-        await asyncio.get_running_loop().run_in_executor(None, job.ended.wait, _A_MOMENT_S)
+        await loop.run_in_executor(None, job.ended.wait, _A_MOMENT_S)
+    if request.method == "POST" and request.url.path == "/export":
+        await loop.run_in_executor(None, book.settled)
 
 
 def _refused(message: str, status: int) -> Response:

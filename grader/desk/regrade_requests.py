@@ -54,6 +54,11 @@ class Dropped:
 
 
 def show(book: Classbook, ask: Ask) -> Response:
+    return _page(book, ask)
+
+
+def _page(book: Classbook, ask: Ask, problem: str = "", code: int = 200) -> Response:
+    """Show the requests and the form; `problem` says what is wrong with what was typed, which stays."""
     requests = book.requests()
     final_grades = book.final_grades()
     about = dict.fromkeys(target for final_grade in final_grades.values() for target in targets(final_grade))
@@ -61,17 +66,27 @@ def show(book: Classbook, ask: Ask) -> Response:
         book,
         ask,
         "regrade_requests.html.j2",
+        code,
         open=[each for each in requests if not each.answered and each.id in final_grades],
         answered=[each for each in reversed(requests) if each.answered and each.id in final_grades],
         about=about,
         told=ask.text("told"),
+        typed={name: (ask.form.get(name) or [""])[0] for name in ("text", "who", "about")},
+        errors={_field(problem): problem} if problem else {},
     )
+
+
+def _field(problem: str) -> str:
+    return "about" if "no check" in problem else "who" if "no student" in problem else "text"
 
 
 def add(book: Classbook, ask: Ask) -> Response:
     """Record the requests in a form: one student's text, a JSON file, or a table of many."""
-    dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
-    new = book.store.keep_appeals(placed(dropped, book.final_grades()))
+    try:
+        dropped = list(read(ask.text("text"), ask.text("who"), ask.text("about")))
+        new = book.store.keep_appeals(placed(dropped, book.final_grades()))
+    except RequestError as problem:
+        return _page(book, ask, str(problem), 400)
     return RedirectResponse(f"/regrade-requests?told={quote(added(new, len(dropped)))}", 303)
 
 

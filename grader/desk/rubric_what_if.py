@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import statistics
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -21,6 +23,7 @@ from grader.desk.classbook import Classbook, now
 from grader.desk.overviews import framed
 from grader.engine import rubric as rubrics
 from grader.engine.rubric import Rubric
+from grader.engine.rubric_nodes import LARGEST
 from grader.people.final_grade import FinalGrade
 from grader.report import overview, words
 
@@ -58,7 +61,10 @@ def show(book: Classbook, ask: Ask) -> Response:
 
 def save(book: Classbook, ask: Ask) -> Response:
     """Write the changed rubric into OUT; with `do=mark`, regrade the class by it."""
-    changed, text = _changed(book, ask)
+    try:
+        changed, text = _changed(book, ask)
+    except RequestError:
+        return _page(book, ask, "", 400)
     target = book.out / f"rubric-{now()[:19].replace(':', '')}.yaml"
     write_whole(target, text)
     told = f"Saved as {target}"
@@ -68,33 +74,37 @@ def save(book: Classbook, ask: Ask) -> Response:
     return RedirectResponse(f"/what-if?told={quote(told)}", 303)
 
 
-def _page(book: Classbook, ask: Ask, told: str) -> Response:
+def _page(book: Classbook, ask: Ask, told: str, code: int = 200) -> Response:
     final_grades = book.final_grades()
     base = book.rubric
     problem, outlook, changed = "", None, base
+    errors, typed = _errors(ask), {**ask.query, **{name: values for name, values in ask.form.items() if name != "do"}}
     try:
         changed, _ = _changed(book, ask)
-        if changed.sha256 != base.sha256:
+        if (changed.sha256, changed.late) != (base.sha256, base.late):
             outlook = _outlook(final_grades, regrade.under(final_grades, changed))
     except RequestError as error:
-        problem = str(error)
+        problem = "" if errors else _without_places(str(error))
     made = Counter(id_ for each in final_grades.values() for id_ in each.result.misconceptions)
     digests = {str(each.result.provenance.get("rubric_sha256")) for each in final_grades.values()}
     return framed(
         book,
         ask,
         "what_if.html.j2",
+        code,
         rubric=base,
         shown={part.id: part for part in changed.criteria},
         titles={c.id: c.title for s in final_grades.values() for part in s.result.criteria for c in part.checks},
-        given=lambda name, value: ask.text(name) or value,
+        given=lambda name, value: ask.text(name) or ("" if _is_late(name) and name in typed else value),
+        late=_late_fields(base),
+        errors=errors,
         mistakes=[(id_, words.misconception(id_), count) for id_, count in made.most_common()],
         prices=base.mistakes,
         outlook=outlook,
         problem=problem,
         other=digests != {base.sha256},
         told=told,
-        query=ask.query,
+        query=typed,
     )
 
 
@@ -108,6 +118,7 @@ def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
     """
     base = book.rubric
     data: dict[str, Any] = yaml.safe_load(base.text)
+    _change_late(data, {**ask.query, **ask.form})
     fields = {name: values[0].strip() for name, values in {**ask.query, **ask.form}.items() if values[0].strip()}
     for part in [*data["criteria"], *data["extensions"]]:
         if f"points:{part['id']}" in fields:
@@ -128,6 +139,67 @@ def _changed(book: Classbook, ask: Ask) -> tuple[Rubric, str]:
     text = _HEAD.format(when=now(), source=base.source) + body
     own = base.own_checks
     return rubrics.parse(book.lab, text.encode(), source="what was entered", folder=Path(), own=own), text
+
+
+_LATE = {
+    "due": "Due, with the offset from UTC",
+    "grace_minutes": "Minutes that do not count",
+    "per_day": "Points or % for each day",
+    "cut_off_days": "Days until nothing counts",
+    "tz": "Time zone of the days",
+}
+
+
+_NUMBERS = ("cap", "late:grace_minutes", "late:cut_off_days")
+
+
+def _is_late(name: str) -> bool:
+    return name.startswith("late:")
+
+
+def _late_fields(rubric: Rubric) -> list[tuple[str, str, str]]:
+    """Return name, label and present value of each field of the late policy."""
+    policy: Mapping[str, Any] = yaml.safe_load(rubric.text).get("late") or {}
+    return [(f"late:{name}", label, _shown(policy.get(name))) for name, label in _LATE.items()]
+
+
+def _shown(value: object) -> str:
+    return "" if value is None else value.isoformat(timespec="minutes") if isinstance(value, datetime) else str(value)
+
+
+def _change_late(data: dict[str, Any], given: Mapping[str, list[str]]) -> None:
+    """Change the late policy to what the form has; an empty due date takes it away."""
+    fields = {name: given[f"late:{name}"][0].strip() for name in _LATE if f"late:{name}" in given}
+    if not fields:
+        return
+    policy = {**(data.get("late") or {}), **fields}
+    if not policy.get("due"):
+        data.pop("late", None)
+        return
+    numbers = ("grace_minutes", "per_day", "cut_off_days")
+    data["late"] = {
+        name: _number(value) if name in numbers and isinstance(value, str) else value
+        for name, value in policy.items()
+        if value != ""
+    }
+
+
+def _errors(ask: Ask) -> dict[str, str]:
+    """Return what is wrong with which field: those that take a number."""
+    errors = {}
+    for name, values in {**ask.query, **ask.form}.items():
+        text = values[0].strip()
+        takes_number = name.startswith(("points:", "weight:", "price:")) or name in _NUMBERS
+        value = _number(text) if text else 0
+        if takes_number and (isinstance(value, str) or not 0 <= value <= LARGEST):
+            errors[name] = f"Enter a number from 0 to {LARGEST:g}."
+    return errors
+
+
+def _without_places(problem: str) -> str:
+    """Return what is wrong with a rubric without lines of the file that was made of the form, and in words."""
+    told = re.sub(r"^what was entered(:\d+)?: ", "", problem, flags=re.MULTILINE)
+    return re.sub(r"\b[a-z]+(-[a-z]+)+\b", lambda found: words.misconception(found[0]), told)
 
 
 def _number(text: str) -> float | int | str:

@@ -33,6 +33,24 @@ _MOST_COMMENTS = 30
 
 
 @dataclass(frozen=True)
+class Typed:
+    """A form for `target` that was refused: what was typed, and what is wrong with which field."""
+
+    target: str
+    points: str
+    comment: str
+    errors: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """What stands beside the marks of a submission: regrade requests, and a form that was refused."""
+
+    requests: Sequence[Appeal]
+    typed: Typed | None = None
+
+
+@dataclass(frozen=True)
 class Overrides:
     """Override, comment and regrade requests of one target: a check, a criterion, the total or the bonus."""
 
@@ -43,11 +61,12 @@ class Overrides:
     comment: Adjustment | None
     covered: str = ""
     requests: tuple[Appeal, ...] = ()
+    typed: Typed | None = None
 
     @property
     def asked(self) -> bool:
         """Whether a person gave points, commented or asked for a regrade."""
-        return bool(self.points or self.comment or self.requests)
+        return bool(self.points or self.comment or self.requests or self.typed)
 
     @property
     def anchor(self) -> str:
@@ -101,10 +120,18 @@ def repair(book: Classbook, ask: Ask) -> Response:
     return _page(book, ask, final_grade, repairing.editor(book, final_grade, ask, found), 422)
 
 
-def _page(book: Classbook, ask: Ask, final_grade: FinalGrade, editor: Editor | None, code_: int = 200) -> Response:
+def _page(
+    book: Classbook,
+    ask: Ask,
+    final_grade: FinalGrade,
+    editor: Editor | None,
+    code_: int = 200,
+    typed: Typed | None = None,
+) -> Response:
     items = queue(book)
     history = book.history(final_grade.id)
     requests = [each for each in book.requests() if each.id == final_grade.id]
+    beside = _Beside(requests, typed)
     kept = replace(book.kept(final_grade), files=repairing.current(book, final_grade))
     result = final_grade.result
     job = book.jobs.get(ask.number("job"))
@@ -115,7 +142,7 @@ def _page(book: Classbook, ask: Ask, final_grade: FinalGrade, editor: Editor | N
     definitions = {each.id: list(defined(kept, each.names)) for each in (*book.lab.parts, *book.lab.bonuses)}
     code = _Code(files, named, definitions)
     shown = book.store.charts(final_grade.id)
-    shown_parts = [_part(final_grade, part, code, shown, requests) for part in parts]
+    shown_parts = [_part(final_grade, part, code, shown, beside) for part in parts]
     shown_parts.sort(key=lambda part: all(row.folded for row in part.rows))  # criteria with deductions first
     return framed(
         book,
@@ -135,7 +162,7 @@ def _page(book: Classbook, ask: Ask, final_grade: FinalGrade, editor: Editor | N
         comments=_comments(book),
         keys=_keys(shown_parts if marked else (), requests),
         marked=marked,
-        whole=[_said(final_grade, target, requests) for target in (TOTAL, BONUS)],
+        whole=[_said(final_grade, target, beside) for target in (TOTAL, BONUS)],
         files=files,
         items=[each for each in items if final_grade.id in each.ids],
         history=list(reversed(history)),
@@ -150,6 +177,8 @@ def override(book: Classbook, ask: Ask) -> Response:
     """Record an override or a comment, or undo the last one."""
     final_grade = one(book, ask)
     target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
+    if ask.text("do") in ("", "give") and (wrong := _refused(final_grade, target, points, comment)):
+        return _page(book, ask, final_grade, None, 400, Typed(target, ask.text("points"), comment, wrong))
     if ask.text("do") in ("undo", "undo-comment"):
         wish = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
     elif ask.text("do") == "withdraw":
@@ -162,6 +191,26 @@ def override(book: Classbook, ask: Ask) -> Response:
     if answers := ask.number("answers"):
         book.store.answer(answers, comment, ask.author, now())
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}#override-{target.replace('.', '-')}", 303)
+
+
+def _refused(final_grade: FinalGrade, target: str, points: str, comment: str) -> dict[str, str]:
+    """Return what is wrong with the fields of an override, by field."""
+    most = worth(final_grade.result, target)
+    errors = {}
+    if points and most is not None and not _is_from_0_to(points, most):
+        errors["points"] = f"Enter points from 0 to {words.number(most)}, not {printable(points, 40)}."
+    if not comment:
+        errors["comment"] = "Enter a comment."
+    elif len(comment) > adjusting.MAX_COMMENT:
+        errors["comment"] = f"Enter at most {adjusting.MAX_COMMENT} characters."
+    return errors
+
+
+def _is_from_0_to(text: str, most: float) -> bool:
+    try:
+        return 0 <= float(text) <= most
+    except ValueError:
+        return False
 
 
 def picture(book: Classbook, ask: Ask) -> Response:
@@ -210,7 +259,7 @@ def _part(
     part: CriterionResult | ExtensionResult,
     code: _Code,
     shown: Sequence[Chart],
-    requests: Sequence[Appeal],
+    beside: _Beside,
 ) -> Part:
     lab = final_grade.result.lab
     figures = tuple(
@@ -222,19 +271,19 @@ def _part(
     rows = tuple(
         Row(
             words.row(each, part.id, lab),
-            _said(final_grade, each.id, requests) if by_hand else None,
+            _said(final_grade, each.id, beside) if by_hand else None,
             code.places(each, part.id),
         )
         for each in part.checks
     )
     if isinstance(part, CriterionResult):
         points = words.fraction(final_grade.points(part), part.max_points)
-        return Part(part.id, part.title, points, _said(final_grade, part.id, requests), rows, figures)
+        return Part(part.id, part.title, points, _said(final_grade, part.id, beside), rows, figures)
     title = f"Extension: {part.id.replace('_', ' ')}"
     return Part(part.id, title, words.extension_points(part), None, rows, figures)
 
 
-def _said(final_grade: FinalGrade, target: str, requests: Sequence[Appeal]) -> Overrides:
+def _said(final_grade: FinalGrade, target: str, beside: _Beside) -> Overrides:
     comments = (each for each in final_grade.adjustments if each.alone and each.criterion == target)
     return Overrides(
         target,
@@ -243,7 +292,8 @@ def _said(final_grade: FinalGrade, target: str, requests: Sequence[Appeal]) -> O
         final_grade.adjustment(target),
         next(comments, None),
         adjusting.covering(final_grade, target),
-        tuple(each for each in requests if (each.about or TOTAL) == target),
+        tuple(each for each in beside.requests if (each.about or TOTAL) == target),
+        beside.typed if beside.typed and beside.typed.target == target else None,
     )
 
 

@@ -1,0 +1,92 @@
+"""Export page: grades in the format of a platform, and the archive of reports, as downloads."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from starlette.responses import Response
+
+from grader.base.errors import RequestError
+from grader.course import exporting
+from grader.course.exporting import Export, Plan
+from grader.desk.asking import Ask
+from grader.desk.classbook import Classbook
+from grader.desk.overviews import framed
+from grader.platforms import registry
+
+_TEMPLATE = "template.csv"
+
+
+def show(book: Classbook, ask: Ask) -> Response:
+    return _page(book, ask)
+
+
+def send(book: Classbook, ask: Ask) -> Response:
+    """Answer with the file, or with the page that says who would be left blank or what is wrong with which field."""
+    feedback = ask.text("do") == "feedback"
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            plan = exporting.plan(_order(book, ask, Path(folder), feedback=feedback))
+            if feedback:
+                plan.write()
+                return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
+    except RequestError as problem:
+        told = str(problem).replace("--template with", "a template:").replace("--format ", "")
+        return _page(book, ask, {_field(told): _without_folder(told)}, code=400)
+    if plan.draft.blank and not ask.text("allow_blank"):
+        return _page(book, ask, plan=plan, code=400)
+    return _download(plan.draft.data, plan.order.platform.gradebook, "text/csv; charset=utf-8")
+
+
+def _order(book: Classbook, ask: Ask, folder: Path, *, feedback: bool) -> Export:
+    """Return what a form asks for. Where a platform fills in its own file and none is given, that is the roster on record."""
+    name = ask.text("format") if not feedback else "csv"
+    if name not in registry.names("fill", "write"):
+        raise RequestError("Choose a format")
+    platform = registry.platform(name)
+    target = folder / (platform.gradebook or "grades.csv")
+    if feedback:
+        return Export(book.out, platform, target, feedback=folder / "reports.zip")
+    text = ask.text("template") or _roster(book)
+    template = folder / _TEMPLATE if platform.fill is not None and text else None
+    if template is not None:
+        template.write_bytes(text.encode("utf-8", "surrogateescape"))
+    how = "0" if ask.text("unreadable") else "blank"
+    return Export(book.out, platform, target, template, ask.text("column") or None, None, bool(ask.text("scale")), how)
+
+
+def _roster(book: Classbook) -> str:
+    settings = book.store.settings()
+    return settings.roster if settings else ""
+
+
+def _field(problem: str) -> str:
+    return "column" if "column" in problem else "template" if "template" in problem else "format"
+
+
+def _without_folder(problem: str) -> str:
+    place, found, rest = problem.partition(f"/{_TEMPLATE}")
+    return f"the template{rest}" if found and " " not in place else problem
+
+
+def _download(data: bytes, name: str, kind: str) -> Response:
+    return Response(data, media_type=kind, headers={"Content-Disposition": f'attachment; filename="{name}"'})
+
+
+def _page(
+    book: Classbook, ask: Ask, errors: Mapping[str, str] | None = None, plan: Plan | None = None, code: int = 200
+) -> Response:
+    settings = book.store.settings()
+    return framed(
+        book,
+        ask,
+        "export.html.j2",
+        code,
+        platforms=[registry.platform(name) for name in registry.names("fill", "write")],
+        roster=settings.roster_source if settings and settings.roster else "",
+        typed=ask.text,
+        lines=list(plan.lines()) if plan else [],
+        errors=errors or {},
+    )
