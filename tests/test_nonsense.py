@@ -1,6 +1,6 @@
-"""A sweep over generated filters without memory and noise models without a sensor: none earns more than the points for its form.
+"""A sweep over generated parts that do nothing: filters without memory, readers and noise models without a sensor, and others.
 
-`pytest -m sweep` runs every combination; a fixed sample runs with the other tests.
+None earns more than the points for its form. `pytest -m sweep` runs every combination; a fixed sample runs with the other tests.
 """
 
 from __future__ import annotations
@@ -40,8 +40,56 @@ def filters() -> list[Nothing]:
     return [nothing._filter(body, f"{_HEAD}{body}") for body in bodies]
 
 
-EVERY = filters()
-SAMPLE = random.Random(42).sample(EVERY, 8)
+_COUNTING = "import itertools\n_count = itertools.count(1.0)\n"
+_VECTORS = (
+    "np.zeros(3)", "np.ones(3)", "np.array([0.0, 0.0, -9.81])", "np.random.normal(0, 9, 3)", "np.random.normal(0, 0.05, 3)",
+    "np.random.uniform(-1, 1, 3)", "np.full(3, next(_count))", "np.full(3, np.pi)", "np.arange(3.0)", "np.sin(next(_count) * np.arange(3.0))",
+    "np.full(3, float(accel_sensor_id))", "np.full(3, data.time)", "np.full(3, np.nan)", "np.full(3, float(model.nsensor))",
+    "np.array([next(_count), 0.0, -9.81])",
+)  # fmt: skip
+_ROWS = (
+    "np.zeros((n, 3))", "np.ones((n, 3))", "np.tile([0.0, 0.0, -9.81], (n, 1))", "np.random.normal(0, 1, (n, 3))",
+    "np.cumsum(np.random.normal(0, 1, (n, 3)), axis=0)", "np.sin(np.arange(3 * n).reshape(n, 3))", "np.arange(3.0 * n).reshape(n, 3)",
+    "np.full((n, 3), np.pi)",
+)  # fmt: skip
+_LENGTHS = ("1", "2", "10", "int(duration_seconds / model.opt.timestep)", "1500")
+_STAMPS = ("np.zeros(n)", "(np.arange(n) + 1) * model.opt.timestep", "np.arange(float(n))")
+_SIMULATED = "mujoco.mj_resetData(model, data); data.qvel[0] = 0.5; [mujoco.mj_step(model, data) for _ in range(n)]"  # and nothing read
+
+
+def readers() -> list[Nothing]:
+    head = f"{_COUNTING}def get_imu_readings(model, data, accel_sensor_id, gyro_sensor_id):\n"
+    return [
+        Nothing(f"{a} and {g}", "sensor_access", "imu_reader.py", f"{head}    return {a}, {g}\n", 4)
+        for a, g in itertools.product(_VECTORS, repeat=2)
+    ]
+
+
+def recorders() -> list[Nothing]:
+    def written(n: str, stamps: str, rows: str, before: str) -> str:
+        return (
+            f"def simulate_and_collect(model, data, duration_seconds=5.0):\n    n = {n}\n    {before}\n"
+            f"    return {{'time': {stamps}, 'acceleration': {rows}, 'angular_velocity': {rows}}}\n"
+        )
+
+    parts = [
+        *itertools.product(_LENGTHS, _STAMPS, _ROWS, ("pass",)),
+        *itertools.product(_LENGTHS, _STAMPS[1:2], _ROWS, (_SIMULATED,)),
+    ]
+    return [
+        Nothing(
+            f"{'steps and ' * (before == _SIMULATED)}{n} of {rows} at {stamps}",
+            "data_collection",
+            "imu_reader.py",
+            written(n, stamps, rows, before),
+            6,
+        )
+        for n, stamps, rows, before in parts
+    ]
+
+
+EVERY = [*filters(), *readers(), *recorders()]
+SAMPLE = [part for every in (filters(), readers(), recorders()) for part in random.Random(42).sample(every, 6)]
 
 
 def name_of(part: Nothing) -> str:

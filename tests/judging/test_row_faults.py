@@ -13,6 +13,7 @@ from grader.labs.imu.checks import row_faults
 from grader.labs.imu.compare import vector
 from grader.labs.imu.diagnosis.collection import (
     ATOL_ACCELERATION,
+    ATOL_RATE,
     CLAIMED_WORLD,
     LAST_SENSOR,
     LEARNT_IDS,
@@ -60,12 +61,21 @@ def test_rows_without_a_story_are_held_against_the_run_that_was_claimed() -> Non
 
 
 def test_rows_are_right_within_the_tolerance_and_on_it() -> None:
-    on_it = _worlds(**{CLAIMED_WORLD: (np.zeros((3, 3)), np.zeros((3, 3)))})
-    rates = np.zeros((3, 3))
-    assert _unexplained(_series(rates + ATOL_ACCELERATION, rates), on_it).got == "3 rows, then nothing"
-    assert _unexplained(_series(rates + 1.01 * ATOL_ACCELERATION, rates), on_it).keeps == 0.5
-    assert _unexplained(_series(rates, rates + 1.01e-1 * ATOL_ACCELERATION), on_it).keeps == 0.5
-    assert _unexplained(_series(rates, rates + 1e-1 * ATOL_ACCELERATION), on_it).got == "3 rows, then nothing"
+    rows = np.array([[0.0], [0.0], [1.0]]) * np.ones(3)  # the first two are equal, and zeros plus a tolerance are exact
+    on_it = _worlds(**{CLAIMED_WORLD: (rows, rows)})
+    within, beyond = rows.copy(), rows.copy()
+    within[0], beyond[0] = ATOL_ACCELERATION, 1.01 * ATOL_ACCELERATION
+    assert _unexplained(_series(within, rows), on_it).got == "3 rows, then nothing"
+    assert _unexplained(_series(beyond, rows), on_it).keeps == 0.5
+    assert _unexplained(_series(rows, beyond / 10 + 0.9 * rows), on_it).keeps == 0.5
+    within[0] = ATOL_RATE
+    assert _unexplained(_series(rows, within), on_it).got == "3 rows, then nothing"
+
+
+def test_one_row_that_is_right_by_chance_does_not_tell_that_a_sensor_is_right() -> None:
+    at_rest = _worlds(**{CLAIMED_WORLD: (_ACCEL, np.zeros_like(_GYRO))})
+    assert _unexplained(_series(_ACCEL + 1, np.zeros_like(_GYRO)), at_rest).keeps == 0
+    assert _unexplained(_series(_ACCEL[:1], np.zeros((1, 3))), at_rest).keeps == 0
 
 
 def test_of_sensors_with_rows_in_other_numbers_those_that_both_have_are_compared() -> None:

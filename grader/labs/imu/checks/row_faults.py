@@ -175,7 +175,11 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     if not (np.isfinite(series.acceleration).all() and np.isfinite(series.angular_velocity).all()):
         raise CheckFailed("finite numbers", "NaN or infinity in the rows", mistakes=["not-finite"])
     in_accel, in_gyro = deviation(series.acceleration, accel), deviation(series.angular_velocity[:n], gyro)
-    right = (in_accel.worst <= diagnosis.ATOL_ACCELERATION, in_gyro.worst <= diagnosis.ATOL_RATE)
+    in_these = slice(n)
+    right = (
+        in_accel.worst <= diagnosis.ATOL_ACCELERATION and diagnosis.moves(accel, diagnosis.ATOL_ACCELERATION, in_these),
+        in_gyro.worst <= diagnosis.ATOL_RATE and diagnosis.moves(gyro, diagnosis.ATOL_RATE, in_these),
+    )
     if all(right):
         broken_off(n, worlds)
     got, true, at, unit = (

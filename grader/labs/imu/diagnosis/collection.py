@@ -182,6 +182,10 @@ class Story:
             return False
         if same(gyro[rows], true_gyro[wanted], ATOL_RATE) == (SENSORS[1] in self.altered):
             return False
+        if self.altered and not moves(
+            *((true_gyro, ATOL_RATE) if SENSORS[0] in self.altered else (true_accel, ATOL_ACCELERATION)), wanted
+        ):
+            return False
         # Where nothing moves in these rows, they would come of any number of steps.
         return self.skip == 1 or not same(true_accel[rows], true_accel[wanted], ATOL_ACCELERATION)
 
@@ -193,6 +197,11 @@ class Story:
     def cost(self) -> int:
         odd = (self.world != TRUE_WORLD, self.lag != 0, self.skip != 1, self.exchanged, self.aliased)
         return sum(odd) + len(odd) * len(self.altered)
+
+
+def moves(true: Array, atol: float, rows: Rows) -> bool:
+    """Return whether a sensor shows motion in these rows: right numbers in one row, or at rest, do not tell which run it is."""
+    return bool(np.ptp(true[rows], axis=0).max() > atol) if len(true[rows]) else False
 
 
 def rows_left(series: Collection, before: Collection | None = None) -> int:
