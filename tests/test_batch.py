@@ -202,5 +202,5 @@ def test_a_submission_that_stopped_two_markers_has_a_verdict_and_stands_on_the_l
         "bob": FinalGrade("bob", result(check("timeout", 0.0), check())),
     }
     assert [line for line in remarks(final_grades, [], []) if "timed out" in line] == [
-        "every check timed out (look at what they do; a mark by hand stays): alice"
+        "every check timed out (review what the code does): alice"
     ]

@@ -93,5 +93,5 @@ def test_a_late_mark_that_the_roster_contradicts_is_told(run: Run) -> None:
     )
     rubric_with(Path("rub.yaml"), ("# late:\n", f"late: {{due: {LOCAL}, tz: Europe/Berlin, per_day: 10%}}\n# late:\n"))
     code, _, err = run("grade", "canvas.zip", "-o", "out", "--rubric", "rub.yaml", "--roster", "roster.csv")
-    told = "marked late by the platform, and in time by the roster and the late policy: doejane_101"
+    told = "late on the platform, but in time by the roster and the late policy: doejane_101"
     assert (code, err.splitlines()[-1]) == (0, f"imugrade: {told}")

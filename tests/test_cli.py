@@ -549,7 +549,7 @@ def test_doctor_tells_each_level_with_its_reason_and_the_one_in_use(run: Run, mo
     told = [" ".join(line.split()) for line in out.splitlines()]
     assert (code, err) == (0, "")
     assert told[:4] == ["Isolation", "✗ full no user namespaces", "✓ landlock works here", "✓ in use landlock"]
-    assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the sandbox can open hold nothing of ours"
+    assert " ".join(told[4:6]) == "✓ hidden the 21,894 files that code in the sandbox can open contain no grader files"
     assert f"imugrade {grader.__version__}" in told
 
 
@@ -560,7 +560,7 @@ def test_doctor_names_a_second_copy_that_a_submission_can_open(run: Run, monkeyp
     found = ("/lib/a/filters.py", "/lib/a/imu_reader.py")
     monkeypatch.setattr("grader.sandbox.one_copy.search", lambda _: Search(9, found))
     told = " ".join(run("doctor")[1].split())
-    assert "✗ hidden code in the sandbox can open 2 files of ours, /lib/a/filters.py first" in told
+    assert "✗ hidden code in the sandbox can open 2 grader files; the first is /lib/a/filters.py" in told
 
 
 def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -568,7 +568,7 @@ def test_doctor_says_what_no_isolation_means(run: Run, monkeypatch: pytest.Monke
         "grader.commands.machine.probe", lambda: [Tried(LEVELS[0], False, "not Linux"), Tried(UNWALLED, True, "")]
     )
     told = " ".join(run("doctor")[1].split())
-    assert "✗ in use no isolation: fine for your own code, `grade` asks for --trust-submissions" in told
+    assert "✗ in use no isolation: fine for your own code; `grade` needs --trust-submissions" in told
 
 
 def test_doctor_records_from_a_throw_away_secret_and_keeps_nothing(
@@ -597,7 +597,7 @@ def test_doctor_says_where_there_is_no_reference(run: Run, monkeypatch: pytest.M
     monkeypatch.setattr("grader.commands.machine.probe", lambda: [Tried(UNWALLED, True, "")])
     monkeypatch.setattr(recording, "_SOURCES", tmp_path)
     told = " ".join(run("doctor")[1].split())
-    assert told.endswith("reference not installed: the public traces only, no --seed")
+    assert told.endswith("reference not installed: only public traces, no --seed")
 
 
 def test_traces_list_names_every_scenario_with_its_arrays(run: Run) -> None:

@@ -75,7 +75,7 @@ def test_late_without_a_time_takes_nothing_off_and_is_told() -> None:
     one = FinalGrade("jane", result(), hand_in)
     assert (one.deduction, one.final) == (0.0, 20.0)
     assert list(remarks({"jane": one}, (), ())) == [
-        "late, but no time says how late (give a `submitted` column in the roster): jane"
+        "late, but without a time (add a column `submitted` to the roster): jane"
     ]
 
 
@@ -351,15 +351,15 @@ def test_what_a_late_policy_cannot_be_held_against_is_told() -> None:
     granted = replace(POLICY, extensions={"jane doe": DUE, "JOE@uni.edu": DUE, "b": DUE, "jim": DUE})
     assert list(of_policy(now, None)) == []
     assert list(of_policy(now, granted)) == [
-        "the late policy takes nothing off 1 of 2 hand-ins: nothing tells when they came (give a `submitted` column in the roster)",
-        "with an extension in the rubric, and nobody's name who handed in: jim",
+        "the late policy deducts nothing from 1 of 2 hand-ins: their time is unknown (add a column `submitted` to the roster)",
+        "with an extension in the rubric, but no submission has this name: jim",
     ]
     assert list(of_policy({"a": now["a"]}, POLICY)) == []
 
 
 def test_who_is_on_record_alone_is_told() -> None:
     now = {id_: FinalGrade(id_, result()) for id_ in "abcdefgh"}
-    told = "on record and in the gradebook, and not among what was handed in now: "
+    told = "on record and in the gradebook, but not in this download: "
     assert list(gone(now, "abcdefgh")) == []
     assert list(gone(now, "abcdefg")) == [f"{told}h"]
     assert list(gone(now, "abcd")) == [f"{told}e; f; g; h"]

@@ -1,20 +1,25 @@
-"""`imugrade doctor`: the isolation levels of this machine, and the versions in use."""
+"""Findings of `imugrade doctor`: isolation levels, versions, traces, packages that a class imports."""
 
 from __future__ import annotations
 
 import importlib.metadata
 import platform
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
+from grader.course import missing_packages
+from grader.engine.reading import Reader
 from grader.engine.recording import rehearse
 from grader.labs.imu.lab import LAB
+from grader.platforms.classes import read_class
 from grader.sandbox import one_copy
 from grader.sandbox.isolation_levels import IsolationLevel
 from grader.sandbox.level_choice import probe
 
-_UNWALLED = "no isolation: fine for your own code, `grade` asks for --trust-submissions"
+_UNWALLED = "no isolation: fine for your own code; `grade` needs --trust-submissions"
 _PACKAGES = ("mujoco", "numpy", "scipy", "matplotlib", "pytest")
 
 
@@ -28,8 +33,19 @@ class Finding:
 
 
 def examine() -> list[tuple[str, list[Finding]]]:
-    """Return all findings under their headings. Isolation and recordings are tried out, not looked up."""
+    """Return all findings under their headings. Isolation levels and recordings are tried out."""
     return [("Isolation", _isolation()), ("Versions", _versions()), ("Traces", [_reference()])]
+
+
+def packages_of(paths: Sequence[Path]) -> list[Finding]:
+    """Return which packages these submissions import that student code cannot import here. No code is run."""
+    there, missing = missing_packages.available(), {}
+    with Reader() as reader:
+        for entry, submission in reader.each(read_class(paths, LAB.files).entries):
+            missing[entry.id] = missing_packages.imported(submission) - there
+    told = missing_packages.lines(missing)
+    none = f"{len(missing)} submissions import no known package that is missing here"
+    return [Finding("missing", False, line) for line in told] or [Finding("missing", True, none)]
 
 
 def _isolation() -> list[Finding]:
@@ -50,13 +66,15 @@ def _one_copy(isolation_level: IsolationLevel) -> Finding:
     try:
         search = one_copy.search(isolation_level)
     except GraderError as error:
-        return Finding("hidden", False, f"could not be looked at from inside: {error}")
+        return Finding("hidden", False, f"could not be checked from inside the sandbox: {error}")
     if not search.found:
         return Finding(
-            "hidden", True, f"the {search.opened:,} files that code in the sandbox can open hold nothing of ours"
+            "hidden", True, f"the {search.opened:,} files that code in the sandbox can open contain no grader files"
         )
     return Finding(
-        "hidden", False, f"code in the sandbox can open {len(search.found)} files of ours, {search.found[0]} first"
+        "hidden",
+        False,
+        f"code in the sandbox can open {len(search.found)} grader files; the first is {search.found[0]}",
     )
 
 
@@ -80,5 +98,5 @@ def _reference() -> Finding:
     except (GraderError, RequestError, OSError) as problem:
         return Finding("reference", False, str(problem))
     if recorded is None:
-        return Finding("reference", None, "not installed: the public traces only, no --seed")
+        return Finding("reference", None, "not installed: only public traces, no --seed")
     return Finding("reference", True, f"recorded {len(recorded.scenarios)} scenarios from a throw-away secret")

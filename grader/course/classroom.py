@@ -14,7 +14,7 @@ from typing import Protocol
 from grader import __version__
 from grader.base.errors import GraderError, RequestError
 from grader.base.text import printable
-from grader.course import class_settings, cluster, repairs
+from grader.course import class_settings, cluster, missing_packages, repairs
 from grader.course.class_settings import Change, ClassSettings
 from grader.course.database import FILE_NAME
 from grader.course.pool import Bounds, Marking, OpenMarker, Stopped, Unmarked, mark_all
@@ -243,8 +243,19 @@ def counted(order: Order, found: Class) -> str:
     with Reader() as reader:
         if (order.out / FILE_NAME).is_file():
             with Store.existing(order.out) as store:
-                kept = [not order.force and store.has(_key(each, order)) for _, each in reader.each(found.entries)]
+                again = installed_since(store)
+                kept = [
+                    not order.force and each.id not in again and store.has(_key(each, order))
+                    for _, each in reader.each(found.entries)
+                ]
     return f"{len(found.entries) - sum(kept)} would be graded · {sum(kept)} on record"
+
+
+def installed_since(store: Store) -> set[str]:
+    """Return the ids whose code failed to import a package that student code can import now."""
+    failed = {id_: missing_packages.failed(each.result) for id_, each in store.final_grades().items()}
+    there = missing_packages.available() if any(failed.values()) else set()
+    return {id_ for id_, names in failed.items() if names & there}
 
 
 def _key(submission: Submission, order: Order) -> Key:
@@ -330,6 +341,7 @@ class _Run:
         self._publisher = publisher
         self._adjustments = store.adjustments()
         self._attempts: dict[Key, _Attempt] = {}
+        self._installed_since = installed_since(store)
         self.lost_repairs: list[str] = []
 
     def renew_repairs(self) -> None:
@@ -391,8 +403,9 @@ class _Run:
             if key in self._attempts:  # handed in twice as it is: the first time counts
                 continue
             self._attempts[key] = _Attempt(entry.hand_in)
-            known = None if self._order.force else self._store.recall(key)
-            if known is None and not self._order.force:
+            again = self._order.force or submission.id in self._installed_since
+            known = None if again else self._store.recall(key)
+            if known is None and not again:
                 known = self._store.remark(key, self._order.rubric)
                 self._outcome.remarked += known is not None
             if known is None:

@@ -1,4 +1,4 @@
-"""Warnings after a run, a line each: what an instructor should review. No score depends on them."""
+"""Warnings after a run, one line each: what an instructor should review. No score depends on them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from grader.base.text import printable
+from grader.course import missing_packages
 from grader.engine.results import AUTOMATIC, Result
 from grader.engine.rubric import LatePolicy
 from grader.people.final_grade import Adjustment, FinalGrade, summed, under, worth
@@ -17,7 +18,7 @@ _A_FEW = 5  # names
 
 
 def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unknown: Sequence[str]) -> Iterator[str]:
-    """Lines about equal and empty hand-ins, lateness without a time, and the roster."""
+    """Yield lines about equal and empty submissions, missing packages, lateness without a time, and the roster."""
     for ids in equal(final_grades.values()):
         yield from _lines("the same files were handed in by", ids)
     nothing = [s.id for s in final_grades.values() if s.result.status in ("empty", "unreadable")]
@@ -25,30 +26,31 @@ def remarks(final_grades: Mapping[str, FinalGrade], absent: Sequence[str], unkno
     odd = [s.id for s in final_grades.values() if not_understood(s.result)]
     yield from _lines("an answer that the grader could not read (review what the code returns)", odd)
     stopped = [s.id for s in final_grades.values() if timed_out(s.result)]
-    yield from _lines("every check timed out (look at what they do; a mark by hand stays)", stopped)
+    yield from _lines("every check timed out (review what the code does)", stopped)
+    yield from missing_packages.lines({s.id: missing_packages.failed(s.result) for s in final_grades.values()})
     applied = [s.id for s in final_grades.values() if any(repair.author == AUTOMATIC for repair in s.result.repairs)]
     yield from _lines("repaired automatically (review the change)", applied)
     untimed = [s.id for s in final_grades.values() if s.late and s.late.due and s.late.seconds is None]
-    yield from _lines("late, but no time says how late (give a `submitted` column in the roster)", untimed)
+    yield from _lines("late, but without a time (add a column `submitted` to the roster)", untimed)
     yield from _lines("in the roster, no submission", absent)
-    yield from _lines("not in the roster, or not to be told apart there", unknown)
+    yield from _lines("not in the roster, or matched by several people there", unknown)
 
 
 def of_policy(final_grades: Mapping[str, FinalGrade], policy: LatePolicy | None) -> Iterator[str]:
-    """Lines about what a late policy cannot be held against."""
+    """Yield lines about submissions and names to which a late policy cannot be applied."""
     if policy is None:
         return
     untimed = [each.id for each in final_grades.values() if not each.hand_in.submitted and each.late is None]
     if untimed:
         many = f"{len(untimed)} of {len(final_grades)} hand-ins"
-        yield f"the late policy takes nothing off {many}: nothing tells when they came (give a `submitted` column in the roster)"
+        yield f"the late policy deducts nothing from {many}: their time is unknown (add a column `submitted` to the roster)"
     in_time = [each.id for each in final_grades.values() if each.hand_in.marked_late and each.late is None]
-    yield from _lines("marked late by the platform, and in time by the roster and the late policy", in_time)
+    yield from _lines("late on the platform, but in time by the roster and the late policy", in_time)
     people = [person for each in final_grades.values() for person in each.hand_in.people]
     known = {text.casefold() for person in people for text in person.called}
     known |= {id_.casefold() for id_ in final_grades}
     yield from _lines(
-        "with an extension in the rubric, and nobody's name who handed in",
+        "with an extension in the rubric, but no submission has this name",
         [who for who in policy.extensions if who.casefold() not in known],
     )
 
@@ -61,11 +63,11 @@ def gone(final_grades: Mapping[str, FinalGrade], found: Collection[str]) -> Iter
     left = [printable(id_, 80) for id_ in final_grades if id_ not in found]
     if left and 2 * len(left) <= len(final_grades):
         more = f"; and {len(left) - _A_FEW} more" if len(left) > _A_FEW else ""
-        yield f"on record and in the gradebook, and not among what was handed in now: {'; '.join(left[:_A_FEW])}{more}"
+        yield f"on record and in the gradebook, but not in this download: {'; '.join(left[:_A_FEW])}{more}"
 
 
 def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
-    """Lines about points by hand whose automatic marks have moved since: they stand in the way of those until somebody decides."""
+    """Yield lines about overrides whose automatic points have changed since: the override counts until somebody decides."""
     lines = [
         _outdated(final_grade, adjustment)
         for final_grade in final_grades.values()
@@ -73,7 +75,7 @@ def outdated(final_grades: Mapping[str, FinalGrade]) -> Iterator[str]:
     ]
     yield from lines[:OUTDATED]
     if len(lines) > OUTDATED:
-        yield f"and {len(lines) - OUTDATED} more adjustments of marks that have moved since; the class page lists whose"
+        yield f"and {len(lines) - OUTDATED} more overrides whose automatic points have changed; the class page lists them"
 
 
 def timed_out(result: Result) -> bool:

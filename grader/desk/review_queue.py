@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from grader.base.text import printable
+from grader.course import missing_packages
 from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick, about, why_empty
 from grader.course.warnings import equal, not_understood
@@ -20,6 +21,7 @@ from grader.report.causes import stops
 
 KINDS = {
     "does-not-run": "Does not run",
+    "missing-package": "Package not installed",
     "repaired": "Repaired automatically",
     "request": "Regrade request",
     "not-judged": "Grader failed",
@@ -176,6 +178,10 @@ def _near_a_boundary(final_grade: FinalGrade, result: Result) -> Iterator[Reason
 def _of_several(
     final_grades: Mapping[str, FinalGrade], groups: Sequence[SimilarityGroup]
 ) -> Iterator[tuple[tuple[str, ...], Reason]]:
+    failed = {id_: missing_packages.failed(each.result) for id_, each in final_grades.items()}
+    if said := missing_packages.lines(failed):
+        ids = tuple(id_ for id_, names in failed.items() if names)
+        yield ids, Reason("missing-package", f"{'. '.join(said)}.", ids)
     same = [tuple(ids) for ids in equal(final_grades.values())]
     for ids in same:
         yield ids, Reason("same-files", f"{len(ids)} submissions contain the same files.", ids)
