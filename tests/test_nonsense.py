@@ -88,8 +88,27 @@ def recorders() -> list[Nothing]:
     ]
 
 
-EVERY = [*filters(), *readers(), *recorders()]
-SAMPLE = [part for every in (filters(), readers(), recorders()) for part in random.Random(42).sample(every, 6)]
+_CURVES = (
+    "np.zeros(300)", "np.arange(300.0)", "np.random.normal(0, 1, 300)", "np.sin(np.arange(300) / 9)", "np.full(300, -9.81)",
+    "imu_data['time'] * 0", "imu_data['time']", "imu_data['time'] ** 2", "np.ones(2)", "np.cumsum(np.random.normal(0, 1, 300))",
+    "np.random.normal(0, 1, len(imu_data['time']))", "np.sin(9 * imu_data['time'])",
+)  # fmt: skip
+_AGAINST = ("", "np.linspace(0, 1, 300), ")
+
+
+def plots() -> list[Nothing]:
+    ways = [*itertools.product(_CURVES, (1, 3, 6), _AGAINST[:1]), *itertools.product(_CURVES[1:4], (3,), _AGAINST[1:])]
+    return [
+        nothing._plot(
+            f"{x}{y}, {k} times",
+            f"[a.plot({x}{y}, label='XYZ'[i % 3]) for a in axes for i in range({k})]; [a.legend() for a in axes]",
+        )
+        for y, k, x in ways
+    ]
+
+
+EVERY = [*filters(), *readers(), *recorders(), *plots()]
+SAMPLE = [part for every in (filters(), readers(), recorders(), plots()) for part in random.Random(42).sample(every, 6)]
 
 
 def name_of(part: Nothing) -> str:

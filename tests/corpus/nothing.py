@@ -112,4 +112,5 @@ NOTHING: tuple[Nothing, ...] = (
     _collector("random", "accelerations, angular_velocities = np.random.normal(0, 1, (n, 3)), np.random.normal(0, 1, (n, 3))"),
     _plot("axes", "pass"),
     _plot("zeros", "[a.plot(imu_data['time'], 0 * imu_data['acceleration'][:, i], label='XYZ'[i]) for a in axes for i in range(3)]"),
+    _plot("noise", "[a.plot(np.random.normal(0, 1, 300), label='XYZ'[i]) for a in axes for i in range(3)]; [a.legend() for a in axes]"),
 )  # fmt: skip

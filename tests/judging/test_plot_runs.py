@@ -314,6 +314,53 @@ def test_a_curve_that_is_of_no_channel_is_strange_and_can_be_seen() -> None:
     assert plot_runs.plot_of(Limited(drawing, Drawing(())), truth()).strange
 
 
+_CHANCE = np.random.default_rng(3)
+
+
+class Making(Plotted):
+    """One whose plot makes its curves of what it is given."""
+
+    def __init__(self, make: Any) -> None:
+        super().__init__(Drawing(()))
+        self._make = make
+
+    def plot(self, *, data: Mapping[str, Array], **_: Any) -> Drawing:
+        sheet = Sheet()
+        curve = sheet.panels[0].curves[0]
+        x, y = self._make(data["time"], data["acceleration"])
+        return Drawing((replace(sheet.figure, axes=(replace(sheet.panels[0], curves=(replace(curve, x=x, y=y),)),)),))
+
+
+@pytest.mark.parametrize(
+    ("made_of_data", "make"),
+    [
+        (True, lambda t, a: (t, np.linalg.norm(a, axis=1))),
+        (True, lambda t, a: (t, np.cumsum(a[:, 0]))),
+        (True, lambda t, a: (t, np.convolve(a[:, 2], np.full(30, 1 / 30), "same"))),
+        (True, lambda t, a: (np.arange(599), np.diff(a[:, 1]))),
+        (True, lambda t, a: (t, a[:, 0] + 0.3 * np.std(a[:, 0]) * _CHANCE.normal(size=len(t)))),
+        (True, lambda t, a: (np.arange(2000) / 500, -3 * _of_a_run_of_its_own())),
+        (False, lambda t, a: (t, _CHANCE.normal(size=len(t)))),
+        (False, lambda t, a: (t, np.cumsum(_CHANCE.normal(size=len(t))))),
+        (False, lambda t, a: (np.arange(300), np.sin(np.arange(300) / 9))),
+        (False, lambda t, a: (t, t**2)),
+        (False, lambda t, a: (t, np.full(len(t), len(a)) + t)),
+    ],
+)
+def test_a_plot_of_other_numbers_is_judged_if_they_are_made_of_the_data(made_of_data: bool, make: Any) -> None:
+    student = Making(make)
+    if made_of_data:
+        assert plot_runs.plot_of(student, truth()).strange
+    else:
+        with pytest.raises(Skipped, match="no curve changes when the data changes"):
+            plot_runs.plot_of(student, truth())
+
+
+def _of_a_run_of_its_own() -> Array:
+    run = truth()["push"]
+    return np.interp(np.arange(2000) / 500, run["time"], run["acceleration"][:, 0], right=0.0)
+
+
 # ---- panels and words ----
 
 

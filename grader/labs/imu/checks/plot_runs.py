@@ -23,6 +23,12 @@ SENSOR_WORDS = ("acceleration", "angular velocity")
 _ENOUGH = 0.5
 """Of a channel's time. A plot may leave out how a recording begins; one that shows less than half is a detail of a plot."""
 
+_OF_RUN = 0.9999
+"""Correlation of a curve with a channel that it shows in any unit; a smooth function of time has less with a swaying robot."""
+
+_MADE_OF = 0.7
+"""Correlation with rows in no order: 50 points that are not made of them reach it once in 10 million channels."""
+
 
 @dataclass(frozen=True)
 class Plot:
@@ -160,9 +166,62 @@ def plot_of(student: Student, truth: Traces) -> Plot:
     """The figure that shows most; Skipped where none has a curve that a reader sees."""
     plot = drawn_plot(student, truth)
     outside = cut_off(student, truth, plot)
-    if not plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()} and not plot.strange:
+    if plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()}:
+        return plot
+    if not plot.strange:
         raise Skipped("a figure with visible curves")
+    if not plot.drawn and not student.once("follows data", lambda: _follows_data(student, truth, plot)):
+        raise Skipped("a figure of the data: no curve changes when the data changes")
     return plot
+
+
+def _follows_data(student: Student, truth: Traces, plot: Plot) -> bool:
+    """Return whether a curve that shows no channel is made of the data: of what the plot is given, or of a run of its own.
+
+    The plot is asked twice more, with stamps that stay: with numbers that are nearly the same, and with the rows in another order.
+    A curve made of the data stays with the first and changes with the second, or is like a channel of the second: numbers in no
+    order are like nothing else.
+    """
+    series = series_of(truth)
+    order = np.random.default_rng(0).permutation(len(series["time"]))
+    nearly = {"time": series["time"]} | {key: series[key] * (1 + 1e-9) for key in SENSORS}
+    mixed = {"time": series["time"]} | {key: series[key][order] for key in SENSORS}
+    again, other = (_curves_of(student, truth, each) for each in (nearly, mixed))
+    curves = zip(_curves(plot), again, other, strict=False)
+    return (
+        any(_is_alike(one, two) and not _is_alike(one, three) for one, two, three in curves)
+        or any(_likeness(curve, mixed) >= _MADE_OF for curve in other)
+        or any(_likeness(curve, series_of(truth, "push")) >= _OF_RUN for curve in plot.strange)
+    )
+
+
+def _curves(plot: Plot) -> list[Curve]:
+    return [curve for axes in plot.figure.visible_axes for curve in axes.curves]
+
+
+def _curves_of(student: Student, truth: Traces, series: dict[str, Array]) -> list[Curve]:
+    own = _own_recording(student, truth)
+    drawing = student.plot(data=_data(own, series), sheet=series, ids=torso_ids(truth))
+    best = best_of([Plot(figure, plots.panels(figure, series)) for figure in drawing.figures])
+    return [] if best is None else _curves(best)
+
+
+def _is_alike(curve: Curve, other: Curve) -> bool:
+    """Return whether two curves agree to a thousandth of their height."""
+    if curve.y.shape != other.y.shape:
+        return False
+    return bool(np.abs(curve.y - other.y).max(initial=0.0) <= 1e-3 * np.ptp(curve.y))
+
+
+def _likeness(curve: Curve, series: dict[str, Array]) -> float:
+    """Return the largest correlation of a curve against seconds with a channel, without its sign; 0 for less than half a run."""
+    time = series["time"]
+    within = (curve.x >= time[0]) & (curve.x <= time[-1]) & np.isfinite(curve.y)
+    x, y = curve.x[within], curve.y[within]
+    if len(x) < plots.FEWEST_POINTS or np.ptp(x) < _ENOUGH * np.ptp(time) or not np.ptp(y):
+        return 0.0
+    channels = np.stack([np.interp(x, time, series[key][:, axis]) for key in SENSORS for axis in range(3)])
+    return float(np.abs(np.corrcoef(y, channels)[0, 1:]).max())
 
 
 def drawn_plot(student: Student, truth: Traces) -> Plot:
