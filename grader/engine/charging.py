@@ -130,7 +130,8 @@ class Part(Generic[Facts]):
                 continue
             at[reason.told] = place
             before = charges.get(place, Charge(place, 1.0))
-            charges[place] = before.plus(reason.told, deducts[place], off[name])
+            seen = off[name] if name in self.others else off.get(place, off[name])
+            charges[place] = before.plus(reason.told, deducts[place] * seen.affected, seen)
             taken |= dict.fromkeys(map(self._full, {*row.takes, *reason.takes}), place)
         charges |= {name: Charge(name, 0.0, see=self._title(place)) for name, place in taken.items()}
         for name in [name for name in off if name in self.checks and name not in charges]:

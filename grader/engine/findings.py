@@ -104,6 +104,7 @@ class Deviation:
     ----------
     numbers : what the templates of rows may name
     share : of the check's points, lost where no fault explains it
+    affected : how much of the property is off, such as one of two sensors; what a fault deducts is multiplied by it
     size : what is said of a hidden scenario
     fault : the exception that it came of
     """
@@ -112,6 +113,7 @@ class Deviation:
     share: float = 1.0
     size: Size | None = None
     fault: Fault | None = None
+    affected: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ class Charge:
     @classmethod
     def of(cls, check: str, deviation: Deviation) -> Charge:
         """What no fault explains, charged to the check that measures it."""
-        return cls(check, 1.0 - deviation.share, ((check, deviation),))
+        return cls(check, 1.0 - deviation.share * deviation.affected, ((check, deviation),))
 
 
 class Charged(AssertionError):  # noqa: N818 - an outcome

@@ -15,11 +15,11 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.engine.findings import CheckFailed, Skipped
+from grader.engine.findings import Charged, Skipped
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from grader.labs.imu.answers import NoiseRun
-from grader.labs.imu.checks import check_noise_model as checks
+from grader.labs.imu.noise_model import checks
 from grader.labs.imu.student import Student
 
 Array = NDArray[np.float64]
@@ -125,7 +125,7 @@ def losses(law: Law, runs: int, seed: int = 1) -> dict[str, int]:
         for name, check in CHECKS.items():
             try:
                 check(model, truth)
-            except (CheckFailed, Skipped):
+            except (Charged, Skipped):
                 lost[name] += 1
     return lost
 

@@ -20,7 +20,9 @@ import mujoco
 import numpy as np
 import yaml
 
-from grader.engine.findings import CheckFailed, Missing, Ours, Raised, Size, Skipped
+from grader.engine import feedback
+from grader.engine.faults import rows
+from grader.engine.findings import Charged, CheckFailed, Missing, Ours, Raised, Size, Skipped
 from grader.engine.load_report import Loaded
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
@@ -124,20 +126,33 @@ def finding(case: Case) -> BaseException | None:
         warnings.simplefilter("ignore")
         try:
             case.check(case.student(), truth())
-        except (CheckFailed, Skipped, Raised, Missing) as found:
+        except (Charged, CheckFailed, Skipped, Raised, Missing) as found:
             return found
     return None
 
 
 def marked(found: BaseException | None) -> Marked:
-    """A finding as a case has it."""
+    """A finding as a case has it; what another check is charged is not charged again, or not reached."""
+    if isinstance(found, Charged):
+        told = feedback.told(found, None, rows(LAB))
+        return (
+            (round(told.keeps, 4), list(told.mistakes)) if told.outcome in ("partial", "failed") else _elsewhere(found)
+        )
     if isinstance(found, CheckFailed):
         return round(found.keeps, 4), list(found.mistakes)
     return None if found is None else type(found).__name__.lower()
 
 
+def _elsewhere(found: Charged) -> Marked:
+    return "skipped" if found.charge.keeps == 0 else None
+
+
 def words(found: BaseException | None) -> dict[str, str]:
     """What a student is told."""
+    if isinstance(found, Charged):
+        said = feedback.told(found, None, rows(LAB))
+        texts = {"expected": said.expected, "got": said.got, "hint": said.hint, "said": said.said}
+        return {key: text for key, text in texts.items() if text}
     if isinstance(found, CheckFailed):
         assert found.off is None or isinstance(found.off, Size)  # a bare sentence reads the same here
         told = {

@@ -5,17 +5,19 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
-from grader.engine.findings import CheckFailed
-from grader.labs.imu.checks import check_noise_model as checks
-from grader.labs.imu.checks import noise_runs as runs
-from grader.labs.imu.checks import noise_sizes
-from tests.judging.made import Case, Made, finding, is_as_marked, truth
+from grader.engine.findings import Charged
+from grader.labs.imu.diagnosis.noise import Facts as Reads
+from grader.labs.imu.noise_model import checks, explain
+from grader.labs.imu.noise_model import measure as runs
+from grader.labs.imu.noise_model.measure import Facts
+from tests.judging.made import Case, Made, finding, is_as_marked, marked, truth, words
+from tests.test_nonsense import kept
 
 SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE = (
     checks.check_noise_size,
@@ -498,8 +500,8 @@ CASES = [
             ("a bias drawn on every read", Redrawn, None),
             ("a drift", Drifting, None),
             ("rounded", ROUNDED, None),
-            ("jumps beside it, which are the law's", Jumping, (0.5, [])),
-            ("many jumps beside it, which are the law's", JUMPING_OFTEN, (0.5, [])),
+            ("jumps beside it, which are the law's", Jumping, None),
+            ("many jumps beside it, which are the law's", JUMPING_OFTEN, None),
             ("jumps beside twice as much", _larger(Jumping), (0.0, [])),
             ("a density", of(noise=lambda s, i: Sound.noise(s, i) / 0.002**0.5), (0.0, ["noise-density"])),
             ("no numbers", NAN, (0.0, ["not-finite"])),
@@ -508,15 +510,15 @@ CASES = [
             ("too much on one axis", _on_one_axis(1.12), (0.0, [])),
             ("too much on one axis of the gyroscope", _on_one_axis(1.12, 1), (0.5, [])),
             ("a fifth too much of the gyroscope", _scaled(1.2, 1), (0.5, [])),
-            ("the scale of a Laplace law", LAPLACE, (0.0, [])),
+            ("the scale of a Laplace law", LAPLACE, None),
             (
                 "a Laplace law of a fixed size",
                 of(noise=lambda s, i: s.rng.laplace(0, (0.1, 0.01)[i], 3)),
                 (0.0, ["std-ignored"]),
             ),
             ("an exponential law", of(noise=lambda s, i: s.rng.exponential(s.stds[i], 3)), None),
-            ("absolute values, twice", _larger(POSITIVE), (0.0, [])),
-            ("uniform, twice", _larger(UNIFORM), (0.0, [])),
+            ("absolute values, twice", _larger(POSITIVE), None),
+            ("uniform, twice", _larger(UNIFORM), None),
             ("cut off, twice", _larger(CUT), (0.0, [])),
             ("one that adds up, twice", _larger(Walking), (0.0, [])),
             ("one that remembers, twice, which is its law's", _larger(Remembering), None),
@@ -562,7 +564,7 @@ CASES = [
             ),
             ("none, and raises with a bias", both(SILENT, bias=_of_numbers), (0.0, ["no-noise"])),
             ("the other sensor first, which is the bias's", of(read=_swapped), None),
-            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.5, ["stds-swapped"])),
+            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), None),
         ],
         GIVEN: [
             ("sound", Sound, None),
@@ -622,7 +624,7 @@ CASES = [
             ("on other axes", of(bias=_rolled), (0.0, ["bias-axes-exchanged"])),
             ("crossed", of(one=_crossed), (0.0, ["biases-exchanged"])),
             ("one sensor twice, without noise", both(SILENT, read=lambda s: (Sound.read(s)[1],) * 2), (0.5, [])),
-            ("crossed, as the noise is", both(SWAPPED_STDS, one=_crossed), (0.0, ["biases-exchanged"])),
+            ("crossed, as the noise is", both(SWAPPED_STDS, one=_crossed), None),
             ("the other sensor first", of(read=_swapped), (0.0, ["swapped-sensors"])),
             ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, [])),
             ("stale", Stale, None),
@@ -639,12 +641,12 @@ CASES = [
             ("sound", Sound, None),
             ("below zero", of(bias=_below_zero), None),
             ("none", of(bias=_none), (0.5, ["bias-not-random"])),
-            ("none, whatever is given", of(bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
+            ("none, whatever is given", of(bias=lambda *_: np.zeros(3)), (0.0, [])),
             ("none of one sensor", of(bias=_only_for(0)), (0.5, ["bias-not-random"])),
             ("always the same", of(bias=_fixed), (0.5, ["bias-not-random"])),
             ("one number for all axes", of(bias=_one_number), (0.5, ["bias-shared"])),
             ("one for both sensors", SharedBias, (0.5, ["bias-shared"])),
-            ("drawn on every read", Redrawn, (0.0, ["bias-redrawn"])),
+            ("drawn on every read", Redrawn, None),
             ("a drift", Drifting, (0.0, ["bias-drifts"])),
             ("beside jumps", JUMPING_OFTEN, None),
             ("as large as the noise", of(bias=lambda s, i, _z, g: Sound.bias(s, i, s.stds[i], g)), None),
@@ -661,13 +663,13 @@ CASES = [
             ("raises without one", of(bias=_raises_without), "raised"),
             ("raises with one, which is another check's", of(bias=_of_numbers), None),
             ("of six numbers", of(read=lambda s: np.concatenate(Sound.read(s))), None),
-            ("of a seed in every read", SeedInRead, (0.5, ["reseeded"])),
+            ("of a seed in every read", SeedInRead, None),
             ("a constant beside the clean reading", of(one=lambda s, i: s.clean(i) + 0.1), (0.5, ["bias-not-random"])),
             ("of no seed", unseeded(), None),
             ("of the last instance", OneBiasOfTheClass, (0.5, ["bias-shared"])),
             ("in the first read alone", FirstOnly, (0.0, ["bias-drifts"])),
             ("one for both sensors, taken off the other", both(SharedBias, one=_less_of_gyro), (0.5, ["bias-shared"])),
-            ("none, and no noise", both(SILENT, bias=lambda *_: np.zeros(3)), (0.0, ["no-bias"])),
+            ("none, and no noise", both(SILENT, bias=lambda *_: np.zeros(3)), (0.0, [])),
             (
                 "always the same of the gyroscope",
                 of(bias=lambda *a: (_fixed if a[1] else Sound.bias)(*a)),
@@ -692,7 +694,7 @@ CASES = [
             (
                 "its first component on all axes, whatever it is",
                 of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])),
-                (0.5, ["bias-shared"]),
+                None,
             ),
             ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), "skipped"),
         ],
@@ -709,7 +711,7 @@ CASES = [
             ("jumps now and then", Jumping, (0.0, [])),
             ("lost reads now and then", LOST_READS, (0.0, [])),
             ("none", SILENT, "skipped"),
-            ("frozen", Frozen, (0.0, ["frozen-noise"])),
+            ("frozen", Frozen, None),
             ("stale", Stale, (0.0, ["stale-clean-reading"])),
             ("twice too large", _scaled(2.0), None),
             ("a drift", Drifting, None),
@@ -783,7 +785,7 @@ CASES = [
             ("one that remembers", Remembering, None),
             ("a drift", Drifting, None),
             ("none", SILENT, "skipped"),
-            ("frozen", Frozen, (0.0, ["frozen-noise"])),
+            ("frozen", Frozen, None),
             ("none of the gyroscope", ONE_SENSOR_BEYOND, None),
             ("one draw for both sensors", OneDraw, (0.0, [])),
             ("one draw for the first axes of both sensors", both(OneDraw, axes=1), (0.0, [])),
@@ -792,8 +794,8 @@ CASES = [
                 both(Remembering, drawn=_one_for_all_axes),
                 (0.0, ["same-noise-on-axes"]),
             ),
-            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), (0.0, [])),
-            ("jumps on two axes at once, which are the law's", JumpingOnTwoAxes, (0.0, [])),
+            ("one sensor twice", of(read=lambda s: (Sound.read(s)[1],) * 2), None),
+            ("jumps on two axes at once, which are the law's", JumpingOnTwoAxes, None),
             ("the other sensor first", of(read=_swapped), None),
         ],
         ALONE: [
@@ -822,16 +824,13 @@ def test_a_made_up_noisy_imu_is_marked_fairly(case: Case) -> None:
 
 
 @pytest.mark.quick
-def test_noise_that_is_off_is_told_by_one_number_and_by_each_axis_where_the_number_hides_it() -> None:
-    steps = np.arange(3.0)[None, :, None] - 1  # whose root mean square is 0.816
-
-    def words(*sizes: float) -> str:
-        centred = steps * np.array(sizes) / np.sqrt(2 / 3)
-        pooled = float(np.sqrt(np.mean(centred**2)))
-        return noise_sizes.in_words(cast(Any, SimpleNamespace(pooled_spread=pooled, std=1.0, centred=centred)))
-
-    assert words(1.07, 1.07, 1.07) == "1.07"
-    assert words(1.12, 1.0, 1.0) == "1.12 on x and 1 on y and 1 on z"
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [(_scaled(2.0), "0.16 m/s²"), (_on_one_axis(2.0), "0.159 on x and 0.0793 on y"), (SILENT, "the same number")],
+)
+def test_noise_that_is_off_is_told_by_one_number_and_by_each_axis_where_they_differ(kind: type, told: str) -> None:
+    found = finding(Case("", SIZE, lambda: Made(NoisyIMU=kind)))
+    assert words(found)["got"].startswith(told)
 
 
 CHARGED_ONCE = [
@@ -850,18 +849,17 @@ CHARGED_ONCE = [
 def test_one_fault_of_the_noise_is_charged_by_one_check(kind: type, charged: list[Any]) -> None:
     student = Made(NoisyIMU=kind)
     found = {check: finding(Case("", check, lambda: student)) for check in (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)}
-    lost = {check: found for check, found in found.items() if found is not None}
-    ids = {check.check.id for check in lost}
-    assert [check for check, each in lost.items() if not ids.intersection(getattr(each, "belongs_to", ()))] == charged
+    assert [check for check, each in found.items() if isinstance(each, Charged) and not each.charge.see] == charged
 
 
 def _moves(bias: np.ndarray) -> tuple[str, ...]:
-    """The mistakes of a bias (instances, reads, 3) without noise."""
-    try:
-        checks._bias_is_constant(bias, "accel", noisy=False)
-    except CheckFailed as lost:
-        return lost.mistakes
-    return ()
+    """Whether a default bias (instances, reads, 3) without noise moves, and the fault that it shows."""
+    still = Reads(np.zeros((2, 4, 3)), np.ones((2, 3)), 1.0, np.zeros(3))
+    facts = Facts((still, still), (still, still), defaults=(bias, bias))
+    moving = [
+        each for each in explain.REASONS if each.of == explain.DEFAULT and 2 <= each.cost <= 5 and each.fits(facts)
+    ]
+    return tuple(each.told for each in moving[:1]) if explain.moves(facts) else ()
 
 
 @pytest.mark.quick
@@ -885,15 +883,19 @@ def test_a_bias_that_moves_is_told_by_what_the_later_reads_have() -> None:
 
 
 @pytest.mark.quick
-def test_a_bias_that_moves_in_a_few_instances_alone_is_told_by_the_read_that_is_furthest_off() -> None:
-    bias = np.tile(np.arange(12.0).reshape(4, 1, 3), (1, 3, 1))
-    bias[1, 2, 0] += 0.25
-    with pytest.raises(CheckFailed) as lost:
-        checks._bias_is_constant(bias, "accel", noisy=False)
-    assert lost.value.got == "[3.000 4.000 5.000], then [3.250 4.000 5.000] from the same instance"
-    assert (lost.value.mistakes, lost.value.belongs_to) == ((), ("noise_model.white_and_gaussian",))
-    bias[2:, 1] -= 0.1
-    assert _moves(bias) == ("bias-redrawn",)
+def test_no_bias_earns_less_than_a_constant_one_of_the_class_itself() -> None:
+    none, own = (kept(of(bias=bias)) for bias in (lambda *_: np.zeros(3), lambda *_: np.array([0.05, -0.03, 0.08])))
+    assert (sum(none.values()), sum(own.values())) == (13.0, 14.5)
+
+
+@pytest.mark.quick
+def test_noise_that_is_too_large_and_a_bias_that_is_not_used_are_told_as_two() -> None:
+    student = Made(NoisyIMU=both(_scaled(2.0), NOTHING_GIVEN))
+    found = {check: finding(Case("", check, lambda: student)) for check in (SIZE, GIVEN, DEFAULT, WHITE, APART, ALONE)}
+    assert {check: marked(each) for check, each in found.items() if each} == {
+        SIZE: (0.0, []),
+        GIVEN: (0.0, ["bias-argument-ignored"]),
+    }
 
 
 @pytest.mark.quick

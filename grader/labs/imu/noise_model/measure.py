@@ -1,9 +1,10 @@
-"""What the checks of the noise model ask a `NoisyIMU`, each question once, as facts about each sensor."""
+"""Facts about a `NoisyIMU`: reads with and without noise, in two states and of many instances, sensor by sensor."""
 
 from __future__ import annotations
 
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -13,11 +14,10 @@ from grader.engine.submission_session import found_once
 from grader.engine.traces import Traces
 from grader.labs.imu import statistics as st
 from grader.labs.imu.answers import NoiseRun
-from grader.labs.imu.checks.fitting import fits_in
 from grader.labs.imu.compare import Array
 from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
-from grader.labs.imu.diagnosis.noise import Facts
+from grader.labs.imu.diagnosis.noise import Facts as Reads
 from grader.labs.imu.diagnosis.noise_twins import Twins
 from grader.labs.imu.recordings import torso_ids
 from grader.labs.imu.student import Student
@@ -47,16 +47,6 @@ def _sound_form(student: Student, truth: Traces, run: NoiseRun) -> NoiseRun:
         mistake = "wrong-return-type" if run.odd else "not-finite"
         raise Unusable(_FORM, run.odd or "NaN or infinity", mistakes=[mistake])
     return _exchanged(run) if returns_exchanged(student, truth) else run
-
-
-def in_sound_form(student: Student, truth: Traces) -> None:
-    """Charge other parameters, or another form that both vectors could be made out of; all else is judged as it should be."""
-    run = judged(student, truth, "given")
-    if run.odd:
-        raise CheckFailed(_FORM, run.odd, mistakes=["wrong-return-type"], keeps=0.5)
-    with suppress(Raised, Unusable, NoAnswer):  # default_bias charges that
-        default_biases(student, truth)  # what it cannot be run without is found out by then
-    fits_in("NoisyIMU", run.departs)
 
 
 def _is_whole(run: NoiseRun) -> bool:
@@ -127,7 +117,7 @@ def asked(student: Student, truth: Traces, key: str, *, given: bool) -> NoiseRun
 
 
 @found_once
-def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
+def _facts(student: Student, truth: Traces, key: str) -> list[Reads]:
     run, clean = judged(student, truth, key), clean_readings(student, truth)
     if key == "silent":
         return _facts_of(run, truth, clean, (np.zeros(3), np.zeros(3)))
@@ -136,11 +126,11 @@ def _facts(student: Student, truth: Traces, key: str) -> list[Facts]:
 
 def _facts_of(
     run: NoiseRun, truth: Traces, clean: tuple[Array, Array], biases: tuple[Array, Array] | None
-) -> list[Facts]:
+) -> list[Reads]:
     """The facts of both sensors, about these biases, or about the mean where they are not known."""
     residuals = [r - c[:, None, :] for r, c in zip((run.accel, run.gyro), clean, strict=True)]
     about = biases or [r.mean(axis=(0, 1)) for r in residuals]
-    return [Facts(r, c, s, b) for r, c, s, b in zip(residuals, clean, asked_stds(truth), about, strict=True)]
+    return [Reads(r, c, s, b) for r, c, s, b in zip(residuals, clean, asked_stds(truth), about, strict=True)]
 
 
 @found_once
@@ -165,7 +155,7 @@ def clean_readings(student: Student, truth: Traces) -> tuple[Array, Array]:
     return accel, gyro
 
 
-def _keeps_its_offset(facts: Facts) -> bool:
+def _keeps_its_offset(facts: Reads) -> bool:
     return bool(np.ptp(facts.offset, axis=0).max() <= 2 * diagnosis.mean_bound(facts))
 
 
@@ -179,16 +169,8 @@ def _own_readings(student: Student, truth: Traces) -> tuple[Array, Array] | None
     return (readings.accel[0], readings.gyro[0]) if np.isfinite([readings.accel, readings.gyro]).all() else None
 
 
-def given(student: Student, truth: Traces) -> list[Facts]:
+def given(student: Student, truth: Traces) -> list[Reads]:
     return _facts(student, truth, "given")
-
-
-def steady(student: Student, truth: Traces) -> list[Facts]:
-    """The reads as if no bias drifted, which default_bias charges."""
-    sensors, drifting = given(student, truth), which_drift(student, truth)
-    if not any(drifting):
-        return sensors
-    return [laws.steadied(facts, silent) for facts, silent in zip(sensors, without_noise(student, truth), strict=True)]
 
 
 @found_once
@@ -199,11 +181,6 @@ def which_drift(student: Student, truth: Traces) -> list[bool]:
     except (Raised, Unusable):  # default_bias charges it
         return [laws.drifts(facts) for facts in silent]
     return [laws.drifts(f) or (f.still and laws.creeps(b)) for f, b in zip(silent, biases, strict=True)]
-
-
-def without_noise_or_drift(student: Student, truth: Traces) -> list[Facts]:
-    pairs = zip(without_noise(student, truth), which_drift(student, truth), strict=True)
-    return [replace(f, residual=0 * f.residual) if drifts else f for f, drifts in pairs]
 
 
 @found_once
@@ -256,11 +233,11 @@ def reads_the_sensors(student: Student, truth: Traces) -> bool:
     return bool(np.abs(elsewhere - base).max() > diagnosis.TRUTH_ATOL + chance)
 
 
-def given_again(student: Student, truth: Traces) -> list[Facts]:
+def given_again(student: Student, truth: Traces) -> list[Reads]:
     return _facts(student, truth, "again")
 
 
-def without_noise(student: Student, truth: Traces) -> list[Facts]:
+def without_noise(student: Student, truth: Traces) -> list[Reads]:
     return _facts(student, truth, "silent")
 
 
@@ -274,3 +251,130 @@ def default_biases(student: Student, truth: Traces, stds: tuple[float, float] = 
         return default_biases(student, truth, _ALMOST_SILENT, reads)
     run, (accel, gyro) = _sound_form(student, truth, run), clean_readings(student, truth)
     return [run.accel - accel[0], run.gyro - gyro[0]]
+
+
+# ---- everything together
+
+
+ALL = ("noise_size", "given_bias", "default_bias", "white_and_gaussian", "axes_and_sensors_independent")
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known of one noise model; of each pair, the accelerometer's comes first.
+
+    Attributes
+    ----------
+    sensors : many reads in two states, with noise and biases that are given
+    silent : fewer reads, with neither; again : three reads of another instance like the first
+    defaults : (instances, reads, 3) offsets without noise where no bias is given; None where it could not be run
+    drifting : whether the bias moves from read to read; drawn_with_noise : whether a default bias is there with noise alone
+    twins : differences of instances from one seed; None where there was nothing to tell apart
+    follows : whether the readings follow the state; exchanged : each is the other's; one_twice : both are the same numbers
+    disturbance : (4,) largest change of time, qpos, qvel and sensordata in a read
+    timestep : of the robot's model, in seconds
+    odd : in words, the form that both vectors were made out of; departs : parameters that it could not be called with
+    stopped : by check, what kept its property from being measured
+    """
+
+    sensors: tuple[Reads, Reads]
+    silent: tuple[Reads, Reads]
+    again: tuple[Reads, ...] = ()
+    defaults: tuple[Array, Array] | None = None
+    drifting: tuple[bool, bool] = (False, False)
+    drawn_with_noise: tuple[bool, bool] = (False, False)
+    twins: tuple[Twins, ...] = ()
+    follows: bool = True
+    exchanged: bool = False
+    one_twice: bool = False
+    disturbance: Array = field(default_factory=lambda: np.zeros(4))
+    timestep: float = 0.002
+    odd: str = ""
+    departs: tuple[str, ...] = ()
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+    @cached_property
+    def steady(self) -> tuple[Reads, Reads]:
+        """The reads as if no bias drifted."""
+        if not any(self.drifting):
+            return self.sensors
+        accel, gyro = (laws.steadied(reads, silent) for reads, silent in zip(self.sensors, self.silent, strict=True))
+        return accel, gyro
+
+    @cached_property
+    def steady_silent(self) -> tuple[Reads, ...]:
+        pairs = zip(self.silent, self.drifting, strict=True)
+        return tuple(replace(f, residual=0 * f.residual) if drifts else f for f, drifts in pairs)
+
+    @cached_property
+    def still(self) -> bool:
+        """Whether neither sensor's reads differ."""
+        return all(reads.still for reads in self.steady)
+
+    @cached_property
+    def redrawn(self) -> bool:
+        return not any(self.drifting) and diagnosis.bias_is_redrawn(self.sensors, self.silent)
+
+
+def measure(student: Student, truth: Traces) -> Facts:
+    """Ask for reads with and without noise, and for what tells two causes apart only where something is off."""
+    try:
+        run = judged(student, truth, "given")
+        (accel, gyro), silent = given(student, truth), without_noise(student, truth)
+    except (Raised, Unusable) as stop:
+        return _nothing(stop, student, truth)
+    follows = reads_the_sensors(student, truth)
+    stopped: dict[str, Exception] = {}
+    for key in ("given", "silent"):
+        if (fault := asked(student, truth, key, given=True).fault) is not None:
+            stopped.setdefault("given_bias", Raised(fault, "reading the noisy IMU with given biases"))
+    defaults: tuple[Array, Array] | None = None
+    try:
+        own, gyros = default_biases(student, truth)
+        defaults = own, gyros
+    except (Raised, Unusable) as stop:
+        stopped["default_bias"] = stop
+    drifting = which_drift(student, truth)
+    right = all(diagnosis.size_is_right(f) and diagnosis.bias_is_right(f) for f in (accel, gyro)) and not any(drifting)
+    none = [bool(np.abs(b.mean(axis=1)).max() <= diagnosis.TRUTH_ATOL) for b in defaults or ()]
+    return Facts(
+        sensors=(accel, gyro),
+        silent=(silent[0], silent[1]),
+        again=() if right else tuple(given_again(student, truth)),
+        defaults=defaults,
+        drifting=(drifting[0], drifting[1]),
+        drawn_with_noise=_drawn_with_noise(student, truth) if any(none) else (False, False),
+        twins=() if right else tuple(from_one_seed(student, truth) or ()),
+        follows=follows,
+        exchanged=returns_exchanged(student, truth),
+        one_twice=is_one_twice(student, truth),
+        disturbance=run.disturbance.max(axis=0, initial=0.0),
+        timestep=float(truth["push"].scalars["timestep"]),
+        odd=run.odd or "",
+        departs=tuple(judged(student, truth, "given").departs),
+        stopped=stopped,
+    )
+
+
+def _nothing(stop: Exception, student: Student, truth: Traces) -> Facts:
+    """Facts where no whole vectors came: all that can be said is what a read changes."""
+    still = Reads(np.zeros((1, 1, 3)), np.zeros((1, 3)), 1.0, np.zeros(3))
+    stopped: dict[str, Exception] = dict.fromkeys(ALL, stop)
+    disturbance = np.zeros(4)
+    try:
+        disturbance = judged(student, truth, "given").disturbance.max(axis=0, initial=0.0)
+    except (Raised, Unusable) as first:
+        stopped["leaves_simulation_alone"] = first
+    return Facts((still, still), (still, still), disturbance=disturbance, stopped=stopped)
+
+
+def _drawn_with_noise(student: Student, truth: Traces) -> tuple[bool, bool]:
+    """Whether a default bias goes with the noise's size: its mean over many reads then scatters by more than the noise does."""
+    stds = asked_stds(truth)
+    means = [bias.mean(axis=1) for bias in default_biases(student, truth, stds=stds, reads=MANY)]
+    accel, gyro = (
+        float(np.sqrt(np.mean(np.var(mean, axis=0))))
+        > st.spread_bounds(mean.size, mean.shape[1])[1] * std / np.sqrt(MANY)
+        for mean, std in zip(means, stds, strict=True)
+    )
+    return bool(accel), bool(gyro)

@@ -1,0 +1,139 @@
+"""Checks of the noise model: each a threshold on one measured property."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.findings import Deviation, Size
+from grader.labs.imu import statistics as st
+from grader.labs.imu.answers import SENSOR_UNITS
+from grader.labs.imu.compare import Array, vector
+from grader.labs.imu.diagnosis import noise as diagnosis
+from grader.labs.imu.diagnosis import noise_laws as laws
+from grader.labs.imu.diagnosis.noise import Facts as Reads
+from grader.labs.imu.noise_model import explain
+from grader.labs.imu.noise_model.explain import PART
+from grader.labs.imu.noise_model.measure import Facts
+from grader.labs.imu.number_format import told_apart
+
+NAMES = ("accel", "gyro")
+CHANNELS = [f"{name} {axis}" for name in NAMES for axis in "xyz"]
+
+
+@PART.check("noise_model.noise_size", lab_step=5)
+def check_noise_size(facts: Facts) -> Deviation | None:
+    """The noise of each sensor has the standard deviation that was asked for"""
+    wrong = [*explain.BOTH] if not facts.follows else explain.sizes_off(facts)
+    if not wrong:
+        return None
+    reads = facts.steady[wrong[0]]
+    came = _spread(reads, SENSOR_UNITS[wrong[0]])
+    return _of(wrong[0], len(wrong) / 2, {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size})
+
+
+@PART.check("noise_model.given_bias", lab_step=5)
+def check_given_bias(facts: Facts) -> Deviation | None:
+    """A bias that is given is added to every reading, zero included"""
+    both = [*explain.BOTH] if facts.exchanged or facts.one_twice else []
+    missing = both or explain.missing_bias(facts)
+    if not (wrong := missing or explain.bias_beside(facts) or explain.offset_of_zero(facts)):
+        return None
+    reads, silent = facts.sensors[wrong[0]], facts.silent[wrong[0]]
+    gap = np.abs(reads.offset - reads.bias)
+    expected, came = told_apart(reads.bias, reads.offset[int(np.argmax(gap.max(axis=1)))])
+    beside = {"silent": vector(silent.offset[0]), "beside": vector(reads.offset[0] - reads.bias)}
+    size = Size("the average is off", float(gap.max()), SENSOR_UNITS[wrong[0]])
+    affected = 1.0 if both or (not missing and explain.bias_beside(facts)) else len(missing) / 2 or 0.5
+    return _of(wrong[0], affected, {"wanted": expected, "came": came, **beside}, size=size)
+
+
+@PART.check("noise_model.default_bias", lab_step=5)
+def check_default_bias(facts: Facts) -> Deviation | None:
+    """Without a given bias, each instance draws its own, keeps it, and has one for every axis"""
+    wrong = next((which for off in explain.DEFAULTS if (which := off(facts))), None)
+    if wrong is None or facts.defaults is None:
+        return None
+    bias = facts.defaults[wrong[0]]
+    row = int(np.argmax(np.ptp(bias, axis=1).max(axis=1)))
+    read = int(np.argmax(np.abs(bias[row] - bias[row, 0]).max(axis=1)))
+    first, later = told_apart(bias[row, 0], bias[row, read])
+    size = float(np.sqrt(np.mean(bias**2)))
+    numbers = {"first": first, "later": later, "came": vector(bias.mean(axis=1)[1]), "rms": size}
+    return _of(wrong[0], 1.0, numbers, 0.5)
+
+
+@PART.check("noise_model.white_and_gaussian", lab_step=5)
+def check_white_and_gaussian(facts: Facts) -> Deviation | None:
+    """The noise is Gaussian with zero mean, and no read depends on the one before"""
+    centre = explain.off_centre(facts)
+    noisy = explain.noisy_sensors(facts)
+    odd = [i for i in noisy if explain.remembered(facts.steady[i]) or _has_another_law(facts.steady[i])]
+    if not (odd or centre or explain.coarse(facts) or not noisy):
+        return None
+    which = (odd or centre or [0])[0]
+    reads, raw = facts.steady[which], facts.sensors[which]
+    beside = {"beside": vector(raw.offset[-1] - raw.bias), "grain": max(each.grain for each in facts.sensors)}
+    values = {
+        "memory": max(map(explain.remembered, facts.steady)),
+        "most": float(np.abs(reads.centred).max()) / reads.std,
+    }
+    strays = laws.strays(reads)
+    return _of(which, 1.0, {**beside, **values, "ratio": _geary(reads), "far": strays.count if strays else 0})
+
+
+@PART.check("noise_model.axes_and_sensors_independent", lab_step=5)
+def check_axes_and_sensors_independent(facts: Facts) -> Deviation | None:
+    """Each axis of each sensor has noise of its own"""
+    if facts.still:
+        return Deviation({"one": NAMES[0], "other": NAMES[1], "came": 1.0, "reads": 0})
+    values = explain.columns(facts)
+    worst, i, j = explain.most_correlated(values)
+    if worst <= st.correlation_bound(len(values)):
+        return None
+    size = Size("two of the six channels have noise that goes together")
+    return Deviation({"one": CHANNELS[i], "other": CHANNELS[j], "came": worst, "reads": len(values)}, size=size)
+
+
+@PART.check("noise_model.leaves_simulation_alone", lab_step=5)
+def check_leaves_simulation_alone(facts: Facts) -> Deviation | None:
+    """A noisy read changes nothing in the simulator's own data"""
+    names = ("data.time", "data.qpos", "data.qvel", "data.sensordata")
+    off = explain.changed(facts)
+    told = [f"{name} changed by {by:.3g}" for name, by, is_ in zip(names, facts.disturbance, off, strict=True) if is_]
+    return Deviation({"came": "; ".join(told)}) if told else None
+
+
+def _of(
+    which: int, affected: float, numbers: dict[str, object], share: float = 1.0, size: Size | None = None
+) -> Deviation:
+    """A deviation that is told by this sensor."""
+    named = {"sensor": NAMES[which], "unit": SENSOR_UNITS[which], **numbers}
+    return Deviation(named, share, size, affected=affected)
+
+
+def _has_another_law(reads: Reads) -> bool:
+    one_sided = diagnosis.one_signed(reads) or laws.clipped(reads)
+    return one_sided or diagnosis.accumulates(reads) or explain.not_normal(reads)
+
+
+def _geary(reads: Reads) -> float:
+    values = laws.living(reads)
+    return st.geary(values) if values.any() else 0.0
+
+
+def _spread(reads: Reads, unit: str) -> str:
+    """The spread of all axes in words; of each axis where they differ."""
+    axes = np.sqrt(np.mean(reads.centred**2, axis=(0, 1)))
+    if reads.still:
+        return "the same number at every read"
+    if _alike(axes, reads):
+        return f"{reads.pooled_spread:.3g} {unit}"
+    told = " and ".join(f"{spread:.3g} on {axis}" for spread, axis in zip(axes, "xyz", strict=True))
+    return f"{told} ({unit})"
+
+
+def _alike(axes: Array, reads: Reads) -> bool:
+    """Whether the axes' spreads differ by no more than chance lets those of one size differ."""
+    states, count, _ = reads.residual.shape
+    low, high = st.spread_bounds(states * count, states)
+    return bool(axes.max() / axes.min() <= high / low) if axes.min() > 0 else False
