@@ -164,7 +164,7 @@ _PARTLY = [
     Unforeseen("a-fiftieth-is-left", _on_each("ax.set_xlim(t[0], t[0] + 0.02 * np.ptp(t))"), (CURVES,), 6.0, NOT_SEEN),
     Unforeseen("the-first-fifth", _late("top.set_xlim(t[0], t[0] + 0.2 * np.ptp(t))"), (CURVES,), 6.0, NOT_SEEN),
     Unforeseen("the-last-third", _late("bottom.set_xlim(t[0] + 0.67 * np.ptp(t), t[-1])"), (CURVES,), 6.0, NOT_SEEN),
-    Unforeseen("gravity-left-outside", _late("top.set_ylim(100, 101 + imu_data['acceleration'].max())"), (CURVES,), 3.0, NOT_SEEN),
+    Unforeseen("gravity-left-outside", _late("top.set_ylim(100, 101 + imu_data['acceleration'].max())"), (CURVES,), 4.0, NOT_SEEN),
     Unforeseen("one-panel-covered", _late('bottom.axhspan(-1e4, 1e4, color="white", zorder=9)'), (CURVES,), 3.0, NOT_SEEN),
     Unforeseen("one-curve-in-white", _late('top.lines[1].set_color("white")', "top.legend()"), (CURVES,), 1.0, NOT_SEEN),
     Unforeseen("one-curve-see-through", _late("bottom.lines[2].set_alpha(0)"), (CURVES,), 1.0, NOT_SEEN),

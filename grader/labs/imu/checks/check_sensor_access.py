@@ -123,21 +123,19 @@ def _gap(readings: Readings, scene: Scene) -> tuple[Deviation, Array, Array, str
 
 
 def _values_lost(readings: Readings, scene: Scene, mistakes: tuple[str, ...], meant: tuple[Array, Array]) -> None:
-    """Half is kept for a sensor that is as it stands where it is read, which may be the wrong place: that is charged elsewhere.
+    """Charge altered values; half is kept where both sensors are off by less than a real one's noise: rounded, say.
 
-    So it is where both are off by less than a real sensor's noise: rounded to two decimals, say.
+    They are compared with what stands where they are read, which may be the wrong place: that is charged elsewhere.
     """
-    right = [
-        deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= diagnosis.ATOL
-        for got, there in zip((readings.accel, readings.gyro), meant, strict=True)
-    ]
     near = all(
         deviation(got.reshape(-1, 3), there.reshape(-1, 3)).worst <= little
         for got, there, little in zip((readings.accel, readings.gyro), meant, SHEETS_NOISE, strict=True)
     )
-    keeps, finite = 0.5 if any(right) or near else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
+    keeps, finite = 0.5 if near else 0.0, np.isfinite([readings.accel, readings.gyro]).all()
     if readings.oddities and not (finite and readings.whole):  # what is there may be right; the rest is not there
         mistake, off = _of_form(readings), Size("a vector that does not have three numbers")
+        if readings.alone and deviation(readings.accel.reshape(-1, 3), meant[0].reshape(-1, 3)).worst <= diagnosis.ATOL:
+            keeps = 0.5  # returns_two_vectors charges the other one
         raise CheckFailed("three numbers of each sensor", _oddities(readings), mistakes=[mistake], keeps=keeps, off=off)
     if not finite:
         raise CheckFailed("finite numbers", "NaN or infinity in the reading", mistakes=["not-finite"], keeps=keeps)

@@ -28,8 +28,8 @@ _IN_UNIT = Ours(
 _IN_PART = 0.8
 """Of a channel's points at most, where some of its rows are not drawn; of those that show less of it the share that they show."""
 
-_BESIDE_OTHERS = 0.5
-"""Of what the right curves earn, where others stand in the place of those that are missing: whoever reads the plot is misled."""
+_MISLEADS = 0.2
+"""Largest share kept where curves show other numbers or limits leave curves outside: a reader of the picture is misled."""
 
 
 def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
@@ -56,7 +56,7 @@ def some_missing(plot: Plot, cut_off: Mapping[Channel, Sight]) -> NoReturn:
         "six curves, one for each channel of the data",
         "; ".join(got),
         mistakes=list(dict.fromkeys(mistakes)),
-        keeps=_worth(plot, shown) * (_BESIDE_OTHERS if "wrong-data-plotted" in mistakes else 1.0),
+        keeps=min(_worth(plot, shown), _MISLEADS if cut_off or "wrong-data-plotted" in mistakes else 1.0),
         hint=_hint_for(plot, missing),
     )
 

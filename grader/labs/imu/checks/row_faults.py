@@ -117,9 +117,7 @@ def altered(story: Story, worlds: Worlds, series: Collection) -> NoReturn:
         off = Size(f"no readings of this sensor under {key!r}")
         raise CheckFailed("rows of both sensors", gone, keeps=0.5, hint=_BOTH, off=off)
     alone = len(story.altered) == 1
-    keeps, others = (
-        (0.5, "; the other sensor is right") if alone else (0.5 if _is_near(story, worlds, series) else 0.0, "")
-    )
+    keeps, others = 0.5 if _is_near(story, worlds, series) else 0.0, "; the other sensor is right" if alone else ""
     if not np.isfinite(got).all():
         raise CheckFailed("finite numbers", f"NaN or infinity under {key!r}", mistakes=["not-finite"], keeps=keeps)
     gap = deviation(got, true)
@@ -191,7 +189,6 @@ def unexplained(series: Collection, worlds: Worlds) -> NoReturn:
     raise CheckFailed(
         f"{told(true[at.row], got[at.row])} {unit} in row {at.row}",
         f"{told(got[at.row], true[at.row])} (RMS difference over all rows {at.rms:.3g} {unit})",
-        keeps=0.5 if any(right) else 0.0,
         off=Size("the rows differ", at.rms, unit),
         mistakes=nothing,
         hint=""
