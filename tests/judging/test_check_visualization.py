@@ -794,13 +794,27 @@ def test_what_is_in_a_figure_that_is_not_meant_is_not_told() -> None:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(("kind", "belongs"), [("SyntaxError", "filtering.follows_recursion"), ("ValueError", "")])
-def test_a_script_that_stops_is_told_and_one_that_is_no_python_is_charged_where_its_names_are_missed(
-    kind: str, belongs: str
+@pytest.mark.parametrize(
+    ("content", "unreadable", "belongs"),
+    [
+        (b"plt.savefig('filtered_imu.png'", True, "filtering.follows_recursion"),
+        (b"class LowPassFilter", True, ""),
+        (b"plt.savefig('filtered_imu.png'); raise SyntaxError", False, ""),
+        (b"raise SyntaxError", False, ""),
+    ],
+)
+def test_a_comparison_is_charged_to_the_filter_if_its_code_is_there_and_does_not_parse(
+    content: bytes, unreadable: bool, belongs: str
 ) -> None:
-    fault = Fault(kind, "broken", "plots.py", 7, None)
+    class Filtered(Plotted):
+        def load(self, path: str) -> Loaded:
+            return replace(super().load(path), unreadable=fault if unreadable else None)
+
+    fault = Fault("SyntaxError", "broken", "filters.py", 7, None)
     for scripts in ((Drawing((), fault),), (Drawing((), fault), Drawing(()))):
+        student = Filtered(Drawing(()), scripts)
+        student.files = {"filters.py": content}
         with pytest.raises(CheckFailed) as lost:
-            checks.check_comparison_plot(Plotted(Drawing(()), scripts), truth())
+            checks.check_comparison_plot(student, truth())
         assert (lost.value.belongs_to, lost.value.where, lost.value.mistakes) == ((belongs,), fault.at, ())
         assert lost.value.hint.startswith("Run the file with python")

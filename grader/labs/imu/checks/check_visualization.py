@@ -278,8 +278,6 @@ def _respects(student: Student, truth: Traces) -> tuple[Judge, ...]:
 
 
 _FILTER = "filtering.follows_recursion"
-_NO_PYTHON = ("SyntaxError", "IndentationError", "TabError")
-"""What a file cannot be read with: nobody knows what it would draw, and what it defines is charged where it is missed."""
 _DRAW_NOISE = Ours(
     "Read NoisyIMU in the loop, filter its reading, and draw both. Without noise the filter's effect cannot be seen (Step 6)."
 )
@@ -301,14 +299,10 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
     drawn = late = False
     few = 0
     charged = _past_the_plot(student)
-    belongs_to = ""
-    has_plot = _is_defined(student, "plot_imu_data")
     broken_off: Fault | None = None
     seen = ""
     for drawing in student.scripts():
         broken_off = broken_off or (drawing.fault if drawing.fault != charged else None)
-        if drawing.fault is not None and drawing.fault.type in _NO_PYTHON and has_plot:
-            belongs_to = _FILTER  # the code that draws it stands in the file of the filter, which does not parse
         seen = seen or next((_curves_in_words(figure) for figure in drawing.figures if _is_meant(figure)), "")
         pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
         compared = [(figure, of_it) for figure, of_it in pairs if of_it]
@@ -336,6 +330,7 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
             mistakes=["comparison-missing"],
             keeps=0.5,
         )
+    belongs_to = _FILTER if _is_defined(student, "plot_imu_data") and _stands_in_no_python(student) else ""
     if handed_in.shows_something(student, _COMPARISON):
         why = f"but code that draws {seen}" if seen else "but no code of the submission draws it"
         if broken_off:
@@ -362,6 +357,16 @@ def check_comparison_plot(student: Student, truth: Traces) -> None:
         fault=broken_off,
         belongs_to=belongs_to,
     )
+
+
+def _stands_in_no_python(student: Student) -> bool:
+    """Return whether the filter's file saves a picture and does not parse: what it would draw is not known."""
+    if b"savefig" not in student.files.get("filters.py", b""):
+        return False
+    try:
+        return bool(student.load("filters.py").unreadable)
+    except NoAnswer:
+        return False
 
 
 def _is_defined(student: Student, name: str) -> bool:
