@@ -30,7 +30,7 @@ STOPS = {
     "got": "NameError: name 'x' is not defined at filters.py, line 1",
     "where": Where("filters.py", 1),
 }
-NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
+NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"
 
 
 @contextmanager

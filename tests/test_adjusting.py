@@ -21,7 +21,7 @@ from grader.sandbox.isolation_levels import LEVELS
 from tests.made_up import FakeMarker, check, lost, result
 from tests.test_downloads import zip_of
 
-NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
+NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"
 Run = Callable[..., tuple[int, str, str]]
 
 
@@ -144,9 +144,9 @@ def test_a_table_of_adjustments_is_taken_whole_or_not_at_all(run: Run, out: Path
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["alice"], "adjust: give --points, or --withdraw"),
-        (["alice", "--points", "1", "--withdraw"], "adjust: give --points, or --withdraw"),
-        (["alice", "--csv", "x"], "adjust: give an ID, --csv, --having or --take-back, one of them alone"),
+        (["alice"], "adjust: give --points or --withdraw"),
+        (["alice", "--points", "1", "--withdraw"], "adjust: give --points or --withdraw"),
+        (["alice", "--csv", "x"], "adjust: give exactly one of ID, --csv, --having and --take-back"),
         (
             ["alice", "--points", "1"],
             "adjust: say for what with --criterion: sensor_access, one of their checks, total or bonus",
@@ -288,10 +288,10 @@ def test_a_second_run_with_the_best_attempts_grades_nothing_and_ends_the_same(ru
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["--attempts", "first"], "--attempts first: there is no such; choose latest, best"),
+        (["--attempts", "first"], "--attempts first: unknown value; choose latest, best"),
         (
             ["--from", "blackboard"],
-            "--from blackboard: there is no such; choose folders, classroom50, gradescope, moodle, canvas, git",
+            "--from blackboard: unknown value; choose folders, classroom50, gradescope, moodle, canvas, git",
         ),
     ],
 )

@@ -98,7 +98,10 @@ def test_a_yes_on_a_terminal_is_consent(run: Run, before: dict[str, float], monk
 
 def test_the_version_before_stays_and_diff_compares_with_it(run: Run, before: dict[str, float]) -> None:
     code, _, err = run("diff", "out")
-    assert (code, err) == (2, "imugrade: out: its settings never changed a score; give two gradings to compare\n")
+    assert (code, err) == (
+        2,
+        "imugrade: out: no change of the settings has changed a score; give two folders to compare\n",
+    )
     rubric_with(Path("rub2.yaml"))
     assert run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--change")[0] == 0
     code, out, _ = run("diff", "out")
@@ -129,7 +132,7 @@ def test_a_part_of_a_class_cannot_have_settings_of_its_own(run: Run, before: dic
     rubric_with(Path("rub2.yaml"))
     code, _, err = run("grade", "class", "-o", "out", "--rubric", "rub2.yaml", "--only", "bob", "--change")
     assert code == 2
-    assert err.startswith("imugrade: --only grades a part of a class by the settings of all")
+    assert err.startswith("imugrade: --only cannot change the settings of the whole class")
     assert totals() == before
 
 

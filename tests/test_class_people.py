@@ -15,7 +15,7 @@ from tests.desk import desk_over
 
 GITHUB_ROSTER = '"identifier","github_username","github_id","name"\n"s1001","jdoe-gh","9001","Jane Doe"\n"s1002","rroe42","9002",""\n"s1003","","",""\n'
 """What GitHub Classroom downloads as `classroom_roster.csv`."""
-BLANK = "imugrade: somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written\n"
+BLANK = "imugrade: a student of the class would have no grade; add --allow-blank to write the file anyway. Nothing was written\n"
 
 
 @pytest.fixture

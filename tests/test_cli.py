@@ -27,7 +27,7 @@ from tests.made_up import FakeMarker, check, fake_marker, lost, no_marker, resul
 
 ROOT = Path(__file__).parent.parent
 Run = Callable[..., tuple[int, str, str]]
-NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)\n"
+NO_SEED = "imugrade: no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)\n"
 
 
 @pytest.fixture
@@ -140,7 +140,7 @@ def test_an_unknown_submission_id_is_one_line(run: Run, students: Path, tmp_path
     code, _, err = run("grade", students, "-o", tmp_path / "out", "--only", "alicia")
     assert (code, err) == (
         2,
-        "imugrade: --only alicia: there is no submission of that id, name, number or address (did you mean alice?); --list tells all\n",
+        "imugrade: --only alicia: no submission has this id, name, number or address (did you mean alice?); --list shows all\n",
     )
 
 
@@ -369,7 +369,7 @@ def test_results_do_not_go_where_the_submissions_are(
 ) -> None:
     code, told, err = run("grade", students, "-o", students / out)
     assert (code, told, marker.marked()) == (2, "", [])
-    assert err == f"imugrade: -o {students / out}: is itself to be graded; give a folder of its own for the results\n"
+    assert err == f"imugrade: -o {students / out}: is one of the submissions; choose another folder for the results\n"
 
 
 def test_an_out_that_was_made_beforehand_in_the_class_is_no_submission(

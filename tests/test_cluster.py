@@ -187,7 +187,7 @@ def test_a_scheduler_is_started_again_midway_and_the_same_command_ends_with_the_
         (tmp_path / name).mkdir()
     with closing(Site(tmp_path / "first")) as first:
         first.staff(1)
-        with pytest.raises(GraderError, match="was lost; the same command goes on where this one ended"):
+        with pytest.raises(GraderError, match="was lost; give the same command again"):
             classroom.grade_class(replace(order, cluster=first.address), found, AfterOne(first.scheduler.kill))
     before = recorded(tmp_path / "there")
     assert 1 <= before < 6
@@ -336,7 +336,7 @@ def test_a_worker_without_imugrade_is_refused(site: Site, monkeypatch: pytest.Mo
     site.staff(1)
     monkeypatch.setattr(cluster_worker.Seat, "__reduce__", lambda seat: (not_there, ()))
     told = refusal(site.address)
-    assert told.startswith(f"--cluster {site.address}: a worker cannot mark (")
+    assert told.startswith(f"--cluster {site.address}: a worker cannot grade (")
     assert "No module named 'imugrade_not_there'" in told
     assert told.endswith("; install the same imugrade[cluster] there")
 
@@ -397,7 +397,10 @@ def test_the_command_tells_it_in_one_line(
         "imugrade: --cluster tcp://127.0.0.1:1: no Dask scheduler answers there (nothing came within 0.2 s)"
     ]
     assert cli.main([*arguments, "--cluster", "tcp://127.0.0.1:1", "--jobs", "2"]) == 2
-    assert capsys.readouterr().err == "imugrade: --jobs is for this machine; a cluster has the workers that it has\n"
+    assert (
+        capsys.readouterr().err
+        == "imugrade: --jobs does not work with --cluster; start more workers on the cluster instead\n"
+    )
 
 
 # --- a cluster that goes away -----------------------------------------------------------------------------------------
@@ -423,8 +426,7 @@ def test_a_cluster_that_loses_its_last_worker_is_given_up_in_time(
     monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
     (pid,) = site.staff(1)
     assert lost(site, tmp_path, pid) == (
-        f"the cluster at {site.address} has had no worker for 1 s; "
-        "start some, then the same command goes on where this one ended"
+        f"the cluster at {site.address} has had no worker for 1 s; start some, then give the same command again"
     )
 
 
@@ -466,5 +468,5 @@ def test_a_scheduler_that_goes_away_ends_the_run(site: Site, tmp_path: Path, mon
     monkeypatch.setattr(cluster, "ANSWERS_WITHIN_S", 2.0)
     site.staff(1)
     assert lost(site, tmp_path, site.scheduler.pid) == (
-        f"the cluster at {site.address} was lost; the same command goes on where this one ended, here or elsewhere"
+        f"the cluster at {site.address} was lost; give the same command again, and it continues where it stopped"
     )

@@ -292,7 +292,7 @@ def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: D
     assert give(desk, "bob", ADDRESS, "3", seen=0, who="Eve").status == 303
     late = give(desk, "bob", ADDRESS, "5", seen=0, who="Ann")
     assert late.status == 409
-    assert "Eve decided something" in words(late.text)
+    assert "Eve changed something" in words(late.text)
     assert row(out, "bob")["final"] == "97"
     assert give(desk, "ada", BONUS, "1", seen=0, who="Ann").status == 303  # somebody else's marks are no matter
 
@@ -742,6 +742,6 @@ def test_the_command_adjusts_what_the_desk_does(out: Path, capsys: pytest.Captur
     assert told == f"bob {ADDRESS} 6, final 100\ncyd {ADDRESS} 6, final 99\n"
     assert "(decision 1: mistake: sensor id as address)" in adjust()
     assert adjust("--take-back", "1") == f"bob {ADDRESS} 5, final 99\ncyd {ADDRESS} withdrawn, final 96\n"
-    assert "no two submissions have that in common" in adjust(
+    assert "no two submissions have this in common" in adjust(
         "--having", "nothing", "--criterion", ADDRESS, "--points", "1"
     )

@@ -128,15 +128,23 @@ def test_the_assignment_may_be_called_by_title_number_or_heading(column: str) ->
 @pytest.mark.parametrize(
     ("template", "column", "line"),
     [
-        (canvas_file(), None, "t.csv: name the assignment with --column; there are: Lab 03 (4700), Lab 04-01 (4711)"),
-        (canvas_file(), "Lab", "t.csv: --column Lab means none or several; there are: Lab 03 (4700), Lab 04-01 (4711)"),
+        (
+            canvas_file(),
+            None,
+            "t.csv: name the assignment with --column; columns found: Lab 03 (4700), Lab 04-01 (4711)",
+        ),
+        (
+            canvas_file(),
+            "Lab",
+            "t.csv: --column Lab means none or several; columns found: Lab 03 (4700), Lab 04-01 (4711)",
+        ),
         (
             canvas_file("D,101,s1,jd,A,,,"),
             "4700",
             "t.csv: the assignment is out of 50, and the rubric out of 100; add --scale to have the points scaled, "
             "or make them equal on the platform or in rubric.yaml",
         ),
-        (b"a,b\n", None, "t.csv: is no gradebook of Canvas; export it there with Grades > Export"),
+        (b"a,b\n", None, "t.csv: is not a Canvas gradebook; export one in Canvas with Grades > Export"),
         (b"", None, "t.csv: is empty; give the file that the platform exports"),
         (b"Student\xff", None, "t.csv: is not UTF-8; export it again as UTF-8 CSV"),
         (b'Student,"x\nID', None, "t.csv:1: is not CSV here; export the file again"),
@@ -386,7 +394,7 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
         a_csv = ["export", str(out), "-f", "csv", "-o", str(tmp_path / "a.csv")]
         assert cli.main(a_csv) == 2
         blank = "imugrade: graded: 1\nimugrade: blank: 1 (bob: empty or unreadable; mark it as reviewed, or give --unreadable 0)\n"
-        refused = "somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written"
+        refused = "a student of the class would have no grade; add --allow-blank to write the file anyway. Nothing was written"
         assert capsys.readouterr().err == f"{blank}imugrade: {refused}\n"
         assert not (tmp_path / "a.csv").exists()
         assert (cli.main([*a_csv, "--allow-blank"]), capsys.readouterr().err) == (0, blank)
@@ -403,7 +411,7 @@ def test_what_could_not_be_read_is_left_blank_and_told_unless_a_zero_is_asked_fo
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["-f", "excel"], f"--format excel: there is no such; choose {', '.join(FORMATS)}"),
+        (["-f", "excel"], f"--format excel: unknown value; choose {', '.join(FORMATS)}"),
         (["-f", "canvas"], "--format canvas needs --template with the file that it exports"),
         (["-f", "csv", "--template", "x"], "--format csv takes no --template"),
         (
@@ -427,7 +435,7 @@ def test_a_folder_that_holds_no_graded_class_is_told_and_stays_empty(
         assert cli.main([command[0], str(tmp_path), *command[1:]]) == 2
         assert (
             capsys.readouterr().err
-            == f"imugrade: {tmp_path}: no class was graded there; give the OUT of `imugrade grade`\n"
+            == f"imugrade: {tmp_path}: no class was graded there; give the output folder of `imugrade grade`\n"
         )
     assert list(tmp_path.iterdir()) == []
 

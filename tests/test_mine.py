@@ -46,7 +46,7 @@ def test_a_submission_that_records_nothing_is_one_line(tmp_path: Path, capsys: p
     assert capsys.readouterr().err.splitlines() == [
         "imugrade: push: ValueError: no",
         "imugrade: push_dirty: ValueError: no",
-        f"imugrade: {tmp_path} recorded nothing; imugrade check says why",
+        f"imugrade: {tmp_path} has no recording; imugrade check says why",
     ]
 
 

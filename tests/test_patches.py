@@ -35,11 +35,11 @@ def test_what_git_writes_above_the_diff_is_passed_over() -> None:
 
 HEAD = "--- a/f.py\n+++ b/f.py\n"
 REFUSED = {
-    "no diff": ("c -> C", "no unified diff"),
-    "another line there": (f"{HEAD}@@ -3 +3 @@\n-x\n+C\n", "the lines from 3 on are not those"),
-    "a line further down": (f"{HEAD}@@ -4 +4 @@\n-c\n+C\n", "the lines from 4 on are not those"),
-    "beyond the end": (f"{HEAD}@@ -99 +99 @@\n-c\n+C\n", "the lines from 99 on are not those"),
-    "hunks out of order": (f"{HEAD}@@ -4 +4 @@\n-d\n+D\n@@ -3 +3 @@\n-c\n+C\n", "the lines from 3 on are not those"),
+    "no diff": ("c -> C", "not a unified diff"),
+    "another line there": (f"{HEAD}@@ -3 +3 @@\n-x\n+C\n", "the lines from 3 on do not match"),
+    "a line further down": (f"{HEAD}@@ -4 +4 @@\n-c\n+C\n", "the lines from 4 on do not match"),
+    "beyond the end": (f"{HEAD}@@ -99 +99 @@\n-c\n+C\n", "the lines from 99 on do not match"),
+    "hunks out of order": (f"{HEAD}@@ -4 +4 @@\n-d\n+D\n@@ -3 +3 @@\n-c\n+C\n", "the lines from 3 on do not match"),
     "a count that is wrong": (f"{HEAD}@@ -3,2 +3 @@\n-c\n+C\n", "line 6: the hunk has other lines"),
     "a hunk that is cut short": (f"{HEAD}@@ -3 +3 @@\n-c\n", "line 5: the hunk has other lines"),
     "text between hunks": (f"{HEAD}@@ -3 +3 @@\n-c\n+C\nrm -rf\n", "line 6: no hunk"),

@@ -215,11 +215,11 @@ def test_a_platform_without_an_answer_is_given_to_no_job(monkeypatch: pytest.Mon
 
 def test_nothing_is_written_for_a_platform_without_an_answer(capsys: pytest.CaptureFixture[str]) -> None:
     order = job.Job(silent(), load(LAB), bundles.shipped())
-    with pytest.raises(RequestError, match="--format made-up: Made-up Campus takes no answer of a job"):
+    with pytest.raises(RequestError, match="--format made-up: Made-up Campus has no CI output"):
         job.run(order)
     assert capsys.readouterr().out == ""
 
 
 def test_a_platform_that_takes_no_grades_is_exported_to_by_no_program(tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match="--format made-up: Made-up Campus takes no grades"):
+    with pytest.raises(RequestError, match="--format made-up: Made-up Campus cannot import grades"):
         exporting.plan(exporting.Export(tmp_path, silent()))

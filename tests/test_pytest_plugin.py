@@ -138,7 +138,7 @@ def test_a_criterion_a_check_or_a_file_is_asked_for_by_its_name(lab: Path) -> No
     ("arguments", "said"),
     [
         (["nowhere"], "imugrade: nowhere: there is no such file or folder"),
-        (["filtering::nothing"], "imugrade: no check has such a name"),
+        (["filtering::nothing"], "imugrade: no check has this name"),
         (["plugins"], "imugrade: plugins: This submission contains no file that the lab asks for."),
         (["--imugrade-rubric", "no.yaml"], "there is no such file; give the path of a rubric.yaml"),
     ],

@@ -186,7 +186,7 @@ def test_a_rubric_that_asks_something_else_is_refused_and_nothing_is_changed(
     with Store(tmp_path) as store:
         before = store.final_grades()
         with pytest.raises(
-            RequestError, match=r"rubric\.yaml: asks other things than were asked of s02-vectorised, s06"
+            RequestError, match=r"rubric\.yaml: needs other measurements than those of s02-vectorised, s06"
         ):
             regrade.remark(tmp_path, store, changed(edit))
         assert store.final_grades() == before
@@ -285,7 +285,7 @@ def test_a_slip_in_the_prices_is_told_with_its_line() -> None:
     with pytest.raises(RubricError) as refusal:
         priced("mistakes:\n  sensor-id-as-adress: 4\n  raises: a lot\n")
     assert str(refusal.value).splitlines() == [
-        f"rubric.yaml:{at + 1}: there is no mistake 'sensor-id-as-adress' (did you mean sensor-id-as-address?); "
+        f"rubric.yaml:{at + 1}: there is no fault 'sensor-id-as-adress' (did you mean sensor-id-as-address?); "
         "`imugrade explain` lists them",
         f"rubric.yaml:{at + 2}: what raises costs must be a number from 0 to 1000, not 'a lot'; correct it",
     ]

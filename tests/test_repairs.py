@@ -196,11 +196,11 @@ def test_points_by_hand_stand_beside_a_repair(run: Run) -> None:
     [
         (("alice", "fliters.py", "--with", "fixed.py"), "alice has no file fliters.py (did you mean filters.py?)"),
         (("alice", "../alice/filters.py", "--with", "fixed.py"), "alice has no file ../alice/filters.py"),
-        (("nobody", "filters.py", "--with", "fixed.py"), "there is no submission nobody"),
+        (("nobody", "filters.py", "--with", "fixed.py"), "repair: no submission nobody"),
         (("alice", "filters.py"), "give the repaired file with --with"),
         (("alice",), "say which FILE"),
         (("alice", "filters.py", "--with", "fixed.py", "--deduct", "-1"), "--deduct takes points from 0 to 100"),
-        (("alice", "filters.py", "--with", "fixed.py", "--comment", " "), "say why with --comment"),
+        (("alice", "filters.py", "--with", "fixed.py", "--comment", " "), "give the reason with --comment"),
         (("alice", "filters.py", "--with", "nowhere.py"), "nowhere.py: cannot be read"),
         (("bob", "filters.py", "--with", "fixed.py"), "nothing in filters.py changes"),
     ],

@@ -138,11 +138,11 @@ def test_no_text_of_a_students_ends_the_programs_own(text: str) -> None:
 def test_what_cannot_be_asked_again_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "filters.py").write_text("x = 1\n")
     (tmp_path / "lab.zip").touch()
-    with pytest.raises(RequestError, match=r"there is no such check; imugrade explain lists them"):
+    with pytest.raises(RequestError, match=r"no check has this id; imugrade explain lists them"):
         repeating.write(load(LAB), "filtering.nothing", tmp_path, tmp_path)
-    with pytest.raises(RequestError, match=r"lab\.zip is no folder; unpack it"):
+    with pytest.raises(RequestError, match=r"lab\.zip is not a folder; unpack the archive"):
         repeating.write(load(LAB), "filtering.follows_recursion", tmp_path / "lab.zip", tmp_path)
-    with pytest.raises(RequestError, match=r"asked nothing of a \.py file here that could be asked again"):
+    with pytest.raises(RequestError, match=r"called no \.py file here, so there is nothing to reproduce"):
         repeating.write(load(LAB), "filtering.follows_recursion", tmp_path, tmp_path)
 
 
@@ -164,7 +164,7 @@ def test_a_place_that_is_no_folder_of_ours_is_refused(tmp_path: Path, kind: str)
     else:
         lab.mkdir()
         (lab / ".imugrade").write_text("mine") if kind == "file" else (lab / ".imugrade").symlink_to(elsewhere)
-    with pytest.raises(RequestError, match=r"\.imugrade is no folder of ours; name another with -o"):
+    with pytest.raises(RequestError, match=r"\.imugrade is not a folder of imugrade; choose another folder with -o"):
         repeating.folder_in(lab)
     assert list(elsewhere.iterdir()) == []
 

@@ -99,7 +99,7 @@ def test_slips_of_every_kind_are_told_in_one_round() -> None:
         "the points of sensor_access must be a number from 0 to 1000, not '-1'",
         "there is no check sensor_access.follows_adress (did you mean sensor_access.follows_address?)",
         "the weight of time_axis must be a number from 0 to 1000, not 'many'",
-        "there is no mistake 'no-such'",
+        "there is no fault 'no-such'",
     ]
 
 
@@ -210,7 +210,7 @@ def test_a_late_policy_is_lines_of_its_keys() -> None:
     [
         (
             "mistakes: {sensor-id-as-adress: 1}",
-            "there is no mistake 'sensor-id-as-adress' (did you mean sensor-id-as-address?); `imugrade explain` lists them",
+            "there is no fault 'sensor-id-as-adress' (did you mean sensor-id-as-address?); `imugrade explain` lists them",
         ),
         (
             "mistakes: {no-bias: much}",
@@ -218,7 +218,7 @@ def test_a_late_policy_is_lines_of_its_keys() -> None:
         ),
         ("mistakes: {no-bias: 1.125}", "what no-bias costs must have at most two decimals, not '1.125'; round it"),
         ("mistakes: [no-bias]", "mistakes must be `name: points` lines; `imugrade explain` lists the names"),
-        ("mistakes: {no-bias: 1, no-bias: 2}", "'no-bias' stands twice in mistakes (first on line LINE); remove one"),
+        ("mistakes: {no-bias: 1, no-bias: 2}", "'no-bias' appears twice in mistakes (first on line LINE); remove one"),
     ],
 )
 def test_a_slip_in_the_price_of_a_mistake_is_told_with_its_line(line: str, told: str) -> None:
@@ -275,7 +275,7 @@ def test_the_price_of_a_mistake_with_an_odd_name_is_told_as_it_can_be_shown() ->
 def test_an_extension_of_the_due_date_stands_once() -> None:
     text = with_late(DUE, "extensions:", "  jane: 2026-11-24T23:59+01:00", "  jane: 2026-11-25T23:59+01:00")
     (told,) = problems(text)
-    assert "'jane' stands twice in extensions (first on line " in told
+    assert "'jane' appears twice in extensions (first on line " in told
 
 
 def test_points_of_several_parts_are_whole_hundredths_together() -> None:
@@ -521,7 +521,7 @@ def test_a_rubric_goes_to_another_process() -> None:
         (
             "submission_cpu_s: 120",
             "submission_cpu_s: 9.9",
-            "submission_cpu_s is less than call_cpu_s; no call could use its time up",
+            "submission_cpu_s is less than call_cpu_s; make it at least as large",
         ),
     ],
 )
@@ -586,17 +586,17 @@ modle:
         "rubric.yaml:4: the points of sensor_access must have at most two decimals, not '20.123'; round it",
         "rubric.yaml:6: the weight of a must be a number from 0 to 1000, not '-1'; correct it",
         "rubric.yaml:7: the weight of b must be a number from 0 to 1000, not '.nan'; correct it",
-        "rubric.yaml:8: 'b' stands twice in the checks of sensor_access (first on line 7); remove one",
+        "rubric.yaml:8: 'b' appears twice in the checks of sensor_access (first on line 7); remove one",
         "rubric.yaml:9: the weight of c must be a number from 0 to 1000, not '1e9'; correct it",
-        "rubric.yaml:10: 'C-d' is no name of a check; write the part after `sensor_access.` alone",
-        "rubric.yaml:11: 'sensor_access.x' is no name of a check; write the part after `sensor_access.` alone",
+        "rubric.yaml:10: 'C-d' is not the name of a check; write only the part after `sensor_access.`",
+        "rubric.yaml:11: 'sensor_access.x' is not the name of a check; write only the part after `sensor_access.`",
         "rubric.yaml:11: the weight of sensor_access.x must be a number from 0 to 1000, not '1'; correct it",
         "rubric.yaml:13: the title of filtering must be text, not '3'; write it in quotes",
         "rubric.yaml:15: the weights of filtering sum to 0; give at least one check a weight",
-        "rubric.yaml:16: the criterion filtering stands twice (first on line 12); remove one",
+        "rubric.yaml:16: the criterion filtering appears twice (first on line 12); remove one",
         "rubric.yaml:20: this criterion must be `key: value` lines with the keys id, title, points, checks",
         "rubric.yaml:21: this must be a list with one `- id: …` for each extension; see the shipped rubric.yaml",
-        "rubric.yaml:22: submission_cpu_s is less than call_cpu_s; no call could use its time up",
+        "rubric.yaml:22: submission_cpu_s is less than call_cpu_s; make it at least as large",
         "rubric.yaml:23: unknown key 'modle' in the rubric (did you mean model?); correct or remove it",
     ]
 

@@ -259,14 +259,14 @@ def test_a_changed_number_is_noticed(copy: Path) -> None:
         arrays = {key: archive[key] for key in archive.files}
     arrays["push/acceleration"][3, 1] += 1e-12
     recorder.write_npz(copy, arrays)
-    assert refusal(copy) == f"{copy}: the traces are not those of the manifest beside it; record them again"
+    assert refusal(copy) == f"{copy}: the traces do not match their manifest; record them again"
 
 
 def test_a_changed_manifest_is_noticed(copy: Path) -> None:
     manifest = copy.with_suffix(".json")
     text = manifest.read_text(encoding="utf-8")
     manifest.write_text(text.replace('"push_mps": 0.5', '"push_mps": 0.6'), encoding="utf-8")
-    assert "not those of the manifest" in refusal(copy)
+    assert "do not match their manifest" in refusal(copy)
 
 
 def test_other_versions_in_the_manifest_are_no_change_of_content(copy: Path) -> None:

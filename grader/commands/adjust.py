@@ -45,7 +45,7 @@ def adjust(
     ] = None,
     table: Annotated[
         Path | None,
-        typer.Option("--csv", metavar="FILE", help="Read many from a table: id, criterion, points, comment."),
+        typer.Option("--csv", metavar="FILE", help="Import a table with the columns id, criterion, points, comment."),
     ] = None,
     author: Annotated[
         str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
@@ -53,14 +53,14 @@ def adjust(
 ) -> int:
     """Override points, add a bonus or a comment, or list all of them.
 
-    The automatic marks stay as they are. An adjustment survives regrades; `grade` tells when the marks beneath it have changed.
-    Without points it is a comment alone.
+    The automatic points stay in the record. An override survives regrades. `grade` lists overrides whose automatic points have
+    changed since. Without --points it is only a comment.
 
     \b
     Examples:
       imugrade adjust out alice --criterion filtering --points 18 --comment "shown in the lab hour"
       imugrade adjust out alice --criterion filtering --withdraw --comment "was bob"
-      imugrade adjust out alice --criterion bonus --points 2 --comment "found a slip in the sheet"
+      imugrade adjust out alice --criterion bonus --points 2 --comment "found an error in the sheet"
       imugrade adjust out --having data_collection.applies_push --criterion bonus --points 1 --comment "the sheet misled"
       imugrade adjust out --csv adjustments.csv
       imugrade adjust out
@@ -69,7 +69,7 @@ def adjust(
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     if sum(each is not None for each in (id_, table, having, take_back)) > 1:
-        raise RequestError("adjust: give an ID, --csv, --having or --take-back, one of them alone")
+        raise RequestError("adjust: give exactly one of ID, --csv, --having and --take-back")
     what, wishes = "", []
     if table is not None:
         wishes = adjusting.read_wishes(table)
@@ -80,7 +80,7 @@ def adjust(
     elif id_ is not None or having is not None:
         alone = points is None and bool(comment) and not withdraw
         if not alone and withdraw == (points is not None):
-            raise RequestError("adjust: give --points, or --withdraw")
+            raise RequestError("adjust: give --points or --withdraw")
         what, ids = ("", [id_]) if having is None else groups.having(out, having)
         said = "" if points is None else repr(points)
         wishes = [adjusting.Wish(each, criterion, said, comment, alone=alone) for each in ids if each]

@@ -38,7 +38,7 @@ def one_of(option: str, value: Word, known: Sequence[str]) -> Word:
     from grader.base.text import printable  # noqa: PLC0415
 
     if value is not None and value not in known:
-        raise RequestError(f"{option} {printable(value)}: there is no such; choose {', '.join(known)}")
+        raise RequestError(f"{option} {printable(value)}: unknown value; choose {', '.join(known)}")
     return value
 
 

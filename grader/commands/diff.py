@@ -20,7 +20,7 @@ def diff(
 ) -> int:
     """Compare two gradings: whose scores changed, by which checks, and why.
 
-    Of one class alone: from the version before the last change of its settings to now.
+    With one folder, it compares with the version before the last change of the settings.
 
     \b
     Example:
@@ -32,7 +32,9 @@ def diff(
     with Store.existing(first) as old, Store.existing(second or first) as new:
         before = old.final_grades() if second is not None else old.former()
         if second is None and not before:
-            raise RequestError(f"{near(first)}: its settings never changed a score; give two gradings to compare")
+            raise RequestError(
+                f"{near(first)}: no change of the settings has changed a score; give two folders to compare"
+            )
         for line in differences.told(before, new.final_grades()):
             print(line)
     return 0

@@ -44,14 +44,14 @@ def export(
         typer.Option("--unreadable", metavar="HOW", help="Grade of an empty or unreadable submission: blank or 0."),
     ] = "blank",
     allow_blank: Annotated[
-        bool, typer.Option("--allow-blank", help="Write the file although somebody of the class has no grade in it.")
+        bool, typer.Option("--allow-blank", help="Write the file although a student of the class has no grade in it.")
     ] = False,
 ) -> int:
     """Write the final grades of a class in the format of a platform.
 
-    A platform that exports a file for it gets that file back, with the grades filled in and nothing else changed. Rows of people
-    who are not in the class stay as they were. What is graded, left blank, replaced and unmatched is told first; where somebody of
-    the class or its roster would be left blank, nothing is written without --allow-blank. csv is a table for everything else.
+    With --template, the command fills the grades into the file that the platform exported and changes nothing else in it. It first
+    lists who gets a grade, who stays blank, and which rows match nobody. If a student would stay blank, it writes nothing without
+    --allow-blank. The format csv is a plain table.
 
     \b
     Examples:
@@ -68,7 +68,7 @@ def export(
         say(line)
     if plan.draft.blank and not allow_blank:
         raise RequestError(
-            "somebody of the class would be left blank; add --allow-blank if that is meant. Nothing was written"
+            "a student of the class would have no grade; add --allow-blank to write the file anyway. Nothing was written"
         )
     files, remarks = plan.write()
     for line in files:

@@ -72,8 +72,9 @@ def grade(
 ) -> int:
     """Grade a class. After an interruption, the same command continues.
 
-    OUT remembers the rubric, the roster, the attempt rule and the scenarios: they need not be given again. What is given again and
-    would change scores on record is told first, and done with --change or a yes on a terminal. `imugrade diff` compares then.
+    OUT remembers the rubric, the roster, the attempt rule and the scenarios. You need not give them again. If you give
+    another one, the command first says which scores change. It changes them with --change, or after a yes on a terminal.
+    `imugrade diff` compares the two versions.
 
     \b
     Examples:
@@ -89,7 +90,7 @@ def grade(
     from grader.report import progress, terminal  # noqa: PLC0415
 
     if cluster is not None and jobs is not None:
-        raise RequestError("--jobs is for this machine; a cluster has the workers that it has")
+        raise RequestError("--jobs does not work with --cluster; start more workers on the cluster instead")
     known = classroom.on_record(out)
     class_settings.refuse_without_secret(None if list_ else known, seed)
     chosen = class_settings.rubric_of(LAB, known, rubric)
@@ -121,9 +122,9 @@ def grade(
     if spot := blind_spot(bundle):
         say(spot)
     if seed is None:
-        say("no seed: graded on the public scenarios only, which students have as well (set IMUGRADE_SEED)")
+        say("no seed: graded on the public scenarios only, which students have too (set IMUGRADE_SEED)")
     if outcome.remarked:
-        say(f"{outcome.remarked} on record had been marked by another rubric, and are marked by this one now")
+        say(f"{outcome.remarked} recorded results were regraded with the new rubric")
     for line in outcome.remarks:
         say(line)
     if outcome.known:

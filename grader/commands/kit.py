@@ -33,7 +33,7 @@ def kit(
 ) -> int:
     """Write the files for students or a platform, without the solution.
 
-    Hidden scenarios go to Gradescope alone, and only with a seed: everywhere else students could read them.
+    Hidden scenarios are written only for Gradescope, and only with a seed: everywhere else students could read them.
 
     \b
     Examples:

@@ -12,34 +12,32 @@ from grader.commands.common import SeedOption, login
 
 
 def repair(
-    out: Annotated[Path, typer.Argument(metavar="OUT", resolve_path=True, help="What `imugrade grade` wrote.")],
+    out: Annotated[
+        Path, typer.Argument(metavar="OUT", resolve_path=True, help="The output folder of `imugrade grade`.")
+    ],
     id_: Annotated[
         str | None,
-        typer.Argument(metavar="ID", help="Whose file: id, name or e-mail.", show_default=False),
+        typer.Argument(metavar="ID", help="The student: id, name or e-mail.", show_default=False),
     ] = None,
-    file: Annotated[
-        str | None, typer.Argument(metavar="FILE", help="Which of the submitted files.", show_default=False)
-    ] = None,
+    file: Annotated[str | None, typer.Argument(metavar="FILE", help="The submitted file.", show_default=False)] = None,
     *,
-    fixed: Annotated[
-        Path | None, typer.Option("--with", metavar="FIXED", help="The file as it should be, as a whole.")
-    ] = None,
+    fixed: Annotated[Path | None, typer.Option("--with", metavar="FIXED", help="The whole repaired file.")] = None,
     patch: Annotated[
-        Path | None, typer.Option("--patch", metavar="DIFF", help="The change as a unified diff of that one file.")
+        Path | None, typer.Option("--patch", metavar="DIFF", help="The change, as a unified diff of this file.")
     ] = None,
-    deduct: Annotated[float, typer.Option("--deduct", metavar="N", help="Points that the repair costs.")] = 0.0,
-    comment: Annotated[str, typer.Option("--comment", metavar="TEXT", help="Why; the student reads it.")] = "",
-    undo: Annotated[bool, typer.Option("--undo", help="Take the last repair of ID, or of FILE, back.")] = False,
+    deduct: Annotated[float, typer.Option("--deduct", metavar="N", help="The deduction, in points.")] = 0.0,
+    comment: Annotated[
+        str, typer.Option("--comment", metavar="TEXT", help="The reason. The student can read it.")
+    ] = "",
+    undo: Annotated[bool, typer.Option("--undo", help="Undo the last repair of ID, or of FILE.")] = False,
     suggest: Annotated[
-        bool, typer.Option("--suggest", help="Show an edit of one place that makes ID's code run; nothing is recorded.")
+        bool, typer.Option("--suggest", help="Propose a small edit that makes the code run. Nothing is recorded.")
     ] = False,
-    list_: Annotated[bool, typer.Option("--list", help="Every repair ever made, with its diff.")] = False,
+    list_: Annotated[bool, typer.Option("--list", help="List all repairs with their diffs.")] = False,
     seed: SeedOption = None,
-    trust: Annotated[
-        bool, typer.Option("--trust-submissions", help="Grade where nothing isolates students' code.")
-    ] = False,
+    trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade without isolation.")] = False,
     author: Annotated[
-        str | None, typer.Option("--author", metavar="NAME", help="Who repairs; by default who is logged in.")
+        str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
     ] = None,
 ) -> int:
     """Repair a submitted file, grade the repaired copy, and deduct points for that.

@@ -32,7 +32,7 @@ def folder_in(path: Path) -> Path:
     """
     place = path / FOLDER
     if place.is_symlink() or (place.exists() and not place.is_dir()) or not path.is_dir():
-        raise RequestError(f"{printable(str(place), 500)} is no folder of ours; name another with -o")
+        raise RequestError(f"{printable(str(place), 500)} is not a folder of imugrade; choose another folder with -o")
     place.mkdir(exist_ok=True)
     write_whole(place / ".gitignore", "*\n")
     return place
@@ -51,14 +51,16 @@ def write(rubric: Rubric, check_id: str, path: Path, out: Path, isolation_level:
         If there is no such check, or nothing that could be asked again.
     """
     if check_id not in (weight.id for weight in rubric.checks):
-        raise RequestError(f"{printable(check_id)}: there is no such check; imugrade explain lists them")
+        raise RequestError(f"{printable(check_id)}: no check has this id; imugrade explain lists them")
     if not path.is_dir():
-        raise RequestError(f"{printable(str(path), 500)} is no folder; unpack it, so that Python finds the files in it")
+        raise RequestError(
+            f"{printable(str(path), 500)} is not a folder; unpack the archive, so that Python can import the files"
+        )
     submission = read_submission(path, rubric.lab.files)
     student, judgements = examined(rubric, submission, isolation_level)
     questions = [each for each in student.questions(check_id) if str(each.fields["path"]).endswith(".py")]
     if not questions:
-        raise RequestError(f"{check_id} asked nothing of a .py file here that could be asked again")
+        raise RequestError(f"{check_id} called no .py file here, so there is nothing to reproduce")
     told = judgements[check_id].told
     said = told.message if told and told.message else "All of it is earned."
     folder = os.path.relpath(path / submission.folder, out)

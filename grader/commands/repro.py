@@ -30,8 +30,8 @@ def repro(
 ) -> int:
     """Write a program that calls your code with the public input of a check.
 
-    It is repro.py, with the input in repro.npz beside it, and needs NumPy, MuJoCo and your files: run it, change it, put a
-    break point in it.
+    The program is repro.py; its input is repro.npz beside it. It needs NumPy, MuJoCo and your files. Run it, change it, set a
+    breakpoint in it.
 
     \b
     Example:

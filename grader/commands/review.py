@@ -30,16 +30,14 @@ def review(
         ),
     ] = None,
     seed: SeedOption = None,
-    trust: Annotated[
-        bool, typer.Option("--trust-submissions", help="Grade repaired files where nothing isolates students' code.")
-    ] = False,
+    trust: Annotated[bool, typer.Option("--trust-submissions", help="Grade repaired files without isolation.")] = False,
     author: Annotated[
         str | None, typer.Option("--author", metavar="NAME", help="The author. Default: the logged-in user.")
     ] = None,
 ) -> int:
     """Review a graded class in a browser: review queue, code beside reports, repairs, overrides, regrade requests.
 
-    It runs on this machine alone, until Ctrl-C. Open the address that it prints.
+    The desk runs on this machine until Ctrl-C. Open the address that it prints.
 
     \b
     Example:

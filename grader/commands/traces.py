@@ -81,7 +81,7 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: 
                 say(f"{scenario}: {why}")
         student.close()
     if not own:
-        raise RequestError(f"{printable(str(path), 500)} recorded nothing; imugrade check says why")
+        raise RequestError(f"{printable(str(path), 500)} has no recording; imugrade check says why")
     return own
 
 

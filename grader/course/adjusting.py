@@ -175,7 +175,7 @@ def undone_decision(store: Store, number: int) -> list[Wish]:
         rows.setdefault((id_, each.criterion, each.alone), []).append(each)
     last = {key: each for key, each in rows.items() if each[-1].decision == number and not each[-1].withdraws}
     if not last:
-        raise RequestError(f"adjust: nothing of decision {number} is in force")
+        raise RequestError(f"adjust: decision {number} has nothing left to undo")
     return [_before(id_, each) for (id_, _, _), each in last.items()]
 
 

@@ -233,7 +233,7 @@ def change(order: Order, found: Class) -> Change | None:
     hand_ins = {entry.id: entry.hand_in if several[entry.id] == 1 else None for entry in found.entries}
     changed = class_settings.change(old, new, order.rubric, final_grades, hand_ins)
     if changed is not None and changed.moves_scores and order.only:
-        raise RequestError(f"--only grades a part of a class by the settings of all; leave it out ({changed.told()})")
+        raise RequestError(f"--only cannot change the settings of the whole class; leave it out ({changed.told()})")
     return changed
 
 
@@ -279,7 +279,7 @@ def grade_class(order: Order, found: Class, audience: Audience) -> Outcome:
     moves = changed is not None and changed.moves_scores
     if changed is not None and moves and not order.change:
         raise RequestError(
-            f"{changed.told()}; add --change to do it, or grade into another folder with -o. Nothing was changed"
+            f"{changed.told()}; add --change to allow it, or choose another folder with -o. Nothing was changed"
         )
     outcome = Outcome(leftovers=found.leftovers)
     with Store(order.out) as store:
@@ -461,14 +461,14 @@ def guarded_marker(
     with Marker(rubric, traces, isolation_level=isolation_level) as marker:
         if not marker.isolation.walled and not trusted:
             raise RequestError(
-                "this machine cannot isolate students' code (`imugrade doctor` tells why); "
-                "grade on Linux, or add --trust-submissions if you trust every one of them"
+                "this machine cannot isolate students' code (`imugrade doctor` says why); "
+                "grade on Linux, or add --trust-submissions if you trust every submission"
             )
         levels = [each.name for each in LEVELS]
         if at_least in levels and levels.index(marker.isolation.name) > levels.index(at_least):
             raise RequestError(
                 f"the class was graded at the isolation level {at_least}, and this machine offers {marker.isolation.name} "
-                "(`imugrade doctor` tells why); add --change to grade the rest at that level"
+                "(`imugrade doctor` says why); add --change to grade the rest at that level"
             )
         yield _Drawing(marker)
 
@@ -538,7 +538,7 @@ def _beside_out(entries: tuple[Entry, ...], order: Order) -> tuple[Entry, ...]:
     within = [entry for entry in entries if os.path.realpath(entry.path) == out]
     if out in map(os.path.realpath, order.paths) or any(entry.read().status != "empty" for entry in within):
         raise RequestError(
-            f"-o {printable(str(order.out), 500)}: is itself to be graded; give a folder of its own for the results"
+            f"-o {printable(str(order.out), 500)}: is one of the submissions; choose another folder for the results"
         )
     return tuple(entry for entry in entries if entry not in within)
 
@@ -549,8 +549,8 @@ def _chosen(entries: tuple[Entry, ...], only: tuple[str, ...], who: Meant) -> li
     for id_, word in wanted.items():
         if id_ not in ids:
             raise RequestError(
-                f"--only {printable(word)}: there is no submission of that id, name, number or address"
-                f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list tells all"
+                f"--only {printable(word)}: no submission has this id, name, number or address"
+                f"{guess_at(word, [*ids, *(entry.name for entry in entries)])}; --list shows all"
             )
     return [entry for entry in entries if not only or entry.id in wanted]
 

@@ -81,7 +81,7 @@ def _or_lost(address: str) -> Iterator[None]:
 
 def _lost(address: str) -> GraderError:
     return GraderError(
-        f"the cluster at {address} was lost; the same command goes on where this one ended, here or elsewhere"
+        f"the cluster at {address} was lost; give the same command again, and it continues where it stopped"
     )
 
 
@@ -156,7 +156,7 @@ def _set_up(client: Client, seat: Seat, address: str) -> None:
     except Exception as problem:
         reason = printable(words(problem), 300)
         raise RequestError(
-            f"--cluster {printable(address)}: a worker cannot mark ({reason}); install the same imugrade[cluster] there"
+            f"--cluster {printable(address)}: a worker cannot grade ({reason}); install the same imugrade[cluster] there"
         ) from None
 
 
@@ -208,7 +208,7 @@ class _Errands:
             if without_s >= PATIENCE_S:
                 raise GraderError(
                     f"the cluster at {self._address} has had no worker for {PATIENCE_S:g} s; "
-                    "start some, then the same command goes on where this one ended"
+                    "start some, then give the same command again"
                 )
 
     def _workers(self) -> int:

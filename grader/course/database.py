@@ -117,7 +117,7 @@ class Database:
         """The record of a class that has been graded; RequestError if there is none."""
         if not (out / FILE_NAME).is_file():
             raise RequestError(
-                f"{printable(str(out), 500)}: no class was graded there; give the OUT of `imugrade grade`"
+                f"{printable(str(out), 500)}: no class was graded there; give the output folder of `imugrade grade`"
             )
         return cls(out)
 
@@ -211,7 +211,9 @@ class ForeignError(Exception):
 
 
 def foreign(path: Path, problem: ForeignError) -> RequestError:
-    return RequestError(f"{path}: holds what this imugrade does not write ({problem}); choose another folder with -o")
+    return RequestError(
+        f"{path}: has contents that this version of imugrade does not write ({problem}); choose another folder with -o"
+    )
 
 
 def read(parse: Callable[[Any], T], record: object) -> T:

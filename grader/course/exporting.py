@@ -129,7 +129,7 @@ def plan(order: Export) -> Plan:
         named = ", ".join(printable(id_, 80) for id_ in outdated[:5]) + ", …" * (len(outdated) > 5)
         raise RequestError(
             f"{order.out}: {len(outdated)} of {len(sent)} reports do not match the record ({named}); "
-            "give the `imugrade grade` command again: it writes them anew"
+            "give the `imugrade grade` command again: it writes them again"
         )
     absent = class_settings.absent(settings, {id_: each.hand_in for id_, each in final_grades.items()})
     others = () if settings is None else class_settings.others(settings, final_grades)
@@ -151,7 +151,7 @@ def _way(order: Export) -> Make:
             tuple(_blank(final_grades, absent)),
         )
     if fill is None and write is None:
-        raise RequestError(f"--format {order.platform.name}: {order.platform.title} takes no grades")
+        raise RequestError(f"--format {order.platform.name}: {order.platform.title} cannot import grades")
     needs = "needs --template with the file that it exports" if template is None else "takes no --template"
     raise RequestError(f"--format {order.platform.name} {needs}")
 

@@ -90,7 +90,7 @@ def having(out: Path, name: str) -> tuple[str, tuple[str, ...]]:
         found = groups(store.final_grades())
     named = {group.key: group for group in found if group.kind in (MISTAKE, CHECK)}
     if name not in named:
-        raise RequestError(f"--having {printable(name)}: no two submissions have that in common{guess_at(name, named)}")
+        raise RequestError(f"--having {printable(name)}: no two submissions have this in common{guess_at(name, named)}")
     return named[name].what, named[name].ids
 
 

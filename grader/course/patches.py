@@ -40,7 +40,7 @@ def applied(before: bytes, diff: str, place: str = "patch") -> bytes:
     lines, after, at = _lines(before), [], 0
     for start, old, new in _hunks(_lines(data), place):
         if start < at or lines[start : start + len(old)] != old:
-            raise RequestError(f"{place}: the lines from {start + 1} on are not those of the file; make the diff anew")
+            raise RequestError(f"{place}: the lines from {start + 1} on do not match the file; make the diff again")
         after += [*lines[at:start], *new]
         at = start + len(old)
     return b"".join([*after, *lines[at:]])
@@ -56,7 +56,7 @@ def _hunks(diff: Sequence[bytes], place: str) -> Iterator[tuple[int, list[bytes]
     """Yield each hunk: where it starts, as counted from 0, the lines that stand there, and those that take their place."""
     at = next((at for at, line in enumerate(diff) if line.startswith(b"--- ")), len(diff))
     if not diff[at + 1 : at + 2] or not diff[at + 1].startswith(b"+++ "):
-        raise RequestError(f"{place}: no unified diff; make one with `diff -u OLD NEW` or `git diff`")
+        raise RequestError(f"{place}: not a unified diff; make one with `diff -u OLD NEW` or `git diff`")
     at += 2
     while at < len(diff):
         head = _HUNK.match(diff[at])

@@ -325,7 +325,7 @@ class Store(Database):
         for id_, author, at in self._db.execute(query, (seen,)):
             if id_ in ids:
                 raise OvertakenError(
-                    f"{printable(id_, 80)}: {printable(author, 80)} decided something at {at}, after you had looked"
+                    f"{printable(id_, 80)}: {printable(author, 80)} changed something at {at}, after you opened the page"
                 )
 
     def history(self) -> list[tuple[str, Adjustment]]:

@@ -30,7 +30,7 @@ def under(final_grades: Mapping[str, FinalGrade], rubric: Rubric) -> dict[str, F
     others = [id_ for id_, final_grade in final_grades.items() if not fits(final_grade.result, rubric)]
     if others:
         raise RequestError(
-            f"{rubric.source}: asks other things than were asked of {_told(others)} (limits, model or checks differ, or "
+            f"{rubric.source}: needs other measurements than those of {_told(others)} (limits, model or checks differ, or "
             "the record is older); grade the class again"
         )
     return {id_: _under(final_grade, rubric) for id_, final_grade in final_grades.items()}

@@ -272,12 +272,14 @@ def _made(
     if not 0 <= wish.deduction <= most or round(wish.deduction, 2) != wish.deduction:
         raise RequestError(f"repair: --deduct takes points from 0 to {words.number(most)}, with two decimals at most")
     if not wish.comment.strip() or len(wish.comment) > MAX_COMMENT:
-        raise RequestError(f"repair: say why with --comment, in {MAX_COMMENT} characters at most; the student reads it")
+        raise RequestError(
+            f"repair: give the reason with --comment, at most {MAX_COMMENT} characters; the student can read it"
+        )
     if (wish.fixed is None) == (wish.patch is None):
         raise RequestError("repair: give the repaired file with --with, or a unified diff with --patch")
     content = now[wish.file]
     if wish.seen_sha256 not in ("", sha256_of(content)):
-        raise OvertakenError(f"repair: somebody has repaired {printable(wish.file, 120)} since you opened it")
+        raise OvertakenError(f"repair: another person has repaired {printable(wish.file, 120)} since you opened it")
     fixed = applied(content, wish.patch) if wish.patch is not None else wish.fixed or b""
     if len(fixed) > LARGEST:
         raise RequestError(f"repair: the repaired file has more than {LARGEST} bytes")
@@ -301,7 +303,7 @@ def repaired(
     original = _original(final_grade, handed_in, grading, log)
     if len(repairs) > MOST:
         raise RequestError(
-            f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; take one back with --undo"
+            f"repair: {printable(final_grade.id, 80)} has {MOST} repairs already; remove one with --undo"
         )
     made = _graded(handed_in, original, repairs, grading)
     if refusal := _refusal(final_grade.id, made, original):
@@ -314,7 +316,7 @@ def _original(final_grade: FinalGrade, handed_in: Submission, grading: Grading, 
     original = log.result(grading.key(final_grade.id, handed_in.sha256))
     if original is None:
         raise RequestError(
-            f"repair: {printable(final_grade.id, 80)} was graded by other settings or another version; run `imugrade grade` first"
+            f"repair: {printable(final_grade.id, 80)} was graded with other settings or another version; run `imugrade grade` first"
         )
     return original
 
@@ -376,7 +378,7 @@ def _standing(store: Store, who: str) -> FinalGrade:
     final_grades = store.final_grades()
     id_ = Meant({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
     if id_ not in final_grades:
-        raise RequestError(f"repair: there is no submission {printable(who)}{guess_at(who, final_grades)}")
+        raise RequestError(f"repair: no submission {printable(who)}{guess_at(who, final_grades)}")
     return final_grades[id_]
 
 
@@ -434,7 +436,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
         last = next((each for each in reversed([*old, *made]) if file in ("", each.file)), None)
         if last is None:
             where = f" of {printable(file, 120)}" if file else ""
-            raise RequestError(f"repair: {printable(final_grade.id, 80)} has no repair{where} to take back")
+            raise RequestError(f"repair: {printable(final_grade.id, 80)} has no repair{where} to undo")
         rest = [each for each in made if each != last]
         key = grading.key(final_grade.id, handed_in.sha256)
         if rest:
@@ -444,7 +446,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
             store.point_at(key)
         else:
             raise RequestError(
-                f"repair: {printable(final_grade.id, 80)} was graded by other settings; run `imugrade grade` first"
+                f"repair: {printable(final_grade.id, 80)} was graded with other settings; run `imugrade grade` first"
             )
         log.undo(last.number, author)
         after = store.final_grades()[final_grade.id]

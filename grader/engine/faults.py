@@ -66,7 +66,7 @@ def rows(lab: Lab) -> Mapping[str, Mistake]:
     groups = yaml.load(text, Loader=loader)
     found = {key: Mistake(key, group, **entry) for group, entries in groups.items() for key, entry in entries.items()}
     if missing := [id_ for id_ in NEEDED if id_ not in found]:
-        raise GraderError(f"the mistakes of {lab.label} lack {', '.join(missing)}")
+        raise GraderError(f"faults.yaml of {lab.label} lacks {', '.join(missing)}")
     return found
 
 

@@ -396,7 +396,7 @@ def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | N
     before = len(reader.problems)
     for name, (key, value) in reader.pairs(node, f"the checks of {part}").items():
         if not _NAME.fullmatch(name):
-            reader.say(key, f"{quote(key)} is no name of a check; write the part after `{part}.` alone")
+            reader.say(key, f"{quote(key)} is not the name of a check; write only the part after `{part}.`")
         ids.append(f"{part}.{name}")
         weights.append(reader.number(value, f"the weight of {printable(name, 60)}") or 0.0)
         lines.append(key.start_mark.line + 1)
@@ -426,7 +426,7 @@ def _limits(reader: Reader, node: yaml.Node | None) -> Limits:
     call = reader.number(keys.get("call_cpu_s"), "call_cpu_s", low=0.1)
     submission = reader.number(keys.get("submission_cpu_s"), "submission_cpu_s", low=0.1, high=100 * LARGEST)
     if call is not None and submission is not None and submission < call:
-        reader.say(keys["submission_cpu_s"], "submission_cpu_s is less than call_cpu_s; no call could use its time up")
+        reader.say(keys["submission_cpu_s"], "submission_cpu_s is less than call_cpu_s; make it at least as large")
     return Limits(call or 0.0, submission or 0.0)
 
 
@@ -476,7 +476,7 @@ def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, flo
     prices: dict[str, float] = {}
     for name, (key, value) in reader.pairs(node, "mistakes").items():
         if name not in known:
-            reader.say(key, f"there is no mistake {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
+            reader.say(key, f"there is no fault {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
         prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
     return prices
 

@@ -143,7 +143,7 @@ class Reader:
                 self.say(key, f"a key of {what} must be a word, not a list or a mapping; correct it")
             elif key.value in found:
                 first = found[key.value][0].start_mark.line + 1
-                self.say(key, f"{quote(key)} stands twice in {what} (first on line {first}); remove one")
+                self.say(key, f"{quote(key)} appears twice in {what} (first on line {first}); remove one")
             else:
                 found[key.value] = (key, value)
         return found
@@ -215,7 +215,7 @@ class Reader:
             name = self._known_id(fields.get("id"), what, known)
             if name in found:
                 first = found[name][0].start_mark.line + 1
-                self.say(item, f"the {what} {name} stands twice (first on line {first}); remove one")
+                self.say(item, f"the {what} {name} appears twice (first on line {first}); remove one")
             elif name:
                 found[name] = (item, fields)
         for name in known:

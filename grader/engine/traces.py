@@ -94,7 +94,7 @@ def load(path: Path) -> Traces:
     manifest = _read_manifest(path.with_suffix(".json"))
     arrays = _read_arrays(path)
     if _fingerprint(arrays, manifest) != manifest["sha256"]:
-        raise RequestError(f"{path}: the traces are not those of the manifest beside it; record them again")
+        raise RequestError(f"{path}: the traces do not match their manifest; record them again")
     try:
         scenarios = {name: _scenario(name, about, arrays) for name, about in manifest["scenarios"].items()}
     except (KeyError, TypeError, AttributeError) as error:

@@ -76,7 +76,7 @@ def gather_archive(stream: BinaryIO, name: str, required: Collection[str] = ()) 
         If nothing of it can be read.
     """
     if stream.seek(0, io.SEEK_END) > MAX_ARCHIVE:
-        raise Unreadable(f"{name} is larger than {MAX_ARCHIVE // MB} MB; hand in the lab's files alone.")
+        raise Unreadable(f"{name} is larger than {MAX_ARCHIVE // MB} MB; hand in only the lab's files.")
     stream.seek(0)
     magic = stream.read(4)
     stream.seek(0)

@@ -43,7 +43,7 @@ def fill(
     titles = sheet.titles
     section = sheet.column("Section")
     if ("Student" not in titles[0] and titles[0] != "LastName") or len(titles) < 3 or section is None:
-        raise RequestError(f"{source}: is no gradebook of Canvas; export it there with Grades > Export")
+        raise RequestError(f"{source}: is not a Canvas gradebook; export one in Canvas with Grades > Export")
     grade = _assignment(titles, section, column, source)
     form = _form(sheet, grade, source)
     matches = form.matches(final_grades)
@@ -66,7 +66,7 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
             if wanted is None
             else f"--column {printable(wanted)} means none or several"
         )
-        raise RequestError(f"{source}: {ask}; there are: {told}")
+        raise RequestError(f"{source}: {ask}; columns found: {told}")
     return found[0]
 
 

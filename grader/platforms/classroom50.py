@@ -81,7 +81,7 @@ def classroom50(result: Result, identity: Identity, committed: str) -> str:
         If a part of the submission could not be judged.
     """
     if result.status == "incomplete":
-        raise GraderError("a part of the submission could not be judged, so there is no score to report; run it again")
+        raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
     checks = [(part, check) for part in result.criteria for check in part.checks]
     most = shares([check.max_points for _, check in checks], [math.inf] * len(checks))
     scores = shares([check.points or 0.0 for _, check in checks], most)
@@ -149,7 +149,7 @@ def _respond(result: Result, handed: Handed) -> str:
 def _refuse(environ: Mapping[str, str], min_score: float | None) -> None:
     """It takes every exit code but 0 for a broken autograder."""
     if min_score is not None:
-        raise RequestError("--min-score: Classroom 50 reads the points from result.json; leave it out there")
+        raise RequestError("--min-score: leave it out; Classroom 50 reads the points from result.json")
     Identity.of(environ)
 
 

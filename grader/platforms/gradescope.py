@@ -52,7 +52,7 @@ def gradescope(result: Result, *, hidden: bool = False, visibility: Visibility =
         If a part of the submission could not be judged.
     """
     if result.status == "incomplete":
-        raise GraderError("a part of the submission could not be judged, so there is no score to report; run it again")
+        raise GraderError("the grader failed on a part of the submission, so there is no score to report; run it again")
     shown = rows.held_back(result) if hidden else result
     record = {
         "score": result.total,

@@ -114,7 +114,7 @@ def run(job: Job) -> Result:
     """
     respond = job.platform.respond
     if respond is None:
-        raise RequestError(f"--format {job.platform.name}: {job.platform.title} takes no answer of a job")
+        raise RequestError(f"--format {job.platform.name}: {job.platform.title} has no CI output")
     _keep_secret(job)
     if job.platform.refuse is not None:
         job.platform.refuse(job.environ, job.min_score)
@@ -125,7 +125,7 @@ def run(job: Job) -> Result:
     ) as marker:
         if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(
-                "hidden scenarios, but nothing here keeps students' code from reading them (`imugrade doctor` tells why); "
+                "hidden scenarios, but this machine cannot keep students' code from reading them (`imugrade doctor` says why); "
                 "leave --traces out, or add --trust-submissions"
             )
         result = marker.mark(submission)

@@ -61,7 +61,7 @@ class Door:
             return None  # with pytest-xdist the workers collect
         session.perform_collect([])
         if not session.items and not session.config.option.deselect:
-            raise pytest.UsageError("imugrade: no check has such a name; `imugrade explain` lists them")
+            raise pytest.UsageError("imugrade: no check has this name; `imugrade explain` lists them")
         return True
 
     @pytest.hookimpl(tryfirst=True)

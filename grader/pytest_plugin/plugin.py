@@ -10,7 +10,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--imugrade",
         action="store_true",
-        help="show the checks of the submission at PATH (this folder by default) as tests, and no others; its code runs in a box",
+        help="run the checks of the submission at PATH (default: this folder) as tests, and no others; its code is sandboxed",
     )
     group.addoption("--imugrade-rubric", metavar="FILE", help="another rubric.yaml")
 

@@ -119,7 +119,7 @@ def test_a_key_is_one_word_that_stands_once() -> None:
         "d": ("d", "4"),
     }
     word = "a key of it must be a word, not a list or a mapping; correct it"
-    twice = "'c' stands twice in it (first on line 5); remove one"
+    twice = "'c' appears twice in it (first on line 5); remove one"
     assert reader.problems == [(1, word), (3, word), (7, twice), (8, twice)]
 
 
@@ -149,7 +149,7 @@ def test_records_come_in_the_order_of_their_ids_each_once() -> None:
     ]
     ids = "the ids are first, second, third, fourth"
     assert reader.problems == [
-        (3, "the part first stands twice (first on line 2); remove one"),
+        (3, "the part first appears twice (first on line 2); remove one"),
         (4, "an id must be text, not '3'; write it in quotes"),
         (5, f"unknown part 'forth' (did you mean fourth?); {ids}"),
         (6, f"unknown part 'zzz'; {ids}"),

@@ -66,7 +66,7 @@ def test_a_catalogue_without_what_the_engine_finds_out_is_refused_by_name(tmp_pa
     (tmp_path / "faults.yaml").write_text(text.replace("  raises:", "  stumbles:"), encoding="utf-8")
     lab = replace(LAB)
     lab.__dict__["folder"] = tmp_path
-    with pytest.raises(GraderError, match="the mistakes of Lab 0 lack raises"):
+    with pytest.raises(GraderError, match=r"faults\.yaml of Lab 0 lacks raises"):
         catalogue(lab)
 
 
