@@ -146,6 +146,7 @@ _NUMBERS: dict[str, Callable[[Any, int], Any]] = {
     "waves": lambda self, which: np.sin(self.reads + np.arange(3.0)),
     "std": lambda self, which: np.full(3, self.stds[which]),
     "normal": lambda self, which: np.random.normal(0, 9, 3),
+    "loud": lambda self, which: np.random.normal(0, 300, 3),
     "normal of std": lambda self, which: np.random.normal(0, self.stds[which], 3),
     "normal about gravity": lambda self, which: np.random.normal((0, 0, -9.81), self.stds[which], 3),
     "uniform": lambda self, which: np.random.uniform(-1, 1, 3),

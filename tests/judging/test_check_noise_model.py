@@ -272,6 +272,16 @@ class Frozen(Sound):
         return self.drawn[which]
 
 
+class OwnOffset(Sound):
+    """An offset of each instance, and no noise."""
+
+    def begin(self) -> None:
+        self.own = [self.rng.normal(0, size, 3) for size in (0.1, 0.01)]
+
+    def one(self, which: int) -> Any:
+        return self.clean(which) + self.own[which]
+
+
 class Stale(Sound):
     """The clean reading of the first read."""
 
@@ -488,6 +498,7 @@ CASES = [
             ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), (0.0, [])),
             ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), (0.0, [])),
             ("on a reading of long ago", Stale, None),
+            ("an offset of each instance in place of a draw", OwnOffset, (0.0, ["no-noise"])),
             ("a constant in place of a draw", of(noise=lambda *_: np.array([0.1, -0.2, 0.3])), (0.0, ["no-noise"])),
             ("frozen", Frozen, (0.0, ["frozen-noise"])),
             ("with the size of the reading", MULTIPLICATIVE, (0.0, ["multiplicative-noise"])),
@@ -568,6 +579,7 @@ CASES = [
         ],
         GIVEN: [
             ("sound", Sound, None),
+            ("an offset of each instance in its place", OwnOffset, (0.0, ["bias-argument-ignored"])),
             ("zero taken for one below zero", of(bias=_unless_zero_below), (0.5, ["bias-argument-ignored"])),
             (
                 "on the other sensor's reading",

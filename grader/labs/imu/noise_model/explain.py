@@ -11,7 +11,7 @@ from grader.engine.charging import Part
 from grader.engine.findings import Deviation
 from grader.engine.hypothesis import Named, Reason
 from grader.labs.imu import statistics as st
-from grader.labs.imu.compare import Array
+from grader.labs.imu.compare import Array, same
 from grader.labs.imu.diagnosis import noise as diagnosis
 from grader.labs.imu.diagnosis import noise_laws as laws
 from grader.labs.imu.diagnosis.noise import Facts as Reads
@@ -80,6 +80,12 @@ def _known_size(named: Named[diagnosis._Sizes]) -> Callable[[Facts], bool]:
     return lambda facts: named.fits(diagnosis._Sizes(facts.steady, facts.again, facts.steady_silent))
 
 
+def without_draw(facts: Facts) -> bool:
+    """Whether reads do not differ, and stay the same where more noise is asked for: an offset, but no draw that is repeated."""
+    seeded = bool(facts.twins) and all(twins.seeded for twins in facts.twins)
+    return facts.still and seeded and all(same(t.scaled, t.base, diagnosis.TRUTH_ATOL) for t in facts.twins)
+
+
 def _told_size(facts: Facts) -> list[str]:
     return diagnosis.size_mistakes(facts.steady, facts.again, facts.steady_silent)
 
@@ -101,7 +107,9 @@ def bias_is_right(reads: Reads) -> bool:
 
 
 def _off(facts: Facts) -> list[int]:
-    return [i for i in BOTH if not bias_is_right(facts.sensors[i])]
+    exact = without_draw(facts)
+    gaps = [float(np.abs(reads.offset - reads.bias).max()) for reads in facts.sensors]
+    return [i for i in BOTH if not bias_is_right(facts.sensors[i]) or (exact and gaps[i] > diagnosis.TRUTH_ATOL)]
 
 
 def _is_added(facts: Facts, which: int) -> bool:
@@ -316,7 +324,7 @@ def _general(of: str, cost: int, holds: Callable[[Facts], bool], *predicts: str)
 
 
 def _repeats(told: str) -> Callable[[Facts], bool]:
-    return lambda facts: facts.follows and facts.still and _told_size(facts) == [told]
+    return lambda facts: facts.follows and facts.still and not without_draw(facts) and _told_size(facts) == [told]
 
 
 _REPEATED = [(told, of) for told in ("frozen-noise", "reseeded") for of in (LAW, APART)]
@@ -324,6 +332,7 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 0, "reads-no-sensor", lambda f: not f.follows),
     Reason(SIZE, 1, "one-sensor-twice", lambda f: f.one_twice),
     Reason(SIZE, 2, "bias-redrawn", _redrawn_explains_size),
+    Reason(SIZE, 3, "no-noise", without_draw),
     *(Reason(SIZE, 2 + each.cost, str(each.told), _known_size(each)) for each in diagnosis._SIZES),
     Reason(SIZE, 7, "noise-density", lambda f: laws.density(f.steady, f.timestep)),
     Reason(SIZE, 8, "no-noise-known", lambda f: f.still),
