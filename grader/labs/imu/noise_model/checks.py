@@ -65,8 +65,7 @@ def check_default_bias(facts: Facts) -> Deviation | None:
 @PART.check("noise_model.white_and_gaussian", lab_step=5)
 def check_white_and_gaussian(facts: Facts) -> Deviation | None:
     """The noise is Gaussian with zero mean, and no read depends on the one before"""
-    centre = explain.off_centre(facts)
-    noisy = explain.noisy_sensors(facts)
+    centre, noisy = explain.off_centre(facts), explain.noisy_sensors(facts)
     odd = [i for i in noisy if explain.remembered(facts.steady[i]) or _has_another_law(facts.steady[i])]
     if not (odd or centre or explain.coarse(facts) or not noisy):
         return None
