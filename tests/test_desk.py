@@ -219,7 +219,7 @@ def test_a_regrade_request_that_is_refused_keeps_what_was_typed_and_people_are_p
     assert '<option value="bob">Bob Bird</option>' in page
     answer = desk.post("/regrade-requests", {"text": "Please <i>look</i>", "who": "", "about": ADDRESS})
     assert answer.status == 400
-    assert 'id="error-who">the request: no student is named' in answer.text
+    assert 'id="error-who">Choose a student.' in answer.text
     assert "Please &lt;i&gt;look&lt;/i&gt;</textarea>" in answer.text
     assert f"<option selected>{ADDRESS}</option>" in answer.text
 

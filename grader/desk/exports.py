@@ -33,7 +33,7 @@ def send(book: Classbook, ask: Ask) -> Response:
                 plan.write()
                 return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
     except RequestError as problem:
-        told = str(problem).replace("--template with", "a template:").replace("--format ", "")
+        told = _in_words(str(problem))
         return _page(book, ask, {_field(told): _without_folder(told)}, code=400)
     if plan.draft.blank and not ask.text("allow_blank"):
         return _page(book, ask, plan=plan, code=400)
@@ -64,6 +64,21 @@ def _roster(book: Classbook) -> str:
 
 def _field(problem: str) -> str:
     return "column" if "column" in problem else "template" if "template" in problem else "format"
+
+
+_WORDS = {
+    "--template with": "a template:",
+    "--format ": "",
+    "with --column": "in the field for its column",
+    "--scale": "the box for scaling",
+}
+
+
+def _in_words(problem: str) -> str:
+    """Return a message of the command in the words of the form."""
+    for option, said in _WORDS.items():
+        problem = problem.replace(option, said)
+    return problem
 
 
 def _without_folder(problem: str) -> str:

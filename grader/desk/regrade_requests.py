@@ -72,8 +72,11 @@ def _page(book: Classbook, ask: Ask, problem: str = "", code: int = 200) -> Resp
         about=about,
         told=ask.text("told"),
         typed={name: (ask.form.get(name) or [""])[0] for name in ("text", "who", "about")},
-        errors={_field(problem): problem} if problem else {},
+        errors={_field(problem): problem.replace(_NOBODY, "Choose a student.")} if problem else {},
     )
+
+
+_NOBODY = "the request: no student is named"
 
 
 def _field(problem: str) -> str:

@@ -148,7 +148,7 @@ class RepairJobs:
 
     def _graded(self, submission: Submission, opened: Recipe, cpu_s: float | None = None) -> Result:
         if self._pool is None:
-            self._pool = self._stack.enter_context(Pool(opened.open_marker, 1, _BOUNDS, attempts=1))
+            self._pool = self._stack.enter_context(Pool(opened.open_marker, 1, _BOUNDS))
         for _, outcome in list(self._pool.run(iter([submission]), cpu_s)):
             if isinstance(outcome, Unmarked | Stopped):
                 raise RequestError(f"the edited copy could not be graded: {outcome.reason}")
