@@ -15,8 +15,10 @@ from typing import Any
 import pytest
 
 from grader.course.class_grading import Recipe, recipe
+from grader.desk.asking import Ask
 from grader.desk.editing import as_bytes, editable
-from grader.desk.repair_jobs import RepairJobs
+from grader.desk.repair_jobs import Job, RepairJobs
+from grader.desk.repairing import editor
 from grader.labs.imu.lab import LAB
 from tests import class_commands
 from tests.class_commands import column, commands
@@ -266,3 +268,20 @@ def test_what_a_browser_cannot_keep_is_not_edited_in_it(path: str, content: byte
 def test_a_file_of_another_encoding_says_so() -> None:
     assert editable("a.py", "s = 'é'\n".encode("latin-1")).note.startswith("This file is not UTF-8.")
     assert as_bytes("s = 'é'\n".encode("latin-1"), "s = 'é'\n") == "s = 'é'\n".encode()
+
+
+def test_a_job_that_ends_while_its_page_is_written_is_still_running_on_that_page(desk: Desk) -> None:
+    """Otherwise the page has neither the outcome nor a reason to be loaded again."""
+    job = Job("preview", "ada", "filters.py", "# 1\n")
+    made = desk.book.on_thread(
+        lambda: editor(desk.book, desk.book.final_grades()["ada"], Ask("prof", query={"job": [str(kept(desk, job))]}))
+    )
+    job.ended.set()
+    assert made is not None
+    assert (made.running, made.rows) == (True, ())
+
+
+def kept(desk: Desk, job: Job) -> int:
+    """The number of a job that never begins."""
+    desk.book.jobs._jobs[99] = job
+    return 99

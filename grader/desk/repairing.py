@@ -60,6 +60,8 @@ class Editor:
         Other submissions with the same file and the same error.
     errors
         What is wrong with each field.
+    running
+        Whether the job had not ended when this was made: it may end while the page is written.
     """
 
     file: str
@@ -78,10 +80,7 @@ class Editor:
     alike: Sequence[FinalGrade] = ()
     also: tuple[str, ...] = ()
     errors: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def running(self) -> bool:
-        return self.job is not None and not self.job.done
+    running: bool = False
 
     @property
     def lines(self) -> int:
@@ -95,9 +94,10 @@ def editor(
     job = book.jobs.get(ask.number("job") or ask.number("seen"))
     if job is not None and job.id != final_grade.id:
         job = None
+    ended = job is not None and job.done
     file = job.file if job else ask.text("file") if ask.form else ask.text("edit")
     files = current(book, final_grade)
-    if file not in files or (job and job.done and not job.problem and job.kind in ("save", "undo")):
+    if file not in files or (job and ended and not job.problem and job.kind in ("save", "undo")):
         return None
     content = files[file]
     original = editable(file, content)
@@ -108,7 +108,7 @@ def editor(
     else:
         text, deduct, comment, also = original.text, "", "", ()
     found = stops(final_grade.result, book.lab)
-    grades = job.grades if job and job.done and not job.problem else None
+    grades = job.grades if job and ended and not job.problem else None
     shown = Editor(
         file,
         text,
@@ -124,6 +124,7 @@ def editor(
         job,
         also=also,
         errors=errors or {},
+        running=job is not None and not ended,
     )
     if grades is None:
         return shown
