@@ -28,7 +28,8 @@ def check_noise_size(facts: Facts) -> Deviation | None:
         return None
     reads = facts.steady[wrong[0]]
     came = _spread(reads, SENSOR_UNITS[wrong[0]])
-    return _of(wrong[0], len(wrong) / 2, {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size})
+    affected = len(wrong) / 2 if reads.still else 1.0  # the noise of the other sensor is there
+    return _of(wrong[0], affected, {"std": reads.std, "came": came, "reads": reads.residual[..., 0].size})
 
 
 @PART.check("noise_model.given_bias", lab_step=5)
