@@ -49,7 +49,7 @@ def _address(name: str, changes: Changes, named: str, got: str, hint: str) -> Co
 
 
 def _count(name: str, count: str, named: tuple[str, ...], hint: str) -> Cousin:
-    return Cousin(name, READER, {COUNT: count}, {"data_collection.sample_count": 3.0}, named, " samples", hint)
+    return Cousin(name, READER, {COUNT: count}, {"data_collection.sample_count": 2.0}, named, " samples", hint)
 
 
 def _alias(name: str, changes: Changes, *named: str, hint: str) -> Cousin:

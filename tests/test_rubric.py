@@ -91,7 +91,7 @@ def test_what_a_mark_depends_on_changes_the_hash(old: str, new: str) -> None:
 
 def test_slips_of_every_kind_are_told_in_one_round() -> None:
     text = edited("follows_address: 6", "follows_adress: 6").replace("points: 20", "points: -1", 1)
-    text = text.replace("time_axis: 2", "time_axis: many")
+    text = text.replace("time_axis: 3", "time_axis: many")
     told = problems(text + "mistakes: {no-such: 1}\n")
     assert [line.partition(": ")[2].partition(";")[0] for line in told] == [
         "the check sensor_access.follows_address (Reads the sensors that the ids name, wherever they lie in sensordata and "

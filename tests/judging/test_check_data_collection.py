@@ -452,7 +452,7 @@ CASES = [
             ("sound", SOUND, None),
             ("one more", ONE_MORE, None),
             ("always as many", FIXED, (0.0, ["ignores-duration"])),
-            ("at a fixed rate", HUNDRED_HERTZ, (0.5, ["hard-coded-timestep"])),
+            ("at a fixed rate", HUNDRED_HERTZ, (0.0, ["hard-coded-timestep"])),
             ("twenty too few", SHORT, (0.0, [])),
             ("every second", Skipping, (0.0, ["samples-skipped"])),
             ("none", NO_STEPS, (0.0, [])),

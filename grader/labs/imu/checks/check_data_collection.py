@@ -36,8 +36,6 @@ from grader.labs.imu.recordings import (
 )
 from grader.labs.imu.student import Student
 
-_AT_ONE_TIMESTEP = 0.5
-"""Kept for a number of samples that is right at the time step of the sheet's own model."""
 _BUT_FOR_ONE = 0.75
 """Of the rows' points, where the last one alone was never filled."""
 _IN_THE_LOOP = Ours(
@@ -107,7 +105,6 @@ def check_sample_count(student: Student, truth: Traces) -> None:
         f"{n} samples",
         off=Size("another number of samples"),
         mistakes=(mistakes := _count_mistakes(seen, skips=story is not None and story.skip > 1)),
-        keeps=_AT_ONE_TIMESTEP if "hard-coded-timestep" in mistakes else 0.0,
         hint="" if mistakes else _ONE_A_STEP,
         belongs_to=_ROWS if elsewhere else "",
     )
