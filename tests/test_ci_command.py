@@ -103,7 +103,7 @@ def test_gradescope_gets_no_file_for_what_was_not_judged(
     monkeypatch.setattr(Given, "answer", result(check("not_judged", None), status="incomplete"))
     assert cli.main(["ci", "--format", "gradescope", "-o", str(tmp_path / "results.json")]) == 3
     assert not (tmp_path / "results.json").exists()
-    assert "could not be judged, so there is no score to report" in capsys.readouterr().err
+    assert "failed on a part of the submission, so there is no score to report" in capsys.readouterr().err
 
 
 def test_junit_goes_to_the_file_that_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -155,8 +155,8 @@ def test_classroom50_writes_result_json_with_the_instant_of_the_commit(
         (["--format", "jnit"], "imugrade: --format jnit: there is no such format; did you mean junit?\n"),
         (["--format", "classroom50"], "imugrade: --format classroom50: CLASSROOM, ASSIGNMENT, SUBMISSION_TAG, COMMIT_URL, "
                                       "RELEASE_URL, OWNER not set; run it from a Classroom 50 autograder\n"),
-        (["--format", "classroom50", "--min-score", "5"], "imugrade: --min-score: Classroom 50 reads the points from "
-                                                          "result.json; leave it out there\n"),
+        (["--format", "classroom50", "--min-score", "5"], "imugrade: --min-score: leave it out; Classroom 50 reads the points from "
+                                                          "result.json\n"),
         (["--visibility", "never"], "imugrade: --visibility never: there are visible, after_due_date, after_published, hidden\n"),
         (["--traces", "no.npz"], "imugrade: no.json: cannot read the manifest of the traces (No such file or directory)\n"),
     ],
@@ -186,7 +186,7 @@ def test_a_private_job_needs_isolation_as_any_other(
 ) -> None:
     monkeypatch.setattr(Given, "isolation", UNWALLED)
     assert cli.main(["ci", "--format", "junit", "--traces", secret, "--private"]) == 2
-    assert "nothing here keeps students' code from reading them" in capsys.readouterr().err
+    assert "this machine cannot keep students' code from reading them" in capsys.readouterr().err
 
 
 def test_hidden_scenarios_are_refused_where_nothing_isolates_the_code(
@@ -194,7 +194,7 @@ def test_hidden_scenarios_are_refused_where_nothing_isolates_the_code(
 ) -> None:
     monkeypatch.setattr(Given, "isolation", UNWALLED)
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret]) == 2
-    assert "nothing here keeps students' code from reading them" in capsys.readouterr().err
+    assert "this machine cannot keep students' code from reading them" in capsys.readouterr().err
     assert cli.main(["ci", "--format", "gradescope", "--traces", secret, "--trust-submissions"]) == 0
 
 

@@ -481,7 +481,7 @@ def test_no_seed_reaches_gradescope() -> None:
 
 
 def test_gradescope_is_never_given_a_zero_for_what_was_not_judged() -> None:
-    with pytest.raises(GraderError, match="could not be judged"):
+    with pytest.raises(GraderError, match="the grader failed on a part of the submission"):
         gradescope(incomplete())
 
 
@@ -607,7 +607,7 @@ def test_classroom50_names_what_its_runner_did_not_set() -> None:
 
 
 def test_classroom50_is_never_given_a_zero_for_what_was_not_judged() -> None:
-    with pytest.raises(GraderError, match="could not be judged"):
+    with pytest.raises(GraderError, match="the grader failed on a part of the submission"):
         classroom50(incomplete(), Identity.of(ID), WHEN)
 
 
