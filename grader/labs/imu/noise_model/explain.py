@@ -196,6 +196,10 @@ def _each_moving(holds: Callable[[Array], bool]) -> Callable[[Facts], bool]:
     return fits
 
 
+def _gone_after_one_read(facts: Facts) -> bool:
+    return _each_moving(lambda b: bool(np.abs(b[:, 1:]).max() <= diagnosis.TRUTH_ATOL))(facts)
+
+
 def none_drawn(facts: Facts) -> list[int]:
     none = [bool(np.abs(mean).max() <= diagnosis.TRUTH_ATOL) for mean in _means(facts)]
     return [i for i, without in enumerate(none) if without and not facts.drawn_with_noise[i]]
@@ -204,6 +208,29 @@ def none_drawn(facts: Facts) -> list[int]:
 def one_for_all_instances(facts: Facts) -> list[int]:
     means = [] if noisy(facts) else _means(facts)
     return [i for i, mean in enumerate(means) if np.ptp(mean[1:], axis=0).max() <= diagnosis.EXACT and _some(mean)]
+
+
+def _none_at_all(facts: Facts) -> bool:
+    """Whether no bias is in the readings, given or drawn: one fault, which given_bias charges where there is noise."""
+    return bool(none_drawn(facts)) and diagnosis.bias_mistakes(facts.sensors) == ["no-bias"]
+
+
+def _one_number(facts: Facts) -> list[int]:
+    return one_for_all_axes(facts) or one_for_both_sensors(facts)
+
+
+def _one_for_every_bias(facts: Facts) -> bool:
+    """Whether one constant stands in the place of each bias, given or drawn: one fault, too, and no worse than no bias at all."""
+    constant = set(one_for_all_instances(facts))
+    return (
+        bool(constant)
+        and not facts.still
+        and constant <= set(missing_bias(facts))
+        and all(
+            np.abs(facts.sensors[i].offset - _means(facts)[i][1]).max() <= 2 * diagnosis.mean_bound(facts.sensors[i])
+            for i in constant
+        )
+    )
 
 
 def one_for_all_axes(facts: Facts) -> list[int]:
@@ -337,9 +364,10 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(SIZE, 7, "noise-density", lambda f: laws.density(f.steady, f.timestep)),
     Reason(SIZE, 8, "no-noise-known", lambda f: f.still),
     Reason(GIVEN, 0, "swapped-sensors", lambda f: f.exchanged),
-    Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged),
+    Reason(GIVEN, 0, "one-sensor-twice", lambda f: f.one_twice and not f.exchanged, frozenset({DEFAULT})),
     Reason(GIVEN, 1, "stds-swapped", _ids_exchanged),
     Reason(GIVEN, 1, "bias-redrawn", lambda f: f.redrawn and bool(missing_bias(f))),
+    Reason(GIVEN, 0, "bias-drifts", lambda f: bool(missing_bias(f)) and _gone_after_one_read(f)),
     *(
         Reason(GIVEN, 1 + each.cost, each.told or f"noise_model.{GIVEN}", _known_bias(each), frozenset({DEFAULT}))
         for each in diagnosis._BIASES
@@ -348,21 +376,19 @@ REASONS: tuple[Reason[Facts], ...] = (
     Reason(GIVEN, 12, "bias-argument-ignored", lambda f: bool(offset_of_zero(f))),
     _general(GIVEN, 99, lambda _: True, DEFAULT),
     Reason(DEFAULT, 1, "bias-drifts", lambda f: bool(drifts(f))),
-    Reason(DEFAULT, 2, "bias-drifts", _each_moving(lambda b: np.abs(b[:, 1:]).max() <= diagnosis.TRUTH_ATOL)),
+    Reason(DEFAULT, 2, "bias-drifts", _gone_after_one_read),
     Reason(DEFAULT, 3, "bias-shared", _each_moving(lambda b: np.ptp(b[:, 1:], axis=(0, 1)).max() <= diagnosis.EXACT)),
     Reason(
         DEFAULT, 5, "bias-redrawn", _each_moving(lambda b: np.median(np.ptp(b, axis=1).max(axis=1)) > diagnosis.EXACT)
     ),
-    Reason(
-        DEFAULT, 6, "no-bias-drawn", lambda f: bool(none_drawn(f)) and diagnosis.bias_mistakes(f.sensors) == ["no-bias"]
-    ),
-    Reason(DEFAULT, 7, "bias-not-random", lambda f: bool(none_drawn(f))),
+    Reason(DEFAULT, 6, "no-bias-drawn", lambda f: f.still and _none_at_all(f)),
+    Reason(DEFAULT, 7, "bias-not-random", lambda f: bool(none_drawn(f)) and not _none_at_all(f)),
     *(
         Reason(DEFAULT, 8, told, lambda f, told=told: bool(one_for_all_instances(f)) and _repeats(told)(f))  # type: ignore[misc]
         for told in ("frozen-noise", "reseeded")
     ),
-    Reason(DEFAULT, 9, "bias-not-random", lambda f: bool(one_for_all_instances(f))),
-    Reason(DEFAULT, 11, "bias-shared", lambda f: bool(one_for_all_axes(f) or one_for_both_sensors(f))),
+    Reason(DEFAULT, 9, "bias-not-random", lambda f: bool(one_for_all_instances(f)) and not _one_for_every_bias(f)),
+    Reason(DEFAULT, 11, "bias-shared", lambda f: bool(_one_number(f)) and not _one_for_every_bias(f)),
     Reason(LAW, 1, "precision-lost", coarse),
     *(Reason(of, 0, told, _repeats(told)) for told, of in _REPEATED),
     Reason(LAW, 2, "noise-accumulates", _any(diagnosis.accumulates)),

@@ -228,8 +228,14 @@ def reads_the_sensors(student: Student, truth: Traces) -> bool:
 
     It may be any sensor, in any order, sign, unit or scale. True where nothing can be told.
     """
+    series = (truth["noise"]["acceleration"], truth["noise"]["angular_velocity"])
+    if not any(np.ptp(each, axis=0).max() > 2 * diagnosis.TRUTH_ATOL for each in series):
+        return True  # an instructor's robot may read the same in both states
     if any(_keeps_its_offset(reads) and _would_show(reads) for reads in given(student, truth)):
         return True
+    twins = from_one_seed(student, truth)
+    if twins and all(each.scales() and each.adds_bias() for each in twins):
+        return True  # a draw of the size and the bias that are asked for, beside readings of another time
     run = _twins(student, truth)
     base, again, elsewhere = np.concatenate([run.accel, run.gyro], axis=2)[:3].mean(axis=1)
     if not np.isfinite([base, again, elsewhere]).all():
