@@ -68,7 +68,7 @@ class Scene:
 
     @property
     def imu(self) -> tuple[str, str]:
-        """The IMU that is graded."""
+        """Names of the accelerometer and the gyroscope of the IMU that is graded."""
         return self.imus[0]
 
     @property

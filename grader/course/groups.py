@@ -31,7 +31,7 @@ class Group:
 
     @property
     def what(self) -> str:
-        """What a decision on it is on."""
+        """Text that names what a decision on this group is about, such as ``mistake: <title>``."""
         kind = {MISTAKE: "mistake", CHECK: "lost", SAME: "the same lost checks", ALIKE: "alike"}[self.kind]
         return printable(f"{kind}: {self.title}", 200)
 

@@ -232,7 +232,7 @@ def strays_of(frame: Frame) -> tuple[Stray, ...]:
 
 
 def picture_of(frame: Frame) -> Picture | None:
-    """What can be seen of a picture; None where it cannot be read."""
+    """Return the handed-in picture that a reply describes; None if the picture could not be read."""
     return _record(Picture, {**frame.fields, **frame.arrays}) if frame.fields["readable"] else None
 
 

@@ -35,7 +35,7 @@ class Subject(Protocol):
 
     @property
     def identity(self) -> Sequence[str]:
-        """All that makes it another one."""
+        """Everything that a recording of this subject depends on; part of the cache key."""
         ...
 
     def options(self, folder: Path) -> list[str]:

@@ -214,5 +214,5 @@ def _together(names: Iterable[str]) -> str:
 
 
 def is_run(path: str) -> bool:
-    """Return whether a file may be run because of what is in it; some files are there for tools that look for their names."""
+    """Return whether a program may be run, by its name: not `conftest`, `setup` or the like, and no `test_*`."""
     return PurePosixPath(path).stem not in _NEVER_IMPORTED and not PurePosixPath(path).name.startswith("test_")

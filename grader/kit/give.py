@@ -172,7 +172,7 @@ def _refuse_full(out: Path) -> None:
 
 
 def _beside_others(out: Path, files: Mapping[str, bytes]) -> None:
-    """Into a folder that has other things in it, none of them overwritten."""
+    """Write files into a folder that may hold others; RequestError, and nothing written, if one of them exists."""
     for path in files:
         if (out / path).exists():
             raise RequestError(f"{printable(str(out / path))}: it is there already; remove it or choose another folder")

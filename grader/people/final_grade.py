@@ -208,7 +208,10 @@ class FinalGrade:
         return summed({check.id: given.get(check.id, check.points) for check in criterion.checks})
 
     def check_points(self, check: CheckResult) -> float | None:
-        """The same of one check, as long as its criterion has none by hand."""
+        """Return a check's own points: those set by a person, else the automatic ones; None where they are open.
+
+        An override of its whole criterion is not considered.
+        """
         by_hand = self.adjustment(check.id)
         return check.points if by_hand is None else by_hand.points
 

@@ -42,7 +42,7 @@ class Filled:
     replaced: list[str] = field(default_factory=list)
 
     def without_row(self, final_grade: FinalGrade) -> list[Person]:
-        """Return those who handed in together and have no row in the file."""
+        """Return the people of a submission without a row of their own in the file; none if the submission has one."""
         if Match(final_grade.id, None) in self.placed:
             return []
         return [person for person in final_grade.people if Match(final_grade.id, person) not in self.placed]

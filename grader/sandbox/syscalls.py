@@ -199,7 +199,7 @@ _MACHINES = {"x86_64": Machine("x86_64", 0xC000003E), "aarch64": Machine("aarch6
 
 
 def machine() -> Machine:
-    """The machine that this process runs on; OSError if the walls do not know it."""
+    """Return the processor architecture of this process; OSError if it has no system call table or Python is 32-bit."""
     name = os.uname().machine
     if name not in _MACHINES or sys.maxsize < 1 << 32:  # a 32-bit Python has another table on the same machine
         raise OSError(f"no system call table for {name}")

@@ -58,7 +58,7 @@ def same_where_known(got: Array, expected: Array, atol: float) -> bool:
 
 
 def vector(values: Array, digits: int = 3) -> str:
-    """A vector as a student reads it: ``[ 0.412 -0.031 -9.702]``; with powers of ten only where all of it is small or huge."""
+    """Format a vector for students: ``[ 0.412 -0.031 -9.702]``; powers of ten only if all is small or one is huge."""
     array = np.asarray(values, float)
     plain = bool(
         np.max(np.abs(array), initial=0.0) >= 10.0 ** (1 - digits)

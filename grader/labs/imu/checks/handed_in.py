@@ -43,7 +43,7 @@ def shows_something(student: Student, name: str) -> bool:
 
 @found_once
 def counts(student: Student, truth: Traces) -> bool:
-    """Whether the handed-in plot shows both sensors of the recording, and no code draws any plot."""
+    """Return whether the handed-in plot shows both sensors and no code draws a plot of the data; if so, add a note."""
     picture = _plot(student)
     if picture is None or _is_drawn(student, truth) or not _shows_both(picture, truth):
         return False
@@ -132,7 +132,7 @@ def _missing_from_plot(student: Student, truth: Traces) -> set[int]:
 
 
 def _may_be_the_plot(figure: Figure) -> bool:
-    """Raw beside filtered data is asked for, too, and shows a sensor whatever the plot shows."""
+    """Return whether a figure may be the data plot: it is saved as `PICTURE`, or does not compare raw and filtered data."""
     return figure.file_name == PICTURE or not _compares(figure)
 
 

@@ -112,7 +112,10 @@ def _colours(part: np.ndarray, palette: Pixels, off: Pixels) -> Iterator[Mask]:
 
 
 def _spans(mask: Mask, colours: Sequence[Mask]) -> list[tuple[int, int]]:
-    """First and last columns of what may be curves, in one, two or three panels abreast: of a colour, or between borders."""
+    """Return candidate column spans of the curves (end exclusive), for one, two or three panels side by side.
+
+    They are how far each colour reaches, and the space between vertical borders, with and without the margin.
+    """
     height, width = mask.shape
     borders = np.flatnonzero(_longest(mask) >= _LINE * height)
     found: list[tuple[int, int]] = []

@@ -301,7 +301,7 @@ def alterations() -> Iterator[tuple[str, Change]]:
 
 
 def alterations_of_acceleration() -> Iterator[tuple[str, Change]]:
-    """What they do to accelerations alone."""
+    """Yield (fault, change) for faults of accelerations alone: gravity removed, or wrong units."""
     for shift in _G * np.concatenate([np.eye(3), -np.eye(3)]):
         yield "gravity-removed", lambda x, s=shift: x + s  # type: ignore[misc]
     yield from _scalings(*(factor for g in (_G, 9.80665, 9.8) for factor in (1 / g, g)), 100.0, 1000.0, 1 / 0.3048)

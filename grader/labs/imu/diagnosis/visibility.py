@@ -54,7 +54,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """The figure with what is seen of each curve, as it was saved and at its end."""
+    """Return the figure, and its `finished` version if any, with `sight` set: which parts of each curve can be seen."""
     if figure.finished is not None:
         figure = replace(figure, finished=looked_at(figure.finished, patience))
     if not figure.axes:

@@ -380,7 +380,10 @@ def _nothing(stop: Exception, student: Student, truth: Traces) -> Facts:
 
 
 def _drawn_with_noise(student: Student, truth: Traces) -> tuple[bool, bool]:
-    """Whether a default bias goes with the noise's size: its mean over many reads then scatters by more than the noise does."""
+    """Return whether each sensor has a default bias that comes with noise alone.
+
+    The means of many reads then vary between instances by more than noise of that standard deviation explains.
+    """
     stds = asked_stds(truth)
     means = [bias.mean(axis=1) for bias in default_biases(student, truth, stds=stds, reads=MANY)]
     accel, gyro = (

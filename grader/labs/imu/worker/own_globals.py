@@ -70,7 +70,10 @@ _MEASUREMENT = re.compile(
 
 
 def measured_by(update: Any) -> tuple[Callable[[Any], AbstractContextManager[None]], list[str]]:
-    """Return what sets the global that a filter reads as its measurement for a while, and the name of that global, if any."""
+    """Return what makes a context manager that sets the one global which a filter reads as its measurement, and its label.
+
+    It does nothing, and the list is empty, where no such global is found, or more than one.
+    """
     function = getattr(update, "__func__", update)
     if not isinstance(function, FunctionType):
         return nullcontext, []
