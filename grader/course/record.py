@@ -138,7 +138,7 @@ class Store(Database):
             return self._parsed(key.id, record)
 
     def remark(self, key: Key, rubric: Rubric) -> Result | None:
-        """What was found out about this submission, marked by another rubric, kept and made present; None if it takes a sandbox."""
+        """Regrade a submission by another rubric from its record, and store the result; None if it has to run again."""
         query = (
             "SELECT seq, record FROM results WHERE id = ? AND submission_sha256 = ? AND traces_sha256 = ? AND grader = ? "
             "AND status != 'incomplete' ORDER BY seq DESC"

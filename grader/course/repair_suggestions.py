@@ -55,7 +55,7 @@ class _Place:
 
 @dataclass
 class _Left:
-    """What is left for the other places of a submission."""
+    """Budget of candidates and CPU seconds that is left for the other places of a submission."""
 
     candidates: int = MOST
     cpu_s: float = SECONDS

@@ -44,7 +44,7 @@ class Typed:
 
 @dataclass(frozen=True)
 class _Beside:
-    """What stands beside the marks of a submission: regrade requests, and a form that was refused."""
+    """Content of a submission's page beside its result: regrade requests, and a form that was refused."""
 
     requests: Sequence[Appeal]
     typed: Typed | None = None

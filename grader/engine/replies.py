@@ -1,4 +1,4 @@
-"""What the sandbox may answer to a question. Whatever else comes is `Malformed`: the student's loss, never the grader's fault.
+"""Rules for a worker's reply to a question. Any other reply is `Malformed`: the student loses it, and the grader goes on.
 
 The frame around an answer was checked already (`sandbox.wire`). Here its content is held against what was asked: which
 fields there are, of which kind and size, and whether the arrays that they name are there in the shape that the question

@@ -257,7 +257,7 @@ def _some(mean: Array) -> bool:
 
 
 DEFAULTS = (drifts, moves, none_drawn, one_for_all_instances, one_for_all_axes, one_for_both_sensors, too_large)
-"""What may be wrong with default biases, the sensors of each; later ones may follow from earlier ones."""
+"""Faults of default biases, each as a function that returns the sensors that have it; later ones may follow from earlier ones."""
 
 
 # ---- the law of the noise, and what goes together
