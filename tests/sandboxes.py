@@ -8,7 +8,7 @@ from functools import cache
 
 from grader.engine import rubric
 from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_box
+from grader.engine.lab_sandbox import open_sandbox
 from grader.engine.rubric import Rubric
 from grader.engine.traces import Traces
 from grader.labs.imu.lab import LAB
@@ -23,17 +23,17 @@ class Lasting:
     """A sandbox that a marker does not close when it is closed."""
 
     def __init__(self, sandbox: Sandbox) -> None:
-        self._box = sandbox
+        self._sandbox = sandbox
 
     @property
     def isolation_level(self) -> IsolationLevel:
-        return self._box.isolation_level
+        return self._sandbox.isolation_level
 
     def worker(self) -> Worker:
-        return self._box.worker()
+        return self._sandbox.worker()
 
     def warm(self, modules: Sequence[str]) -> None:
-        self._box.warm(modules)
+        self._sandbox.warm(modules)
 
     def close(self) -> None:
         """It stays open for the next one."""
@@ -42,7 +42,7 @@ class Lasting:
 @cache
 def shared() -> Sandbox:
     """The sandbox of this process, opened when it is first used; `close` ends it."""
-    return open_box(LAB)
+    return open_sandbox(LAB)
 
 
 def close() -> None:

@@ -342,7 +342,7 @@ def test_two_gradings_are_told_apart_by_checks_causes_and_hand(run: Run, out: Pa
         "alice  14 → 17\n"
         "  sensor_access.follows_address  passed 14 / 20 → passed 17 / 20\n"
         "bob  20 → 19\n"
-        "  sensor_access by hand  none → 19\n"
+        "  sensor_access override  none → 19\n"
         "carol  only in the second: 1\n"
         "2 of 2 moved; mean of graded 17.0 → 18.0\n",
         "",

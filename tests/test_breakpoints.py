@@ -8,7 +8,7 @@ import pytest
 
 from grader.engine.breakpoints import breakpoints
 from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_box_for
+from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import load
 from grader.intake import read_submission
 from grader.labs.imu import bundles
@@ -45,7 +45,7 @@ def test_a_check_that_passes_over_one_says_so_and_takes_nothing_for_it(tmp_path:
     )
     (tmp_path / "filters.py").write_text(source)
     submission = read_submission(tmp_path, LAB.files)
-    with Marker(load(LAB), bundles.obtain(None), sandbox=open_box_for(LAB, submission.files)) as marker:
+    with Marker(load(LAB), bundles.obtain(None), sandbox=open_sandbox_for(LAB, submission.files)) as marker:
         result = marker.mark(submission, only="filtering")
     line = source.splitlines().index("        breakpoint()") + 1
     assert result.score == 20.0

@@ -60,7 +60,7 @@ def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "imu_reader.py").write_text("\ndef get_imu_readings():\n    pass\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(job, "Marker", Given)
-    monkeypatch.setattr(job, "open_box_for", lambda lab, files, isolation_level: None)
+    monkeypatch.setattr(job, "open_sandbox_for", lambda lab, files, isolation_level: None)
     monkeypatch.setattr(Given, "isolation", LEVELS[0])
     monkeypatch.setattr(
         Given, "answer", result(check(points=14.0, max_points=14.0, id="sensor_access.a"), lost()), raising=False

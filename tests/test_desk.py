@@ -283,9 +283,9 @@ def test_what_if_edits_the_late_policy(tmp_path: Path) -> None:
 
 def test_points_beneath_others_by_hand_are_refused_because_they_would_change_nothing(desk: Desk) -> None:
     give(desk, "bob", "sensor_access", "18")
-    assert "bob has its sensor_access by hand" in give(desk, "bob", ADDRESS, "5").text
+    assert "bob has an override of sensor_access" in give(desk, "bob", ADDRESS, "5").text
     give(desk, "bob", TOTAL, "70")
-    assert "bob has its total by hand" in give(desk, "bob", "filtering", "5").text
+    assert "bob has an override of total" in give(desk, "bob", "filtering", "5").text
 
 
 def test_of_two_at_once_the_later_one_is_told_and_nothing_is_overwritten(desk: Desk, out: Path) -> None:
@@ -431,7 +431,7 @@ def test_a_decision_on_several_is_all_or_none(desk: Desk) -> None:
     fields = [("id", "bob"), ("id", "cyd"), ("target", ADDRESS), ("points", "6"), ("comment", "x"), ("seen", 9)]
     answer = desk.post("/groups/mistake/sensor-id-as-address", fields)
     assert answer.status == 400
-    assert "cyd has its sensor_access by hand" in answer.text
+    assert "cyd has an override of sensor_access" in answer.text
     assert [who for who, _ in desk.book.on_thread(desk.book.store.history)] == ["cyd"]
 
 

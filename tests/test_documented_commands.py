@@ -389,7 +389,7 @@ def adjusted(done: Done) -> None:
 
 
 def told_apart(done: Done) -> None:
-    assert "filtering by hand  none → 3" in done.out
+    assert "filtering override  none → 3" in done.out
 
 
 def exported(done: Done) -> None:

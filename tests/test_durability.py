@@ -43,7 +43,7 @@ def test_a_zygote_that_is_killed_while_it_is_asked_costs_the_submission_nothing(
         nonlocal asked
         asked += 1
         if asked == number:
-            os.kill(marker._box._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
+            os.kill(marker._sandbox._zygote.pid, signal.SIGKILL)  # type: ignore[union-attr]
         return ask(self, *question, **limits)
 
     submission = read_submission(write(tidy(), tmp_path / "whole"), LAB.files)

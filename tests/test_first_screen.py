@@ -17,7 +17,7 @@ from grader.commands import history
 from grader.commands.prints import Prints
 from grader.commands.watching import View
 from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_box_for
+from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import load
 from grader.engine.submission_session import Conversation
 from grader.intake import read_submission
@@ -131,7 +131,7 @@ def test_prints_are_heard_on_public_scenarios_and_never_on_hidden_ones(tmp_path:
     public = bundles.obtain(None)
     heard: dict[str, str] = {}
     for name in ("public", "hidden"):
-        sandbox = open_box_for(LAB, submission.files)
+        sandbox = open_sandbox_for(LAB, submission.files)
         with Marker(load(LAB), replace(public, name=name), sandbox=sandbox) as marker:
             marker.mark(submission, only="filtering", listen=lambda _, text, name=name: heard.update({name: text}))  # type: ignore[misc]
     assert set(heard) == {"public"}

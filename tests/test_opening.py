@@ -155,9 +155,9 @@ def test_the_first_line_waits_for_no_simulator_and_no_pytest() -> None:
 
 def test_the_box_is_opened_before_anything_slow_is_imported() -> None:
     code = (
-        "import sys; from grader import cli; from grader.intake import read_submission; from grader.engine.lab_sandbox import open_box_for\n"
+        "import sys; from grader import cli; from grader.intake import read_submission; from grader.engine.lab_sandbox import open_sandbox_for\n"
         "from grader.labs.imu.lab import LAB\n"
-        "box = open_box_for(LAB, {})\n"
+        "box = open_sandbox_for(LAB, {})\n"
         "print(sorted({'numpy', 'mujoco', 'matplotlib', 'pytest', 'yaml', 'grader.engine.results'} & set(sys.modules)))\n"
         "box.close()"
     )

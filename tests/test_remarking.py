@@ -217,15 +217,17 @@ def test_a_date_of_the_rosters_own_holds_under_another_policy() -> None:
 
 
 @contextmanager
-def no_box(*_: object) -> Iterator[Marker]:
+def no_sandbox(*_: object) -> Iterator[Marker]:
     raise AssertionError("a sandbox was opened")
     yield
 
 
-def test_grading_a_class_again_with_other_points_opens_no_box(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_grading_a_class_again_with_other_points_opens_no_sandbox(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     names = ("s02-vectorised", "s06-id-as-address")
     keep(tmp_path, changed(), names)
-    monkeypatch.setattr(classroom, "opener", no_box)
+    monkeypatch.setattr(classroom, "opener", no_sandbox)
     order = classroom.Order(
         tuple(FOLDER / name for name in names), tmp_path, changed(PRICES), bundles.shipped(), jobs=1, change=True
     )

@@ -48,7 +48,7 @@ def without_savings(folder: Path) -> Iterator[Marker]:
         assert all(re.search(rf"^(def )?{each}\b", own, re.MULTILINE) for each in replaced), "there is no such saving"
         (worker_code / name).write_text(own + text, encoding="utf-8")
     with mock.patch.object(lab_sandbox, "WORKER_CODE", worker_code):
-        sandbox = lab_sandbox.open_box(LAB, thorough=False)
+        sandbox = lab_sandbox.open_sandbox(LAB, thorough=False)
     with (
         mock.patch.object(grader, "libraries_of", return_value=()),
         Marker(rubric.load(LAB), bundles.shipped(), sandbox=sandbox) as slow,

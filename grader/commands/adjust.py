@@ -1,4 +1,4 @@
-"""`imugrade adjust`: points by hand, beside the automatic marks."""
+"""`imugrade adjust`: overrides, beside the automatic points."""
 
 from __future__ import annotations
 

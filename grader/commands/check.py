@@ -63,12 +63,12 @@ def check(
 
     if path.exists():
         print(opening.begins(path), flush=True)  # at once: the rest takes seconds on a cold machine
-    from grader.engine.lab_sandbox import open_box_for  # noqa: PLC0415
+    from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
     from grader.engine.reading import read_apart  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     submission = read_apart(path, LAB.files)
-    with open_box_for(LAB, submission.files, isolation_level) as sandbox:
+    with open_sandbox_for(LAB, submission.files, isolation_level) as sandbox:
         from grader.engine import rubric as rubrics  # noqa: PLC0415 - this and the next while the sandbox warms up
 
         chosen = rubrics.load(LAB, rubric)

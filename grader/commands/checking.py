@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 
 from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_box_for
+from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.reading import Alone, Reader
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
@@ -66,7 +66,7 @@ def check_on_save(
     with (
         Reader() as reader,
         Marker(
-            rubric, traces, sandbox=open_box_for(rubric.lab, reader.read(handed_in).files, isolation_level)
+            rubric, traces, sandbox=open_sandbox_for(rubric.lab, reader.read(handed_in).files, isolation_level)
         ) as marker,
     ):
         for _ in saves(path, written, waits):

@@ -13,7 +13,7 @@ from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.base.text import printable
 from grader.engine.check_runner import Judgement, session
-from grader.engine.lab_sandbox import open_box_for
+from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.rubric import Rubric
 from grader.intake import Submission, read_submission
 from grader.labs.imu.repeating import Asked, Recorder, Watched, program
@@ -82,7 +82,7 @@ def examined(
     limits = {"call_cpu_s": rubric.limits.call_cpu_s, "submission_cpu_s": rubric.limits.submission_cpu_s}
     lab = rubric.lab
     truth = lab.truth(None, rubric.settings)
-    with open_box_for(lab, submission.files, isolation_level) as sandbox:
+    with open_sandbox_for(lab, submission.files, isolation_level) as sandbox:
         student = Recorder(sandbox, lab, submission.files, truth=truth, above=submission.above, **limits)
         examination = Watched(lab, student, truth, None)
         try:

@@ -65,14 +65,14 @@ def _recorded(path: Path, traces: Traces, rubric: Path | None, isolation_level: 
     from grader.base.errors import NoAnswer, RequestError  # noqa: PLC0415
     from grader.engine import rubric as rubrics  # noqa: PLC0415
     from grader.engine.findings import Missing, Raised  # noqa: PLC0415
-    from grader.engine.lab_sandbox import open_box_for  # noqa: PLC0415
+    from grader.engine.lab_sandbox import open_sandbox_for  # noqa: PLC0415
     from grader.intake import read_submission  # noqa: PLC0415
     from grader.labs.imu import recordings  # noqa: PLC0415
     from grader.labs.imu.lab import LAB  # noqa: PLC0415
 
     submission, limits = read_submission(path, LAB.files), asdict(rubrics.load(LAB, rubric).limits)
     own = {}
-    with open_box_for(LAB, submission.files, isolation_level) as sandbox:
+    with open_sandbox_for(LAB, submission.files, isolation_level) as sandbox:
         student = LAB.student(sandbox, LAB, submission.files, truth=traces, above=submission.above, **limits)
         for scenario, ask in {"push": recordings.after_push, "push_dirty": recordings.after_dirt}.items():
             try:

@@ -1,4 +1,4 @@
-"""Points by hand: proved against the record, kept apart from the automatic marks, published at once."""
+"""Overrides: checked against the record, kept apart from the automatic marks, published at once."""
 
 from __future__ import annotations
 
@@ -238,20 +238,20 @@ def _problem(wish: Wish, final_grades: Mapping[str, FinalGrade], said: Set[tuple
     if withdraws and (wish.id, wish.criterion, wish.alone) not in said:
         return f"{wish.place}: {printable(wish.id)} has no adjustment of {wish.criterion} to withdraw"
     if points is not None and not wish.alone and (over := covering(final_grade, wish.criterion)):
-        return f"{wish.place}: {printable(wish.id)} has its {over} by hand, in place of {wish.criterion}; withdraw that first"
+        return f"{wish.place}: {printable(wish.id)} has an override of {over}, which replaces {wish.criterion}; withdraw that first"
     if not (wish.comment.strip() or wish.alone) or len(wish.comment) > MAX_COMMENT:
         return f"{wish.place}: say why in a comment of at most {MAX_COMMENT} characters"
     return ""
 
 
 def targets(final_grade: FinalGrade) -> list[str]:
-    """Everything that points by hand can be given for: criteria, their checks, the total and a bonus."""
+    """Return everything that may be overridden: criteria, their checks, the total and a bonus."""
     criteria = final_grade.result.criteria
     return [*(c.id for c in criteria), *(check.id for c in criteria for check in c.checks), TOTAL, BONUS]
 
 
 def covering(final_grade: FinalGrade, target: str) -> str:
-    """What has points by hand that stand in place of those of `target`; "" if nothing has."""
+    """Return what is overridden and replaces the points of `target`; "" if nothing is."""
     holders = [c.id for c in final_grade.result.criteria if any(check.id == target for check in c.checks)]
     above = [*holders, TOTAL] if target not in (TOTAL, BONUS) else []
     return next((each for each in above if final_grade.adjustment(each)), "")

@@ -276,7 +276,7 @@ def causes(old: ClassSettings, new: ClassSettings) -> tuple[str, ...]:
 
 
 def _judged(final_grade: FinalGrade, rubric: Rubric, found: HandIn | None) -> FinalGrade:
-    """Return the standing by the late policy of a rubric, with another hand-in than on record where one is given."""
+    """Return the final grade by the late policy of a rubric, with another hand-in than on record where one is given."""
     names = (final_grade.id, final_grade.result.submission)
     return replace(final_grade, hand_in=late_policy.judged(found or final_grade.hand_in, rubric.late, names))
 

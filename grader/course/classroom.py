@@ -107,7 +107,7 @@ class Audience(Protocol):
 class Outcome:
     """What a run did: its results by id, how many of them were on record, what could not be placed, what to look at.
 
-    `remarks` are those that the run before has not told, and points by hand that are out of date; `known` is how many of those that
+    `remarks` are those that the run before has not told, and overrides that are out of date; `known` is how many of those that
     it told still hold. `remarked` is how many of those on record had been marked by another rubric.
     """
 
@@ -379,7 +379,7 @@ class _Run:
         """Of several attempts the best one counts, after lateness; of equal ones the first. One that is open decides nothing."""
         own: dict[str, list[tuple[Key, FinalGrade]]] = {}
         for key, attempt in self._attempts.items():
-            own.setdefault(key.id, []).append((key, self._standing(key, attempt)))
+            own.setdefault(key.id, []).append((key, self._final_grade(key, attempt)))
         for attempts in (each for each in own.values() if len(each) > 1):
             still_open = [each for each in attempts if each[1].final is None]
             key, final_grade = (still_open or sorted(attempts, key=lambda each: -(each[1].final or 0.0)))[0]
@@ -418,7 +418,7 @@ class _Run:
         """`figures`, drawn already, come with a result of this run; None with one that was on record."""
         attempt = self._attempts[key]
         attempt.result = result
-        final_grade = self._standing(key, attempt)
+        final_grade = self._final_grade(key, attempt)
         self._count(final_grade)
         if figures is None:
             self._publisher.put(final_grade)
@@ -426,7 +426,7 @@ class _Run:
             publish(self._order.out, final_grade, self._store, self._order.rubric.lab, figures)
         self._audience.done(key.id, result, resumed=figures is None)
 
-    def _standing(self, key: Key, attempt: _Attempt) -> FinalGrade:
+    def _final_grade(self, key: Key, attempt: _Attempt) -> FinalGrade:
         if attempt.result is None:
             raise GraderError(f"{key.id}: one of its attempts has no result")
         return FinalGrade(key.id, attempt.result, attempt.hand_in, self._adjustments.get(key.id, ()))

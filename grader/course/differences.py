@@ -117,7 +117,7 @@ def _beside(old: FinalGrade, new: FinalGrade) -> Iterator[str]:
     for criterion in dict.fromkeys(a.criterion for a in (*old.adjustments, *new.adjustments)):
         before, after = (_by_hand(side, criterion) for side in (old, new))
         if before != after:
-            yield f"{criterion} by hand  {before} → {after}"
+            yield f"{criterion} override  {before} → {after}"
     if old.deduction != new.deduction:
         yield f"lateness  −{words.number(old.deduction)} → −{words.number(new.deduction)}"
 

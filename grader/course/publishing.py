@@ -70,7 +70,7 @@ def outdated_pages(out: Path, final_grades: Iterable[FinalGrade], store: Store) 
 class Publisher:
     """Writes the two files of each submission that it is given, unless they are current; a context manager.
 
-    `result.json` holds the automatic marks alone; the report is made from the whole standing. Digests of both are on record. Charts
+    `result.json` holds the automatic points alone; the report is made from the final grade. Digests of both are on record. Charts
     stay as they stand in the report that is there, as long as they are those of the record.
 
     Parameters

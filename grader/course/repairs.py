@@ -194,7 +194,7 @@ def record(out: Path, wish: Wish, author: str, grading: Grading) -> str:
         If the submission or the file is not there, the patch does not apply, or the repaired copy earns less than the original.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        final_grade = _standing(store, wish.id)
+        final_grade = _final_grade(store, wish.id)
         handed_in = _handed_in(store, final_grade)
         before = _of_these_files(log.in_force(final_grade.id), handed_in)
         made = _made(wish, final_grade, patched(handed_in.files, before), handed_in, author)
@@ -227,7 +227,7 @@ def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
         If the submission or the file is not there, or the patch does not apply.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        final_grade = _standing(store, wish.id)
+        final_grade = _final_grade(store, wish.id)
         handed_in = _handed_in(store, final_grade)
         before = _of_these_files(log.in_force(final_grade.id), handed_in)
         complete = replace(wish, comment=wish.comment or "preview")
@@ -240,7 +240,7 @@ def preview(out: Path, wish: Wish, grading: Grading) -> Preview:
 def suggestion(out: Path, who: str, grading: Grading) -> tuple[Preview, Suggestion | None]:
     """Look for a repair of one place; return the grade as it was handed in and with it, and the suggestion. Nothing is recorded."""
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        final_grade = _standing(store, who)
+        final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
         original = log.result(grading.key(final_grade.id, handed_in.sha256)) or final_grade.result
     found = suggest(handed_in, original, grading.rubric.lab, grading.mark)
@@ -374,7 +374,7 @@ def patched(files: Mapping[str, bytes], repairs: Iterable[LoggedRepair | Repair]
     return now
 
 
-def _standing(store: Store, who: str) -> FinalGrade:
+def _final_grade(store: Store, who: str) -> FinalGrade:
     final_grades = store.final_grades()
     id_ = Meant({id_: each.hand_in.people for id_, each in final_grades.items() if each.hand_in.people}).by(who)
     if id_ not in final_grades:
@@ -397,7 +397,7 @@ def _publish(out: Path, who: str, grading: Grading) -> None:
     with Store.existing(out) as store:
         final_grades = store.final_grades()
         write_class(out, final_grades, store, grading.rubric.lab)
-        publish_all(out, [_standing(store, who)], store, grading.rubric.lab)
+        publish_all(out, [_final_grade(store, who)], store, grading.rubric.lab)
 
 
 def _final(final_grade: FinalGrade) -> str:
@@ -429,7 +429,7 @@ def take_back(out: Path, who: str, file: str, author: str, grading: Grading) -> 
         If there is none.
     """
     with Store.existing(out) as store, RepairLog.existing(out) as log:
-        final_grade = _standing(store, who)
+        final_grade = _final_grade(store, who)
         handed_in = _handed_in(store, final_grade)
         made = _of_these_files(log.in_force(final_grade.id), handed_in)
         old = [each for each in log.in_force(final_grade.id) if each not in made]

@@ -19,7 +19,7 @@ from grader.engine.check_runner import Examination, Judgement, known_checks, ses
 from grader.engine.feedback import NOT_UNDERSTOOD
 from grader.engine.findings import Ours
 from grader.engine.fingerprint import fingerprint
-from grader.engine.lab_sandbox import libraries_of, open_box
+from grader.engine.lab_sandbox import libraries_of, open_sandbox
 from grader.engine.marks import marked
 from grader.engine.public_look import PublicLook
 from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Result, Status
@@ -62,17 +62,19 @@ class Marker:
     ) -> None:
         self._lab, self._rubric, self._traces = rubric.lab, rubric, traces
         rubric.lab.match(rubric.settings, traces)
-        self._box = sandbox or open_box(rubric.lab, isolation_level)  # it warms up while the checks are collected
+        self._sandbox = sandbox or open_sandbox(
+            rubric.lab, isolation_level
+        )  # it warms up while the checks are collected
         try:
             self._checks: Mapping[str, Check] = known_checks(rubric.lab, rubric.own_checks)
             match_checks(rubric, {check_id: check.title for check_id, check in self._checks.items()})
         except BaseException:
-            self._box.close()
+            self._sandbox.close()
             raise
 
     @property
     def isolation(self) -> IsolationLevel:
-        return self._box.isolation_level
+        return self._sandbox.isolation_level
 
     def __enter__(self) -> Marker:
         return self
@@ -83,7 +85,7 @@ class Marker:
         self.close()
 
     def close(self) -> None:
-        self._box.close()
+        self._sandbox.close()
 
     def mark(
         self,
@@ -138,7 +140,7 @@ class Marker:
     def _public_student(self, submission: Submission) -> Conversation:
         """A session over a submission's files that is given public data alone, with the time of one call."""
         return self._lab.student(
-            self._box,
+            self._sandbox,
             self._lab,
             submission.files,
             truth=self._lab.truth(None, self._rubric.settings),
@@ -156,9 +158,9 @@ class Marker:
     ) -> Conversation:
         limits = self._rubric.limits
         most = limits.submission_cpu_s if cpu_s is None else cpu_s
-        self._box.warm(libraries_of(self._lab, files))
+        self._sandbox.warm(libraries_of(self._lab, files))
         student = self._lab.student(
-            self._box,
+            self._sandbox,
             self._lab,
             files,
             truth=self._traces,
@@ -273,7 +275,7 @@ class Marker:
             "submission_sha256": submission.sha256,
             "python": platform.python_version(),
             **{package: _version(package) for package in self._lab.depends_on},
-            "isolation": self._box.isolation_level.name,
+            "isolation": self._sandbox.isolation_level.name,
             "seed": SEED,
         }
 

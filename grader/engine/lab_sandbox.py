@@ -18,7 +18,7 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
 
 
-def open_box(
+def open_sandbox(
     lab: Lab, isolation_level: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True
 ) -> Sandbox:
     """A sandbox for many submissions, which warms up while the caller goes on.
@@ -36,6 +36,6 @@ def open_box(
     )
 
 
-def open_box_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Sandbox:
+def open_sandbox_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Sandbox:
     """A sandbox for one submission, ready sooner: nothing is done beforehand that it can do without."""
-    return open_box(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)
+    return open_sandbox(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)

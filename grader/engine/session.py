@@ -98,7 +98,7 @@ class Asking:
         submission_cpu_s: float,
         waiting: Callable[[str], None] | None = None,
     ) -> None:
-        self._box, self._lab, self._above = sandbox, lab, above
+        self._sandbox, self._lab, self._above = sandbox, lab, above
         self.files = dict(files)
         self._furniture = lab_configuration
         self._call_cpu_s, self._share_cpu_s = call_cpu_s, submission_cpu_s / (len(lab.parts) + 1)
@@ -159,7 +159,7 @@ class Asking:
     def _fresh_session(self) -> _Session:
         if self._session is None or not self._session.worker.alive:
             self.end_session()
-            self._session = _Session(self._box.worker())
+            self._session = _Session(self._sandbox.worker())
             try:
                 self._submit(self._session.worker)
             except NoAnswer:
@@ -277,7 +277,7 @@ class Asking:
 
     def ask_aside(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
         """Ask a worker that has never seen the submission: one that runs it could say anything."""
-        with self._box.worker() as worker:
+        with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:

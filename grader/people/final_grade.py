@@ -197,11 +197,11 @@ class FinalGrade:
         return None if self.adjusted is None else round(self.adjusted - self.deduction, 2)
 
     def adjustment(self, criterion: str) -> Adjustment | None:
-        """The points by hand of a criterion, a check, `TOTAL` or `BONUS`."""
+        """The override of a criterion, a check, `TOTAL` or `BONUS`."""
         return next((each for each in self.adjustments if each.criterion == criterion and not each.alone), None)
 
     def points(self, criterion: CriterionResult) -> float | None:
-        """Points by hand, or else the automatic ones; None where they are open."""
+        """Points of an override, or else the automatic ones; None where they are open."""
         given = {each.criterion: each.points for each in self.adjustments if not each.alone}
         if criterion.id in given:
             return given[criterion.id]
@@ -233,7 +233,7 @@ class FinalGrade:
 def given_out(final_grades: Mapping[str, FinalGrade], reviewed: Collection[str] = ()) -> dict[str, FinalGrade]:
     """Return the standings as files have them: an empty or unreadable submission is blank until a person has looked.
 
-    A person has looked where there are points by hand, or where the submission is among those that were marked as reviewed.
+    A person has looked where there is an override, or where the submission is among those that were marked as reviewed.
     """
 
     def nothing(final_grade: FinalGrade) -> bool:
@@ -249,7 +249,7 @@ def beneath(criterion: CriterionResult) -> dict[str, float | None]:
 
 
 def under(result: Result, target: str) -> dict[str, float | None] | None:
-    """The automatic points of each check that points by hand for `target` stand for; None if there is no such target."""
+    """The automatic points of each check that an override of `target` replaces; None if there is no such target."""
     if target == BONUS:
         return {}
     criteria = {criterion.id: beneath(criterion) for criterion in result.criteria}
@@ -270,7 +270,7 @@ def summed(points: Mapping[str, float | None]) -> float | None:
 
 
 def worth(result: Result, target: str) -> float | None:
-    """The most that points by hand may give for `target`; None if there is no such target."""
+    """The most points that an override of `target` may give; None if there is no such target."""
     if target == BONUS:
         return result.max_score
     if target == TOTAL:

@@ -26,7 +26,7 @@ def gradebook(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person] =
     Parameters
     ----------
     final_grades
-        The present standing of each submission, by its id.
+        The final grade of each submission, by its id.
     """
     columns = _columns(list(final_grades.values()), any(person.section for person in absent))
     return _written(columns, final_grades, absent)

@@ -14,7 +14,7 @@ from grader.base.errors import RequestError
 from grader.base.files import write_whole
 from grader.base.text import printable
 from grader.engine.grader import Marker
-from grader.engine.lab_sandbox import open_box_for
+from grader.engine.lab_sandbox import open_sandbox_for
 from grader.engine.reading import read_apart
 from grader.engine.results import Result
 from grader.engine.rubric import Rubric
@@ -121,7 +121,7 @@ def run(job: Job) -> Result:
     path = job.path or submission_of(job.platform)
     submission = read_apart(path, job.rubric.lab.files)
     with Marker(
-        job.rubric, job.traces, sandbox=open_box_for(job.rubric.lab, submission.files, job.isolation_level)
+        job.rubric, job.traces, sandbox=open_sandbox_for(job.rubric.lab, submission.files, job.isolation_level)
     ) as marker:
         if job.hidden and not marker.isolation.walled and not job.trusted:
             raise RequestError(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tried:
-    """A isolation level, whether it holds here, and if not (or not quite), why."""
+    """An isolation level, whether it holds here, and if not (or not quite), why."""
 
     isolation_level: IsolationLevel
     usable: bool

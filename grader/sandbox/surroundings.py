@@ -169,7 +169,7 @@ def font_lists() -> tuple[str, ...]:
 
 
 def environment(scratch: str, cache: str) -> dict[str, str]:
-    """Everything that a boxed process finds in its environment; nothing of the grader's own."""
+    """Everything that a sandboxed process finds in its environment; nothing of the grader's own."""
     literal = {
         "PATH": "/usr/bin:/bin",
         "HOME": scratch,

@@ -172,7 +172,7 @@ def memory(sample: Path) -> float:
     """MB that a marker with its zygote holds for itself alone, after one submission."""
     with Marker(rubric.load(LAB), bundles.shipped()) as marker:
         marker.mark(read_submission(sample, LAB.files))
-        zygote = marker._box._zygote
+        zygote = marker._sandbox._zygote
         pids = [os.getpid()] + ([zygote.pid, *_children(zygote.pid)] if zygote else [])
         return sum(_private_kb(pid) for pid in pids) / 1024
 

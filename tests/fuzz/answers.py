@@ -135,7 +135,7 @@ class Bench:
 
     @contextmanager
     def open(self) -> Iterator[Bench]:
-        def no_box(sandbox: Sandbox, *args: Any, **kwargs: Any) -> None:
+        def no_sandbox(sandbox: Sandbox, *args: Any, **kwargs: Any) -> None:
             sandbox.isolation_level = UNWALLED
 
         write_down = Examination.end
@@ -150,7 +150,7 @@ class Bench:
             return Evidence(packed(LAB.charts(student, this._traces)), ())
 
         with (
-            mock.patch.object(Sandbox, "__init__", no_box),
+            mock.patch.object(Sandbox, "__init__", no_sandbox),
             mock.patch.object(Sandbox, "warm"),
             mock.patch.object(Examination, "end", noting),
             mock.patch.object(Marker, "_evidence", evidence),

@@ -80,7 +80,7 @@ class Made(Student):
         self, op: str, fields: Mapping[str, Any] | None = None, arrays: Mapping[str, np.ndarray] | None = None
     ) -> Frame:
         fields, arrays = dict(fields or {}), dict(arrays or {})
-        with _as_in_the_box(self.parts):
+        with _as_in_the_sandbox(self.parts):
             frame = Frame(*HANDLERS[op](fields, arrays))
         return self._lab.checked(op, frame, fields, arrays) if op != "replay" else frame
 
@@ -89,7 +89,7 @@ class Made(Student):
 
 
 @contextmanager
-def _as_in_the_box(parts: Mapping[str, Any]) -> Iterator[None]:
+def _as_in_the_sandbox(parts: Mapping[str, Any]) -> Iterator[None]:
     """The worker code finds these parts and watches the steps; what it changes is put back."""
     own = {name: getattr(mujoco, name) for name in ("mj_step", "mj_step1", "mj_step2")}
     entropy = np.random.bit_generator

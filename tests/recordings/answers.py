@@ -150,7 +150,7 @@ class RecordedWorker:
         self.alive, self.closed = False, True
 
 
-class RecordedBox:
+class RecordedSandbox:
     """The sandbox of a marker: its workers answer from `recording`, and from a real sandbox where that lacks an answer.
 
     Parameters

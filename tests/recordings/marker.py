@@ -18,7 +18,7 @@ from grader.sandbox.sandbox import Sandbox
 from tests import sandboxes
 from tests.made_up import without_durations
 from tests.recordings import store
-from tests.recordings.answers import RecordedBox, UnrecordedError
+from tests.recordings.answers import RecordedSandbox, UnrecordedError
 from tests.scoreboard import Case, Verdict, as_written, graded_by
 
 COMPARED = 40
@@ -47,13 +47,13 @@ class RecordedMarker:
     def __init__(self, by: Rubric, *, records: bool = True) -> None:
         self._rubric = by
         self._records = records
-        self._box = RecordedBox(sandboxes.shared if records else _nothing)
-        self._marker = Marker(by, bundles.shipped(), sandbox=self._box)  # type: ignore[arg-type] # speaks as a sandbox does
+        self._sandbox = RecordedSandbox(sandboxes.shared if records else _nothing)
+        self._marker = Marker(by, bundles.shipped(), sandbox=self._sandbox)  # type: ignore[arg-type] # speaks as a sandbox does
 
     def mark(self, submission: Submission, only: str | None = None) -> Result:
         key = store.key(submission, only, self._rubric.limits)
         begun = time.perf_counter()
-        self._box.recording = recording = store.read(key)
+        self._sandbox.recording = recording = store.read(key)
         result = self._marker.mark(submission, only=only)
         if recording.new:
             store.write(key, recording)

@@ -13,7 +13,7 @@ from grader.intake import Submission
 from grader.sandbox.wire import Frame
 from tests.corpus.sheet import VERBATIM
 from tests.recordings import store
-from tests.recordings.answers import Answer, RecordedBox, RecordedWorker, Recording, UnrecordedError
+from tests.recordings.answers import Answer, RecordedSandbox, RecordedWorker, Recording, UnrecordedError
 from tests.recordings.marker import Counts, RecordedMarker, without_charts
 
 # --- workers ----------------------------------------------------------------------------------------------------------
@@ -96,7 +96,7 @@ def test_without_leave_to_record_a_missing_answer_is_an_error() -> None:
         raise UnrecordedError("not recorded")
 
     with pytest.raises(UnrecordedError):
-        RecordedBox(refuse).worker().ask("a")
+        RecordedSandbox(refuse).worker().ask("a")
 
 
 # --- markers ----------------------------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ def isolation_levels() -> dict[str, Tried]:
 
 @pytest.fixture(scope="session")
 def box_on(isolation_levels: dict[str, Tried]) -> Iterator[Callable[[str], Sandbox]]:
-    """The one sandbox of a isolation level; skips the test where this machine does not allow the isolation level."""
+    """The one sandbox of an isolation level; skips the test where this machine does not allow the isolation level."""
     sandboxes: dict[str, Sandbox] = {}
 
     def get(name: str) -> Sandbox:

@@ -1,6 +1,6 @@
 """A short way through every isolation level that this machine allows, for users other than the one who runs the tests.
 
-python -m tests.sandbox.smoke: prints one line a isolation level; with an argument: opens a sandbox on that isolation level, prints the processes
+python -m tests.sandbox.smoke: prints one line an isolation level; with an argument: opens a sandbox on that isolation level, prints the processes
 behind it, and waits to be killed.
 """
 

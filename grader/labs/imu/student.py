@@ -33,7 +33,7 @@ from grader.sandbox.wire import Frame
 
 @dataclass(frozen=True)
 class FilterCase:
-    """One filter over one signal; see `sandbox.filtering.filter_cases` for the ways of handling."""
+    """One filter over one signal; see `worker.filtering.filter_cases` for the ways of handling."""
 
     signal: Array
     alpha: float | None = None
