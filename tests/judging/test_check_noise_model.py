@@ -495,7 +495,7 @@ CASES = [
             ("of a fixed size", of(noise=lambda s, i: s.rng.normal(0, (0.5, 0.05)[i], 3)), (0.0, ["std-ignored"])),
             ("none", SILENT, (0.0, ["no-noise"])),
             ("none of the gyroscope", ONE_SENSOR_BEYOND, (0.5, ["gyro-not-noisy"])),
-            ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), None),
+            ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), (0.0, [])),
             ("on no reading of a sensor, of no seed", unseeded(of(clean=lambda *_: np.zeros(3))), (0.0, [])),
             ("on a reading of long ago", Stale, None),
             ("an offset of each instance in place of a draw", OwnOffset, (0.0, ["no-noise"])),
@@ -708,7 +708,7 @@ CASES = [
                 of(bias=lambda *a: np.full(3, Sound.bias(*a)[0])),
                 None,
             ),
-            ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), None),
+            ("on no reading of a sensor", of(clean=lambda *_: np.array([1.0, -2.0, -9.81])), "skipped"),
         ],
         WHITE: [
             ("sound", Sound, None),
