@@ -642,3 +642,10 @@ def test_in_a_pipe_every_submission_that_is_marked_is_one_plain_line(capsys: pyt
         lines.done("bob", result(lost(), status="empty"), resumed=True)
         lines.done("eve\n", result(check("not_judged", None), status="incomplete"), resumed=False)
     assert capsys.readouterr().out == "1/3 alice 87.5\n3/3 eve\\x0a not judged\n"
+
+
+def test_the_histogram_counts_the_submissions_that_the_mean_is_of() -> None:
+    page = index({"ann": result(name="ann"), "eve": result(lost(), name="eve", status="empty")})
+    bars = re.findall(r'<span class="num">(\d+)</span>(?:</button>|</div>)', page)
+    assert len(bars) == 10
+    assert sum(map(int, bars)) == 1

@@ -161,7 +161,7 @@ def entry(final_grade: FinalGrade, criteria: Iterable[str], top: float) -> Entry
                 *(["adjusted"] if final_grade.adjustments else []),
             ]
         ),
-        tags=(*_tags(final_grade), *([] if score is None else [f"score:{_bin(score, top)}"])),
+        tags=(*_tags(final_grade), *([f"score:{_bin(result.score, top)}"] if result.status == "graded" else [])),
     )
 
 

@@ -210,7 +210,7 @@ def index_page(
         People of the roster without a submission.
     """
     results = [final_grade.result for final_grade in final_grades.values()]
-    scores = [result.score for result in results if result.status != "incomplete"]
+    scores = [result.score for result in results if result.status == "graded"]
     columns, top = overview.columns(results), max((result.max_score for result in results), default=100.0)
     named = sorted(final_grades.values(), key=lambda each: (overview.by_name(each.name), each.id))
     entries = [overview.entry(final_grade, columns, top) for final_grade in named]
@@ -221,7 +221,7 @@ def index_page(
         "table.js",
         next((result.lab for result in results), LabName()),
         count=len(final_grades),
-        figures=overview.figures([result.score for result in results if result.status == "graded"]),
+        figures=overview.figures(scores),
         bars=overview.bars(scores, top),
         columns=columns,
         entries=entries,
