@@ -12,7 +12,7 @@ from grader.course.groups import Group, alike
 from grader.course.record import Appeal, Tick, about, why_empty
 from grader.course.warnings import equal, not_understood
 from grader.desk.similarity_groups import SimilarityGroup
-from grader.engine.findings import A_PERSON_MAY, ANOTHER_VERSION
+from grader.engine.findings import A_PERSON_MAY
 from grader.engine.lab import Lab
 from grader.engine.results import AUTOMATIC, Result
 from grader.people.final_grade import FinalGrade
@@ -37,7 +37,6 @@ KINDS = {
     "same-files": "Same files",
     "alike": "Similar code",
     "picture": "Picture without code",
-    "other-picture": "Picture of other curves",
     "boundary": "Near a grade boundary",
 }
 """Titles of the reasons, in the order of the queue."""
@@ -153,7 +152,6 @@ def _own(final_grade: FinalGrade, lab: Lab) -> Iterator[Reason]:
             f"{each.criterion} was set to {points} on {each.at}; the automatic points or their maximum have changed since.",
         )
     yield from (Reason("picture", note) for note in words.notes(result) if A_PERSON_MAY in note)
-    yield from (Reason("other-picture", note) for note in words.notes(result) if ANOTHER_VERSION in note)
     yield from _near_a_boundary(final_grade, result)
 
 

@@ -11,8 +11,6 @@ from grader.base.text import printable
 
 A_PERSON_MAY = "an instructor may give more points"
 """Part of a note; it puts the submission into the review queue."""
-ANOTHER_VERSION = "the picture may come from another version of the code"
-"""Part of a note on a picture that shows what the code does not draw. It deducts nothing: there are honest reasons for it."""
 
 
 @dataclass(frozen=True)

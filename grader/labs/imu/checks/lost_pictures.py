@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NoReturn
 
 from grader.base.text import printable
-from grader.engine.findings import A_PERSON_MAY, CheckFailed, Ours
-from grader.engine.traces import Traces
+from grader.engine.findings import CheckFailed, Ours
 from grader.labs.imu.answers import Drawing
 from grader.labs.imu.checks import handed_in
 from grader.labs.imu.checks.plot_runs import Plot, has_curves, sensors_in_words
-from grader.labs.imu.student import Student
 
 SAVE_LAST = Ours(
     "Call savefig last, before plt.show() and plt.close(): what is drawn after savefig is not in the picture (Step 4)."
@@ -33,7 +31,7 @@ def some_overwritten(drawn: list[Plot]) -> None:
         )
 
 
-def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
+def none_saved(drawing: Drawing) -> NoReturn:
     """Charge that no file shows the curves, and say what became of them."""
     events = {figure.event for figure in drawing.figures if has_curves(figure)}
     broken = next((picture for picture in drawing.strange if picture.reason), None)
@@ -54,13 +52,6 @@ def none_saved(student: Student, truth: Traces, drawing: Drawing) -> NoReturn:
         last = SAVE_LAST if any(figure.finished is not None for figure in empty) else ""
         got = "a picture that was saved from an empty figure"
         raise CheckFailed("a picture of the curves", got, mistakes=["blank-image"], hint=last)
-    if handed_in.shows_something(student, handed_in.PICTURE) and not drawing.figures:
-        if not handed_in.counts(student, truth):
-            student.note(
-                Ours(f"{handed_in.PICTURE} was handed in, and no code draws it; {A_PERSON_MAY} for what it shows")
-            )
-        got = f"a picture {handed_in.PICTURE} that no code draws, and that does not show the recording"
-        raise CheckFailed("code that draws and saves the plot", got, mistakes=["plot-not-saved"], keeps=0.5)
     drawn = "a figure that is drawn but not saved" if events else "no figure"
     if "forgotten" in events:
         drawn = "a figure that is saved to memory, but not written to a file"
