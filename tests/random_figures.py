@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from grader.engine.figures import Figure, Sight, figures_of
-from grader.labs.imu.diagnosis.visibility import Patience, looked_at
+from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 from grader.worker import drawing, figures
 from grader.worker.values import Packer

@@ -16,9 +16,9 @@ from grader.base.errors import Malformed
 from grader.engine import fingerprint
 from grader.engine.figures import Array, Axes, Curve, Figure, Sight
 from grader.intake import read_submission
-from grader.labs.imu.diagnosis import comparing, labels
-from grader.labs.imu.diagnosis.visibility import Patience, looked_at
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.visualization import comparing, labels
+from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 from tests.budgets import cpu_within, memory_within
 

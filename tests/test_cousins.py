@@ -128,8 +128,8 @@ COUSINS = [
         {"imu_data['angular_velocity'][:, 2]": "imu_data['acceleration'][:, 2]"},
         {CURVES: 4.0},
         ("wrong-data-plotted",),
-        "no curve that shows angular velocity z; acceleration z in the panel of the angular velocity",
-        "Compare key, column and label of each curve",
+        "no curve that shows angular velocity z",
+        "Compare key, column, label and unit of each curve",
     ),
     Cousin(
         "one column twice",
@@ -137,8 +137,8 @@ COUSINS = [
         {"imu_data['angular_velocity'][:, 2]": "imu_data['angular_velocity'][:, 1]"},
         {CURVES: 4.0},
         ("wrong-data-plotted",),
-        "no curve that shows angular velocity z; angular velocity y more than once",
-        "Compare key, column and label of each curve",
+        "no curve that shows angular velocity z",
+        "Compare key, column, label and unit of each curve",
     ),
     Cousin(
         "a scaled curve",

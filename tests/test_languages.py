@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grader.labs.imu.diagnosis import labels
+from grader.labs.imu.visualization import labels
 
 SAMPLES = [(code, text, kind) for code, block in labels.languages().items() for text, kind in block["labels"].items()]
 

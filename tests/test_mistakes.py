@@ -73,7 +73,7 @@ MEANS = {
     },
     "visualization": {
         "plot-not-saved": "saves no picture of the plot",
-        "blank-image": "saves an empty figure",
+        "blank-image": "saves an empty or unfinished figure",
         "no-axis-labels": "axes have no labels",
         "no-units": "axis labels name no unit, or the unit of something else",
         "no-legend": "nothing names the curves of a panel",
@@ -154,7 +154,7 @@ MEANS = {
 ADDED = {
     "sensor_access": ["same-sensor-twice", "reading-clipped", "reading-smoothed", "turned-by-body"],
     "data_collection": ["keeps-old-rows", "first-row-empty", "fixed-rate", "rows-altered", "random-push"],
-    "visualization": ["picture-overwritten", "curves-not-seen"],
+    "visualization": ["comparison-wrong-data", "picture-overwritten", "curves-not-seen"],
     "noise_model": [
         "bias-drifts",
         "noise-density",

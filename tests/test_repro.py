@@ -108,9 +108,7 @@ def test_every_kind_of_question_is_a_program_that_runs(tmp_path: Path) -> None:
     student, judgements = repeating.examined(load(LAB), read_submission(sound, LAB.files))
     asked = {id_: student.questions(id_) for id_ in judgements}
     silent = {id_ for id_, questions in asked.items() if not questions}
-    assert silent == {id_ for id_ in judgements if id_.startswith("realtime_visualization.")} | {
-        "visualization.comparison_plot"
-    }
+    assert silent == {id_ for id_ in judgements if id_.startswith("realtime_visualization.")}
     kinds = {each.op: each for questions in asked.values() for each in questions}
     noise, biases = (
         kinds["noise"],

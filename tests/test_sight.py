@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Curve, Figure, Sight
-from grader.labs.imu.diagnosis.visibility import Patience, looked_at
+from grader.labs.imu.visualization.visibility import Patience, looked_at
 from tests.random_figures import every, made, told
 
 T = np.linspace(0, 5, 500)

@@ -237,10 +237,10 @@ FAULTY = [
     *_PARTLY,
     *_FILES,
     *(
-        Unforeseen(name, files, (COMPARISON,), 4.0, ("comparison-missing", *NOT_SEEN))
+        Unforeseen(name, files, (COMPARISON,), 4.0, ("comparison-missing", "comparison-wrong-data", *NOT_SEEN))
         for name, files in _COMPARISONS.items()
     ),
-    *(Unforeseen(name, files, (COMPARISON,), 4.0, ("comparison-missing",)) for name, files in _NO_COMPARISONS.items()),
+    *(Unforeseen(name, files, (COMPARISON,), 4.0, ("comparison-missing", "comparison-wrong-data")) for name, files in _NO_COMPARISONS.items()),
     *(Unforeseen(name, files, (COMPARISON,), 2.0) for name, files in _WITHOUT_NOISE.items()),
 ]
 

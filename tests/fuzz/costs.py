@@ -23,8 +23,8 @@ from grader.base.text import printable
 from grader.engine import fingerprint
 from grader.intake.archives import gather_archive
 from grader.intake.file_budget import Unreadable
-from grader.labs.imu.diagnosis import labels
 from grader.labs.imu.lab import LAB
+from grader.labs.imu.visualization import labels
 from grader.sandbox import wire
 from grader.worker import notebooks
 from tests.corpus.pieces import tidy

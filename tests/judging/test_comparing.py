@@ -10,8 +10,8 @@ import pytest
 
 from grader.engine.figures import Curve, Figure, Placed, Sight
 from grader.labs.imu.answers import Array
-from grader.labs.imu.diagnosis import comparing
-from grader.labs.imu.diagnosis.comparing import Compared
+from grader.labs.imu.visualization import comparing
+from grader.labs.imu.visualization.comparing import Compared
 from tests.judging.test_check_visualization import Sheet, _curve, _figure, _slow, _smooth, _with_curves
 
 pytestmark = pytest.mark.quick
@@ -227,19 +227,6 @@ def test_curves_of_these_names_are_compared_whatever_the_filter_has_made() -> No
     assert comparing.named_comparisons(figure(RAW, replace(zeros, sight=seen(0)))) == []
 
 
-def test_what_is_drawn_and_what_nobody_sees_is_told() -> None:
-    hidden = replace(SMOOTH, sight=seen(0))
-    flat, short, mark = (
-        curve(y, name, TIME[: len(y)]) for y, name in ((np.ones(N), "g"), (NOISY[:4], "short"), (NOISY[:2], "mark"))
-    )
-    drawn = figure(RAW, hidden, flat, short, mark)
-    assert [len(y) for y in comparing.series_drawn(drawn)] == [N, N, 4]
-    assert comparing.unseen(drawn) == ["filtered"]
-    assert comparing.unseen(replace(drawn, axes=(replace(drawn.axes[0], visible=False),))) == ["raw", "filtered"]
-    assert comparing.series_drawn(replace(drawn, axes=(replace(drawn.axes[0], visible=False),))) == []
-    assert comparing.unseen(figure(replace(hidden, colour="#abcdef"), legend=())) == [""]
-
-
 def test_of_a_long_curve_the_last_points_are_looked_at() -> None:
     n = comparing._MOST_POINTS + 7
     x, y = comparing._last_points(curve(np.arange(float(n)) + 5, x=np.arange(float(n))))
@@ -360,29 +347,21 @@ def test_mean_and_spread_of_runs_of_rows_are_those_of_their_rows() -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "other", "points"),
+    ("curves", "said"),
     [
-        (20, FILTERED, 20),
-        (49, FILTERED, 49),
-        (50, FILTERED, 0),
-        (5, CLEAN, 5),
-        (4, CLEAN, 0),
-        (20, NOISY, 0),
-        (20, FILTERED - 9, 0),
-        (20, FILTERED + 2.9 * NOISY[:20].std() + NOISY[:20].mean() - FILTERED[:20].mean(), 20),
-        (20, FILTERED + 3.1 * NOISY[:20].std() + NOISY[:20].mean() - FILTERED[:20].mean(), 0),
-        (20, 2 * 9.81 - FILTERED, 20),
+        ([], "no curve that changes"),
+        ([NOISY], "only one curve"),
+        ([NOISY, NOISY], "the same numbers"),
+        ([NOISY[:20], FILTERED[:20]], "2 curves, none of which"),
+        ([NOISY, CLEAN], "2 curves, none of which"),
     ],
 )
-def test_of_few_samples_one_may_be_a_filtered_version_of_the_other(rows: int, other: Array, points: int) -> None:
-    """Nobody can tell whether it follows; that it is smoother, and near."""
-    raw, smooth = (curve(y[:rows], name, TIME[:rows]) for y, name in ((NOISY, "raw"), (other, "filtered")))
-    assert comparing.too_few(figure(raw, smooth)) == points
-    assert comparing.too_few(figure(raw, replace(smooth, sight=seen(0)))) == 0
-    assert comparing.too_few(figure(raw, curve(FILTERED[: rows - 1], "filtered", TIME[: rows - 1]))) == 0
+def test_a_figure_that_compares_nothing_is_described_by_its_curves(curves: list[Array], said: str) -> None:
+    drawn = [curve(y, str(number), TIME[: len(y)]) for number, y in enumerate(curves)]
+    count, words = comparing.in_words(figure(*drawn))
+    assert (count, said in words) == (len(curves), True)
 
 
-def test_of_two_comparisons_with_few_samples_the_longer_one_is_told() -> None:
-    pairs = [curve(y[:rows], "", TIME[:rows]) for rows in (20, 30, 10) for y in (NOISY, FILTERED)]
-    assert comparing.too_few(figure(*pairs)) == 30
-    assert comparing.too_few(figure()) == 0
+def test_a_figure_with_a_curve_that_nobody_sees_says_so() -> None:
+    hidden = replace(curve(FILTERED, "filtered"), sight=seen(0))
+    assert comparing.in_words(figure(curve(NOISY, "raw"), hidden)) == (2, "a plot on which a curve cannot be seen")

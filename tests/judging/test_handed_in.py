@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Picture
-from grader.engine.findings import A_PERSON_MAY, Missing
+from grader.engine.findings import A_PERSON_MAY, Charged, Missing
 from grader.labs.imu.answers import Drawing
-from grader.labs.imu.checks import handed_in
+from grader.labs.imu.visualization.measure import _handed_in, measure
 from tests.judging.made import truth
 from tests.judging.test_check_visualization import Plotted, Sheet
 
@@ -49,8 +49,8 @@ class Handing(Plotted):
     ],
 )
 def test_a_picture_that_may_be_a_plot_shows_something(picture: Picture | None, something: bool) -> None:
-    assert handed_in.shows_something(Handing(picture=picture), "imu_data.png") is something
-    assert not handed_in.shows_something(Handing(picture=picture), "another.png")
+    assert _handed_in(Handing(picture=picture), "imu_data.png") is something
+    assert not _handed_in(Handing(picture=picture), "another.png")
 
 
 SHEET = Sheet().figure
@@ -69,5 +69,6 @@ BESIDE_CODE: dict[str, tuple[Handing, bool]] = {
 @pytest.mark.parametrize(("student", "counts"), BESIDE_CODE.values(), ids=BESIDE_CODE)
 def test_a_picture_counts_where_plot_imu_data_draws_nothing(student: Handing, counts: bool) -> None:
     student.notes.clear()
-    assert handed_in.counts(student, truth()) is counts
+    stopped = measure(student, truth()).stopped
+    assert [type(each) for each in stopped.values()].count(Charged) == 6 * counts
     assert [A_PERSON_MAY in note for note in student.notes] == [True] * counts

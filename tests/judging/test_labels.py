@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from grader.labs.imu.diagnosis import labels
+from grader.labs.imu.visualization import labels
 
 pytestmark = pytest.mark.quick
 UNITS: dict[str | None, list[str]] = {

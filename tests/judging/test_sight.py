@@ -9,8 +9,8 @@ import pytest
 
 from grader.engine.figures import Axes, Curve, Figure, Sight
 from grader.labs.imu.answers import Array
-from grader.labs.imu.diagnosis import visibility
-from grader.labs.imu.diagnosis.visibility import Patience
+from grader.labs.imu.visualization import visibility
+from grader.labs.imu.visualization.visibility import Patience
 
 pytestmark = pytest.mark.quick
 WIDTH, HEIGHT = 300, 200
@@ -124,9 +124,6 @@ def test_a_curve_in_the_open_is_seen(figure: Figure) -> None:
 
 
 NOT_THERE: dict[str, Figure] = {
-    "elsewhere on logarithmic scales": Canvas(log=True)
-    .draw(0.01 + 0 * X, x=0.002 + 0.9 * X)
-    .figure(curve(0.2 + 0.7 * X, x=0.002 + 0.9 * X)),
     "on a blank picture": Canvas().figure(curve()),
     "of another colour": Canvas().draw(colour=BLUE).figure(curve()),
     "of another shade": Canvas().draw(colour=(255, 90, 90)).draw(LOWER, (90, 0, 0)).figure(curve(colour=(0, 160, 0))),
@@ -218,12 +215,6 @@ def test_what_is_above_or_below_the_limits_is_outside(y: Array, share: float) ->
     (found,) = looked(Canvas().figure(curve(y)))
     assert found.inside.mean() == pytest.approx(share, abs=0.02)
     assert not found.seen.any()
-
-
-def test_what_has_no_logarithm_is_outside() -> None:
-    (found,) = looked(Canvas(log=True).figure(curve(np.where(X < 0.5, 0.1, -0.1), x=0.002 + 0.9 * X)))
-    assert found.inside[:49].all()
-    assert not found.inside[51:].any()
 
 
 @pytest.mark.parametrize(("wide", "there"), [(0.029, False), (0.035, True)])
@@ -326,13 +317,6 @@ def test_a_figure_is_looked_at_as_it_is_at_its_end_as_well() -> None:
 
 
 # --- parts of it ---------------------------------------------------------------------------------------------------------
-
-
-def test_what_several_curves_show_is_shown_together() -> None:
-    parts = np.arange(4)
-    both = visibility.together(iter([Sight(parts < 2, parts < 1), Sight(parts == 3, parts == 3)]))
-    assert both.inside.tolist() == [True, True, False, True]
-    assert both.seen.tolist() == [True, False, False, True]
 
 
 @pytest.mark.parametrize(

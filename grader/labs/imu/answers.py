@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from grader.engine.figures import Figure, Stray, figures_of, strays_of
 from grader.engine.findings import Fault
-from grader.labs.imu.diagnosis.visibility import Patience, looked_at
+from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 
 Array = NDArray[np.float64]

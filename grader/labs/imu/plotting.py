@@ -20,9 +20,9 @@ from grader.engine.question import key_of
 from grader.engine.submission_session import Conversation, is_run
 from grader.engine.traces import Traces
 from grader.labs.imu.answers import Array, Drawing, drawing_of
-from grader.labs.imu.diagnosis import plots
 from grader.labs.imu.lab_copies import with_graded_robot
 from grader.labs.imu.robot import robot_of
+from grader.labs.imu.visualization import curves
 from grader.sandbox.sandbox import Sandbox
 
 _IMPORTS = re.compile(rb'^[ \t"]*(?:from|import)[ \t]+([\w.]+(?:[ \t]*,[ \t]*[\w.]+)*)', re.MULTILINE)
@@ -90,10 +90,10 @@ class Plotting(Conversation):
         own_form: bool,
     ) -> Drawing:
         drawing = self._plotted(data)
-        if drawing.fault is None and not (own_form and plots.lacking(drawing.figures, sheet)):
+        if drawing.fault is None and not (own_form and curves.lacking(drawing.figures, sheet)):
             return drawing
         own = self._plotted_as_recorded(data, sheet, ids)
-        if own is not None and own.fault is None and (drawing.fault or not plots.lacking(own.figures, sheet)):
+        if own is not None and own.fault is None and (drawing.fault or not curves.lacking(own.figures, sheet)):
             return own
         if drawing.fault is None:
             return drawing

@@ -1,6 +1,6 @@
-"""Reading a figure: which curve shows which channel, and under which name.
+"""Facts about a figure of the data: which curve shows which channel, what is seen of it, and under which name.
 
-Curves are tied to the data that the plot function was given, not to their labels; the labels are then held against the curves.
+Curves are matched with the data that the plot function was given, not by their labels.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from grader.engine.figures import PARTS, Axes, Curve, Entry, Figure, Mask, Placed, Sight
 from grader.labs.imu.answers import SENSORS, Array, Collection, column_named
-from grader.labs.imu.diagnosis.labels import axis_of
+from grader.labs.imu.visualization.labels import axis_of
 
 _DAY_S = 86400.0  # matplotlib counts dates in days
 FEWEST_POINTS = 50
@@ -30,6 +30,10 @@ _MIDDLES = (np.arange(PARTS) + 0.5) / PARTS
 
 Channel = tuple[int, int]
 """Sensor 0 or 1, axis 0 to 2."""
+CHANNELS: tuple[Channel, ...] = tuple((sensor, axis) for sensor in (0, 1) for axis in range(3))
+SENSOR_WORDS = ("acceleration", "angular velocity")
+_ENOUGH = 0.5
+"""Share of a channel's drawn time that has to lie within the limits; a plot that shows less is a detail."""
 
 
 @dataclass(frozen=True)
@@ -104,13 +108,98 @@ class Panel:
         return " | ".join([self.axes.title, self.axes.ylabel])
 
 
+@dataclass(frozen=True)
+class Plot:
+    """The figure under judgement, and its panels."""
+
+    figure: Figure
+    panels: list[Panel]
+
+    @property
+    def main_panels(self) -> list[Panel]:
+        """The panels that need words of their own: all but the insets."""
+        return [panel for panel in self.panels if not any(map(panel.is_inset_of, self.panels))]
+
+    @property
+    def titled_panels(self) -> list[Panel]:
+        """Those of them that show the data; what else is drawn beside these may stand without a title."""
+        return [panel for panel in self.main_panels if panel.shown] or self.main_panels
+
+    def of_sensor(self, sensor: int) -> list[Panel]:
+        """The sensor's own panels; where it has none, those that it shares."""
+        own = [panel for panel in self.panels if panel.mainly == {sensor}]
+        return own or [panel for panel in self.panels if sensor in panel.sensors]
+
+    @property
+    def shown(self) -> list[Shown]:
+        return [shown for panel in self.panels for shown in panel.shown]
+
+    @property
+    def drawn(self) -> set[Channel]:
+        return {shown.channel for shown in self.shown}
+
+    @property
+    def hidden(self) -> set[Channel]:
+        """The channels whose curves are drawn, and that nobody sees in any panel."""
+        return {shown.channel for panel in self.panels for shown in panel.hidden} - self.drawn
+
+    @property
+    def strange(self) -> list[Curve]:
+        return [curve for panel in self.panels for curve in panel.strange]
+
+    @property
+    def abscissae(self) -> set[str]:
+        """What the curves are drawn against."""
+        return {shown.x for shown in self.shown}
+
+    @property
+    def x_labels(self) -> list[str]:
+        """What is written along the time axis, wherever that may stand; empty where nothing is."""
+        return [panel.axes.xlabel for panel in self.panels] + [self.figure.xlabel, *self.figure.texts]
+
+    @property
+    def own_ticks(self) -> bool:
+        """Whether the numbers beside the time axis may be others than those that are drawn."""
+        return any(panel.axes.own_ticks for panel in self.panels)
+
+    def sight(self, channel: Channel) -> Sight:
+        """What is seen of a channel in all panels together."""
+        sights = [shown.sight for shown in self.shown if shown.channel == channel]
+        return Sight(np.any([each.inside for each in sights], axis=0), np.any([each.seen for each in sights], axis=0))
+
+    def drawn_of(self, channel: Channel) -> Mask:
+        """Over which parts of the recorded time a channel is drawn, in all panels together."""
+        drawn: Mask = np.any([shown.drawn for shown in self.shown if shown.channel == channel], axis=0)
+        return drawn
+
+    def in_part(self) -> dict[Channel, Mask]:
+        """The channels that are drawn over a part of the recorded time alone, with that part."""
+        parts = {channel: self.drawn_of(channel) for channel in CHANNELS if channel in self.drawn}
+        return {channel: part for channel, part in parts.items() if part.mean() < NEARLY_ALL}
+
+    @property
+    def is_cropped(self) -> bool:
+        """Whether no panel shows a channel to its last point, or might not with other data: matplotlib's limits leave none out."""
+        if any(panel.axes.own_height for panel in self.panels):
+            return True
+        drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
+        return bool(self.drawn - {shown.channel for panel, shown in drawn if not panel.leaves_out(shown.curve)})
+
+    def cut_off(self) -> dict[Channel, Sight]:
+        """The channels that the limits of the axes leave outside for the most part of what is drawn of them."""
+        sights = {channel: self.sight(channel) for channel in CHANNELS if channel in self.drawn}
+        return {
+            channel: sight
+            for channel, sight in sights.items()
+            if sight.inside.sum() < _ENOUGH * self.drawn_of(channel).sum()
+        }
+
+
 def joined(figures: Sequence[Figure]) -> Figure:
     """Several figures as the panels of one, each with what its own figure says of all its panels."""
     axes = tuple(_alone(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
     texts = tuple(text for figure in figures for text in figure.texts)
-    late = any(figure.finished is not None for figure in figures)
-    finished = joined([figure.finished or figure for figure in figures]) if late else None
-    return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts, finished=finished)
+    return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts, finished=None)
 
 
 def _alone(axes: Axes, figure: Figure, number: int) -> Axes:
@@ -146,6 +235,10 @@ def _panel(axes: Axes, series: Mapping[str, Array]) -> Panel:
     seen = {match.channel for match in shown}  # one channel drawn twice hides itself
     shown += [match for match in hidden if match.channel in seen]
     return Panel(axes, tuple(shown), tuple(strange), tuple(match for match in hidden if match.channel not in seen))
+
+
+def has_curves(figure: Figure) -> bool:
+    return any(curve.n > 2 for axes in figure.visible_axes for curve in axes.curves)
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
@@ -207,6 +300,11 @@ UNITS = tuple(tuple(unit for unit, _ in scales) for scales in _UNITS)
 """The units of each sensor, that of the recorded numbers first."""
 
 
+def factor_of(shown: Shown) -> str:
+    """Return how many times the given numbers a curve draws."""
+    return f"{dict(_UNITS[shown.sensor])[shown.unit]:.3g} times"
+
+
 def unit_in(rows: Array, true: Array, sensor: int) -> str:
     """The unit in which rows (n, 3) are as large as the true ones (m, 3), to a tenth; empty where they are in none."""
     size, whole = (float(np.sqrt(np.mean(each**2))) for each in (rows, true))
@@ -219,7 +317,7 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array]:
     """What a submission records beside the three series, as it would have recorded it of the true ones.
 
-    Multiples of a series, of a column and of a magnitude are made anew; numbers stay, and other rows are stretched to the length.
+    Multiples of a series, of a column and of a magnitude are made anew; everything else stays.
     """
     return {name: _as_recorded(name, value, own, series) for name, value in own.extras.items()}
 
@@ -233,10 +331,7 @@ def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, 
         scale = np.vdot(value, recorded) / max(np.vdot(recorded, recorded), 1e-300)
         if np.abs(value - scale * recorded).max() <= 1e-9 * max(1.0, np.abs(value).max()):
             return scale * true if recorded.any() else true
-    if own.time is None or len(value) != len(own.time):
-        return value
-    stretched: Array = value[np.linspace(0, len(value) - 1, len(series["time"])).round().astype(int)]
-    return stretched
+    return value
 
 
 def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:

@@ -1,4 +1,4 @@
-"""What a reader of a picture sees of each curve: the witness, asked.
+"""Visibility of each curve in the small picture of a figure.
 
 Limits, data and colours are a claim; from them follows where each curve stands in the picture that was drawn. What does not stand
 there was not shown, whatever lies over it, hides it, or was never drawn. A point is seen where the picture, near the place of the
@@ -8,7 +8,7 @@ point, goes from what is around it towards the curve's colour.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,12 +31,6 @@ _SMALLEST = 0.03  # of the figure's width or height: less than that is no panel
 _NO_STROKE = ("None", "none", "", " ")
 _FEW = 6  # colours of other curves that one is seen through
 _SOME = 3  # pixels
-
-
-def together(sights: Iterable[Sight]) -> Sight:
-    """What several curves show of the same channel."""
-    found = list(sights)
-    return Sight(np.any([sight.inside for sight in found], axis=0), np.any([sight.seen for sight in found], axis=0))
 
 
 class Patience:
@@ -116,10 +110,8 @@ def _shares(values: Array, limits: Sequence[float], scale: str) -> tuple[Array, 
     """How far along an axis each value lies, and whether that is known."""
     ends = np.array(limits, dtype=float)
     with np.errstate(all="ignore"):
-        if scale == "log":
-            values, ends = np.log10(values), np.log10(ends)
         share = (values - ends[0]) / (ends[1] - ends[0])
-    return np.where(np.isfinite(share), share, -1.0), scale in ("linear", "log")
+    return np.where(np.isfinite(share), share, -1.0), scale == "linear"
 
 
 def _taken(places: Sequence[_Places], shape: tuple[int, ...]) -> Mask:

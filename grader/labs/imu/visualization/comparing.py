@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from grader.engine.figures import Axes, Curve, Figure
 from grader.labs.imu.answers import Array
-from grader.labs.imu.diagnosis.labels import says_raw, says_smooth, unit_of
-from grader.labs.imu.diagnosis.plots import FEWEST_POINTS, is_reference, name_of
+from grader.labs.imu.visualization.curves import FEWEST_POINTS, is_reference, name_of
+from grader.labs.imu.visualization.labels import says_raw, says_smooth, unit_of
 
 Index = NDArray[np.intp]
 
 _SEEN = 0.05
 """Of a curve: a comparison may be a detail, and one that shows nothing is none."""
-_FEWEST_OF_ALL = 5  # points of a curve that may be a series
 _SMOOTHER = 0.8  # of the raw series' differences from value to value
 _MOST_POINTS = 20_000
 """Of a curve are compared, its last: eight times what the lab records."""
@@ -96,19 +95,6 @@ def named_comparisons(figure: Figure) -> list[Compared]:
     ]  # fmt: skip
 
 
-def too_few(figure: Figure) -> int:
-    """Return the number of samples of curves that may be filtered but are too short to tell; 0 without such curves."""
-    drawn = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes) if _is_seen(curve)]
-    short = [y for y in drawn if _FEWEST_OF_ALL <= len(y) < FEWEST_POINTS]
-    return max((len(raw) for raw in short for smooth in short if _may_be_smoothed(raw, smooth)), default=0)
-
-
-def _may_be_smoothed(raw: Array, smooth: Array) -> bool:
-    """Return whether a series is as long as another, is smoother, and lies where that one lies."""
-    near = abs(np.mean(smooth) - np.mean(raw)) <= 3 * np.std(raw)
-    return len(raw) == len(smooth) and bool(near) and _is_smoother(raw, smooth)
-
-
 def _is_smoother(raw: Array, smooth: Array) -> bool:
     """By its differences from value to value, where there is noise of the second half as well: a filter may climb at first.
 
@@ -119,15 +105,17 @@ def _is_smoother(raw: Array, smooth: Array) -> bool:
     return any(np.std(its_steps[n:]) <= _SMOOTHER * np.std(steps[n:]) for n in begins)
 
 
-def series_drawn(figure: Figure) -> list[Array]:
-    """The values of every curve of data in a figure."""
-    return [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
-
-
-def unseen(figure: Figure) -> list[str]:
-    """The names of the curves that are drawn, and that nobody sees."""
-    seen = [curve for _, curve in _seen_curves(figure)]
-    return [_name_on(axes, curve) for axes in figure.axes for curve in _long_curves(axes) if curve not in seen]
+def in_words(figure: Figure) -> tuple[int, str]:
+    """Return the number of curves of a figure that compares nothing, and what they are in words."""
+    series = [curve.points[1] for axes in figure.visible_axes for curve in _curves(axes)]
+    said = f"{len(series)} curves, none of which is a smoother version of another over {FEWEST_POINTS} samples or more"
+    if len(series) < 2:
+        said = f"a plot with {'only one curve' if series else 'no curve that changes'}"
+    elif all(np.array_equal(one, series[0]) for one in series):
+        said = "a plot that shows the same numbers in every curve"
+    elif len(_seen_curves(figure)) < sum(len(_long_curves(axes)) for axes in figure.axes):
+        said = "a plot on which a curve cannot be seen"
+    return len(series), said
 
 
 def _name_on(axes: Axes, curve: Curve) -> str:

@@ -1,0 +1,93 @@
+"""Checks of the plots: each a threshold on one measured property."""
+
+from __future__ import annotations
+
+from grader.engine.findings import Deviation, Size
+from grader.labs.imu.visualization import curves, explain
+from grader.labs.imu.visualization import panel_words as words
+from grader.labs.imu.visualization.explain import PART, to_the_end
+from grader.labs.imu.visualization.measure import Facts
+
+
+@PART.check("visualization.saves_image", lab_step=4)
+@to_the_end
+def check_saves_image(facts: Facts) -> Deviation | None:
+    """plot_imu_data saves a readable picture of the plot"""
+    width, height = facts.file.size_px
+    numbers = {"width": width, "height": height, "form": " and ".join(sorted(facts.file.formats)).upper()}
+    if explain.is_lost(facts) or explain.is_small(facts):
+        return Deviation(numbers)
+    return Deviation(numbers, share=0.2) if explain.is_no_png(facts) else None
+
+
+@PART.check("visualization.two_labelled_panels", lab_step=4)
+@to_the_end
+def check_two_labelled_panels(facts: Facts) -> Deviation | None:
+    """Acceleration and angular velocity have a panel each, which says what it shows"""
+    plot = facts.plot
+    if explain.shares_a_panel(facts):
+        return Deviation()
+    if wrong := words.misnamed(plot):
+        return Deviation({"said": words.quoted(" | ".join(wrong.said)), "shows": wrong.shows}, affected=wrong.share)
+    if missing := words.missing_panel(plot):
+        return Deviation({"came": f"no panel with the {missing}"})
+    if nameless := [curves.SENSOR_WORDS[sensor] for sensor in (0, 1) if not words.is_named(plot, sensor)]:
+        return Deviation({"came": f"no text on the panel that says {' or '.join(nameless)}"}, share=0.5)
+    return None
+
+
+@PART.check("visualization.curves_match_data", lab_step=4)
+@to_the_end
+def check_curves_match_data(facts: Facts) -> Deviation | None:
+    """Six curves show the six channels of the data against time"""
+    if explain.misses_channels(facts):
+        return Deviation({"came": explain.missing_in_words(facts)}, affected=explain.share_missing(facts))
+    if explain.is_against_no_time(facts):
+        return Deviation()
+    if came := explain.another_unit(facts):
+        return Deviation({"came": came}, affected=0.5)
+    parts = facts.plot.in_part()
+    size = Size("curves over only a part of the recorded time")
+    return Deviation({"came": explain.part_in_words(parts)}, explain.share_missing(facts), size) if parts else None
+
+
+@PART.check("visualization.axis_labels_with_units", lab_step=4)
+@to_the_end
+def check_axis_labels_with_units(facts: Facts) -> Deviation | None:
+    """The axes are labelled, with units"""
+    problems = words.label_problems(facts.plot)
+    came = "; ".join(text for _, text in problems)
+    return Deviation({"came": came}, affected=min(1.0, len(problems) / 3)) if problems else None
+
+
+@PART.check("visualization.legend_names_curves", lab_step=4)
+@to_the_end
+def check_legend_names_curves(facts: Facts) -> Deviation | None:
+    """A legend, or text beside the curves, tells the curves of a panel apart"""
+    if came := words.exchanged_name(facts.plot):
+        return Deviation({"came": came})
+    nameless = words.share_nameless(facts.plot)
+    return Deviation(affected=nameless) if nameless else None
+
+
+@PART.check("visualization.titles", lab_step=4)
+@to_the_end
+def check_titles(facts: Facts) -> Deviation | None:
+    """The panels, or the figure, have a title"""
+    untitled = words.share_untitled(facts.plot)
+    return Deviation(affected=untitled) if untitled else None
+
+
+@PART.check("visualization.comparison_plot", lab_step=6)
+def check_comparison_plot(facts: Facts) -> Deviation | None:
+    """A saved plot shows raw and filtered data together"""
+    comparison = facts.comparison
+    if not comparison.saved:
+        if comparison.unknown or (comparison.drawn and comparison.handed_in):
+            return None
+        affected = 0.5 if comparison.drawn or comparison.handed_in else 1.0
+        return Deviation({"came": comparison.in_words}, affected=affected, fault=comparison.fault)
+    if explain.names_are_exchanged(facts):
+        return Deviation({"came": "the raw curve with the name of the filtered one"})
+    noisy = comparison.clean or any(pair.noisy for pairs in comparison.saved for pair in pairs)
+    return None if noisy else Deviation(share=0.5)

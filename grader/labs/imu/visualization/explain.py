@@ -1,0 +1,184 @@
+"""Hypotheses on why a plot does not show what the sheet asks: its file, its panels, its curves, its words, the comparison."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable, Mapping
+
+from grader.engine.charging import Part
+from grader.engine.figures import Mask
+from grader.engine.findings import Deviation, Raised
+from grader.engine.hypothesis import Reason
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.visualization import curves
+from grader.labs.imu.visualization import panel_words as words
+from grader.labs.imu.visualization.curves import CHANNELS, SENSOR_WORDS, Channel
+from grader.labs.imu.visualization.measure import DOING, Facts, measure
+
+SAVES, PANELS, CURVES, LABELS, LEGEND, TITLES, COMPARISON = (
+    "saves_image", "two_labelled_panels", "curves_match_data", "axis_labels_with_units", "legend_names_curves", "titles",
+    "comparison_plot",
+)  # fmt: skip
+_SMALLEST_PX = (400, 250)
+"""Below this the six curves and their labels cannot be told apart; matplotlib's default figure has 640 × 480."""
+_OTHER_FORMS = frozenset({"pdf", "svg", "svgz", "eps", "ps", "pgf"})
+_MISLEADS = 0.8
+"""Least share lost where curves show other numbers or limits leave curves outside: a reader of the picture is misled."""
+_IN_PART = 0.8
+"""Largest share that a channel keeps if some of its rows are not drawn; one that shows less keeps the share that it shows."""
+
+
+def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts], Deviation | None]:
+    """Make what a plot lacks that an exception broke off the fault of that exception."""
+
+    @functools.wraps(measured)
+    def judged(facts: Facts) -> Deviation | None:
+        found = measured(facts)
+        if found is not None and facts.fault is not None:
+            raise Raised(facts.fault, DOING)
+        return found
+
+    return judged
+
+
+# ---- the file ----
+
+
+def is_lost(facts: Facts) -> bool:
+    """Return whether no file shows at the end what the figure shows."""
+    return not facts.file.formats or facts.file.early or bool(facts.file.lost)
+
+
+def is_small(facts: Facts) -> bool:
+    return any(size < least for size, least in zip(facts.file.size_px, _SMALLEST_PX, strict=True))
+
+
+def is_no_png(facts: Facts) -> bool:
+    return facts.file.formats <= _OTHER_FORMS
+
+
+# ---- panels and curves ----
+
+
+def shares_a_panel(facts: Facts) -> bool:
+    """Return whether both sensors are on the same axes."""
+    return any(panel.mainly != {sensor} for sensor in (0, 1) for panel in facts.plot.of_sensor(sensor))
+
+
+def misses_channels(facts: Facts) -> bool:
+    return len(facts.plot.drawn - set(facts.cut_off)) < len(CHANNELS)
+
+
+def _missing(facts: Facts) -> set[Channel]:
+    """Return the channels of which nothing is drawn."""
+    return set(CHANNELS) - facts.plot.drawn - facts.plot.hidden
+
+
+def _shows_others(facts: Facts) -> bool:
+    """Return whether other numbers, or a channel twice, stand in the place of a missing channel."""
+    plot = facts.plot
+    return bool(_missing(facts)) and (bool(plot.strange) or len(plot.shown) > len(plot.drawn))
+
+
+def _is_not_seen(facts: Facts) -> bool:
+    return bool(facts.plot.hidden or facts.cut_off)
+
+
+def share_missing(facts: Facts) -> float:
+    """Return the share of the points that the curves lose: by channel, and most where a reader is misled."""
+    plot, parts = facts.plot, facts.plot.in_part()
+    kept = (min(_IN_PART, float(parts[c].mean())) if c in parts else 1.0 for c in plot.drawn - set(facts.cut_off))
+    lost = 1 - sum(kept) / len(CHANNELS)
+    return max(lost, _MISLEADS) if facts.cut_off or _shows_others(facts) else lost
+
+
+def missing_in_words(facts: Facts) -> str:
+    plot, missing, strange = facts.plot, _missing(facts), len(facts.plot.strange)
+    said = [
+        f"no curve that shows {_named(missing)}" if missing else "",
+        f"{strange} {'curves show' if strange > 1 else 'curve shows'} other numbers" if missing and strange else "",
+        f"{_named(plot.hidden)} drawn and not visible" if plot.hidden else "",
+        f"{_outside(facts)} outside the limits of the axes" if facts.cut_off else "",
+    ]
+    return "; ".join(filter(None, said))
+
+
+def _outside(facts: Facts) -> str:
+    share = min(float(sight.inside.mean()) for sight in facts.cut_off.values())
+    return f"{round(100 * (1 - share))} % of {_named(facts.cut_off)}"
+
+
+def _named(channels: Iterable[Channel]) -> str:
+    of_sensors = [(SENSOR_WORDS[s], ["xyz"[axis] for sensor, axis in sorted(channels) if sensor == s]) for s in (0, 1)]
+    return " and ".join(f"{word} {', '.join(axes)}" for word, axes in of_sensors if axes)
+
+
+def part_in_words(parts: Mapping[Channel, Mask]) -> str:
+    share = min((float(part.mean()) for part in parts.values()), default=1.0)
+    return f"{_named(parts)} over only {round(100 * share)} % of the recorded time"
+
+
+def is_against_no_time(facts: Facts) -> bool:
+    """Return whether curves stand against the sample's index, or against milliseconds under a label that says seconds."""
+    return words.x_is_wrong(facts.plot)
+
+
+def another_unit(facts: Facts) -> str:
+    """Describe numbers in another unit than their label's; without one, than that of the data. Empty if all agree."""
+    for shown, label, said in words.labelled_units(facts.plot):
+        family = curves.UNITS[shown.sensor]
+        own = shown.unit == family[0] and said == facts.recorded[shown.sensor]
+        if (said in family and said != shown.unit and not own) or (said is None and shown.unit != family[0]):
+            factor = "" if shown.unit == family[0] else f" ({curves.factor_of(shown)} the given numbers)"
+            return (
+                f"numbers in {shown.unit}{factor} under {f'the label {words.quoted(label)}' if label else 'no label'}"
+            )
+    return ""
+
+
+def names_are_exchanged(facts: Facts) -> bool:
+    """Return whether every saved comparison gives the raw curve the name of the filtered one."""
+    return all(
+        any(pair.exchanged for pair in pairs) and not any(pair.in_order for pair in pairs)
+        for pairs in facts.comparison.saved
+    )
+
+
+def _has_problem(name: str) -> Callable[[Facts], bool]:
+    return lambda facts: name in dict(words.label_problems(facts.plot))
+
+
+REASONS: tuple[Reason[Facts], ...] = (
+    Reason(SAVES, 1, "picture-overwritten", lambda f: f.file.replaced or bool(f.file.lost)),
+    Reason(SAVES, 2, "blank-image", lambda f: f.file.blank or f.file.early),
+    Reason(SAVES, 3, "plot-not-saved", lambda f: not f.file.formats),
+    Reason(SAVES, 4, "low-resolution", is_small),
+    Reason(PANELS, 1, "one-panel", shares_a_panel),
+    Reason(PANELS, 2, "panels-swapped", lambda f: words.misnamed(f.plot) is not None),
+    Reason(CURVES, 1, "wrong-data-plotted", _shows_others),
+    Reason(CURVES, 2, "curves-missing", lambda f: bool(_missing(f)) and not _shows_others(f)),
+    Reason(CURVES, 3, "curves-not-seen", _is_not_seen),
+    Reason(CURVES, 4, "x-not-time", lambda f: not misses_channels(f) and is_against_no_time(f)),
+    Reason(CURVES, 5, "wrong-data-plotted", lambda f: not misses_channels(f) and bool(another_unit(f))),
+    Reason(LABELS, 1, "no-axis-labels", _has_problem("no-axis-labels")),
+    Reason(LABELS, 2, "no-units", _has_problem("no-units")),
+    Reason(LEGEND, 1, "legend-order-wrong", lambda f: bool(words.exchanged_name(f.plot))),
+    Reason(LEGEND, 2, "no-legend", lambda f: words.share_nameless(f.plot) > 0),
+    Reason(TITLES, 1, "no-title", lambda _: True),
+    Reason(COMPARISON, 1, "legend-order-wrong", lambda f: bool(f.comparison.saved) and names_are_exchanged(f)),
+    Reason(COMPARISON, 2, "comparison-wrong-data", lambda f: f.comparison.meant[0] > 1 and not f.comparison.drawn),
+    Reason(COMPARISON, 3, "script-stops", lambda f: f.comparison.fault is not None and not f.comparison.drawn),
+    Reason(COMPARISON, 4, "comparison-missing", lambda f: not f.comparison.saved),
+    Reason("parameters", 1, "global-for-parameter", lambda f: reads_global(f.departs)),
+    Reason("parameters", 2, "other-parameters", lambda _: True),
+)
+
+PART: Part[Facts] = Part(
+    LAB,
+    "visualization",
+    measure,
+    REASONS,
+    {"parameters": lambda facts: departure("plot_imu_data", facts.departs)},
+    together=frozenset({"wrong-data-plotted", "curves-missing", "curves-not-seen", "no-axis-labels", "no-units"}),
+)

@@ -1,0 +1,417 @@
+"""Facts about the two plots: the figure of the data and its picture file, and the comparison of raw and filtered data."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from grader.base.errors import NoAnswer
+from grader.base.text import printable
+from grader.engine.figures import Curve, Figure, Sight
+from grader.engine.findings import A_PERSON_MAY, Charge, Charged, Deviation, Fault, Missing, Ours, Raised, Skipped
+from grader.engine.traces import Traces
+from grader.labs.imu.answers import KEYS, SENSORS, Array, Collection, Drawing
+from grader.labs.imu.recordings import torso_ids
+from grader.labs.imu.student import Student
+from grader.labs.imu.visualization import comparing, curves
+from grader.labs.imu.visualization.curves import Channel, Plot
+from grader.labs.imu.visualization.panel_words import labelled_units
+
+PICTURE, COMPARISON = "imu_data.png", "filtered_imu.png"
+DOING = "plotting IMU data"
+OF_WORDS = ("two_labelled_panels", "axis_labels_with_units", "legend_names_curves", "titles")
+"""Checks that read the panels; what nobody sees has no words either."""
+OF_PLOT = ("saves_image", "curves_match_data", *OF_WORDS)
+_INK = (0.005, 0.6)
+"""Share of a handed-in picture that has none of its commonest colours: less is a blank sheet, more a photograph or noise.
+
+The sheet's figure has 0.05 to 0.13 in any style and frame, noise 0.66 and more.
+"""
+_SMALLEST_PX = 150
+_SAME = 1e-3
+"""Share of a curve's height by which two drawings of nearly the same numbers may differ."""
+
+
+@dataclass(frozen=True)
+class File:
+    """What became of the file of the plot.
+
+    Attributes
+    ----------
+    size_px : of the largest saved picture of the curves; (0, 0) if there is none
+    formats : of all of them
+    replaced, blank : whether a file was overwritten or damaged, or saved from an empty figure
+    early : whether the figure got curves or words after it was saved
+    lost : the channels that only a file showed that was overwritten
+    """
+
+    size_px: tuple[int, int] = (0, 0)
+    formats: frozenset[str] = frozenset()
+    replaced: bool = False
+    blank: bool = False
+    early: bool = False
+    lost: frozenset[Channel] = frozenset()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the submission's programs draw of raw and filtered data.
+
+    Attributes
+    ----------
+    saved : the pairs of curves in each saved figure of one program that has any
+    drawn : whether any figure has such a pair
+    meant : the number of curves of a figure that is meant to compare and has no such pair, and what they are in words
+    handed_in : whether a picture of it was handed in
+    fault : the exception that stopped a program
+    unknown : whether the file that would draw it is no Python; the filter is charged for that
+    clean : whether the noise model has lost points, so that no noise is asked for
+    """
+
+    saved: tuple[Sequence[comparing.Compared], ...] = ()
+    drawn: bool = False
+    meant: tuple[int, str] = (0, "")
+    handed_in: bool = False
+    fault: Fault | None = None
+    unknown: bool = False
+    clean: bool = False
+
+    @property
+    def in_words(self) -> str:
+        return "a figure that is not saved" if self.drawn else self.meant[1] or "no figure of both"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Facts about the plots of one submission.
+
+    Attributes
+    ----------
+    plot : the figure that shows most of the data
+    cut_off : the channels that lie outside the axis limits for the most part
+    recorded : the unit in which the submission itself records each sensor, if a label names another one than is drawn
+    fault : the exception that broke the plot off
+    departs : the sheet's parameters that `plot_imu_data` could not be called with
+    stopped : by check, what kept its property from being measured
+    """
+
+    plot: Plot
+    file: File = field(default_factory=File)
+    comparison: Comparison = field(default_factory=Comparison)
+    cut_off: Mapping[Channel, Sight] = field(default_factory=dict)
+    recorded: tuple[str, str] = ("", "")
+    fault: Fault | None = None
+    departs: tuple[str, ...] = ()
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+
+_NO_PLOT = Plot(Figure("shown", None, "", (0, 0)), [])
+
+
+def measure(student: Student, truth: Traces) -> Facts:
+    """Ask for the plot of the tumbling run, then for what the programs draw."""
+    try:
+        drawing = drawing_of_data(student, truth)
+        if drawing.fault is not None and not drawing.figures:
+            raise Raised(drawing.fault, DOING)
+    except (Missing, NoAnswer, Raised) as stop:
+        stopped = _half(student) or dict.fromkeys(OF_PLOT, stop)
+        return Facts(_NO_PLOT, comparison=_comparison(student), stopped=stopped)
+    series, plots = series_of(truth), candidates(student, truth, drawing)
+    best = best_of(plots) or _NO_PLOT
+    plot = _finished(best, series)
+    file = _file(student, drawing, plots, early=plot is not best)
+    stopped = {} if any(map(curves.has_curves, drawing.figures)) else _half(student)
+    outside: Mapping[Channel, Sight] = {}
+    if not stopped:
+        outside = _cut_off(student, truth, plot)
+        stopped = _unseen(student, truth, plot, outside)
+    if drawing.fault is not None:
+        stopped = {name: Raised(drawing.fault, DOING) for name in stopped}
+    return Facts(
+        plot,
+        file,
+        _comparison(student),
+        outside,
+        _recorded_units(student, truth, plot),
+        drawing.fault,
+        tuple(drawing.departs),
+        stopped,
+    )
+
+
+# ---- what is drawn of given data ----
+
+
+def series_of(truth: Traces, run: str = "tumbling") -> dict[str, Array]:
+    return {key: truth[run][key] for key in KEYS}
+
+
+def drawing_of_data(student: Student, truth: Traces, run: str = "tumbling") -> Drawing:
+    """Return what `plot_imu_data` draws of a run, given under the names under which the submission itself records it."""
+    series = series_of(truth, run)
+    own = _own_recording(student, truth)
+    return student.plot(
+        data=_data(own, series),
+        sheet=series,
+        ids=torso_ids(truth),
+        called="plot" if run == "tumbling" else "",
+        own_form=own is not None and bool(own.oddities),
+    )
+
+
+def _own_recording(student: Student, truth: Traces) -> Collection | None:
+    try:
+        return student.simulate(duration_s=float(truth["push"].scalars["duration_s"]), ids=torso_ids(truth))
+    except (NoAnswer, Missing, Raised):
+        return None
+
+
+def _data(own: Collection | None, series: dict[str, Array]) -> dict[str, Array]:
+    """Return the true series under the submission's own names, with what else it records."""
+    if own is None or any(name.isdigit() for name in own.keys.values()):
+        return series
+    return {own.keys.get(key, key): value for key, value in series.items()} | curves.as_recorded(own, series)
+
+
+def _recorded_units(student: Student, truth: Traces, plot: Plot) -> tuple[str, str]:
+    """Return the unit in which the submission records each sensor whose label names another unit than is drawn; else ""."""
+    asked = {shown.sensor for shown, _, said in labelled_units(plot) if said not in (None, shown.unit)}
+    if not asked:
+        return "", ""
+    with student.without_standins():
+        own = _own_recording(student, truth)
+    rows = [own.sensors[sensor] if own and sensor in asked else None for sensor in (0, 1)]
+    accel, gyro = (
+        "" if each is None or not len(each) else curves.unit_in(each, truth["push"][SENSORS[sensor]], sensor)
+        for sensor, each in enumerate(rows)
+    )
+    return accel, gyro
+
+
+# ---- which figure is judged ----
+
+
+def candidates(student: Student, truth: Traces, drawing: Drawing) -> list[Plot]:
+    """Return each figure, and those that were saved as one: a picture for each sensor."""
+    saved = [figure for figure in drawing.figures if figure.is_saved]
+    ever_saved = [figure for figure in drawing.figures if figure.is_saved or figure.event == "overwritten"]
+    joined = [curves.joined(figures) for figures in (saved, ever_saved) if len(figures) > 1]
+    series = series_of(truth)
+    return student.once("plots", lambda: [Plot(f, curves.panels(f, series)) for f in (*drawing.figures, *joined)])
+
+
+def best_of(plots: Sequence[Plot]) -> Plot | None:
+    """Return the plot that shows most, the first of equal ones; None if none has curves."""
+    drawn = (plot for plot in plots if plot.panels)
+    return max(drawn, key=lambda plot: (len(plot.drawn), len(plot.hidden), plot.figure.is_saved), default=None)
+
+
+def _finished(plot: Plot, series: Mapping[str, Array]) -> Plot:
+    """Return the figure at its end if it got curves or words there that a plot needs, else as it was saved."""
+    if plot.figure.finished is None:
+        return plot
+    end = Plot(plot.figure.finished, curves.panels(plot.figure.finished, series))
+    gains = [after - before for before, after in zip(_parts(plot), _parts(end), strict=True)]
+    return end if min(gains) >= 0 < max(gains) else plot
+
+
+def _parts(plot: Plot) -> tuple[int, ...]:
+    """Return how many channels a plot shows, and whether it has titles, labels on both axes and legends."""
+    figure, axes = plot.figure, [panel.axes for panel in plot.titled_panels]
+    return (
+        len(plot.drawn),
+        bool(figure.title or all(each.title.strip() for each in axes)),
+        bool(figure.ylabel or all(each.ylabel.strip() for each in axes)),
+        any(text.strip() for text in plot.x_labels),
+        bool(figure.legend or all(each.legend or each.texts for each in axes)),
+    )
+
+
+def _file(student: Student, drawing: Drawing, plots: Sequence[Plot], *, early: bool) -> File:
+    saved = _saved_curves(drawing)
+    if not saved and drawing.figures:
+        looks = {_look(figure) for figure in drawing.figures if curves.has_curves(figure)}
+        found = (figure for d in student.scripts() for figure in _saved_curves(d) if _look(figure) in looks)
+        saved = list(itertools.islice(found, 1))
+    events = {figure.event for figure in drawing.figures if curves.has_curves(figure)}
+    damaged = "forgotten" in events and any(picture.reason for picture in drawing.strange)
+    shown, gone = (
+        {channel for plot in plots if plot.figure.event == event for channel in plot.drawn}
+        for event in ("saved", "overwritten")
+    )
+    return File(
+        size_px=max((figure.size_px for figure in saved), key=lambda size: size[0] * size[1], default=(0, 0)),
+        formats=frozenset(figure.format for figure in saved),
+        replaced=not saved and ("overwritten" in events or damaged),
+        blank=not saved and any(figure.is_saved for figure in drawing.figures),
+        early=early,
+        lost=frozenset(gone - shown) if saved else frozenset(),
+    )
+
+
+def _saved_curves(drawing: Drawing) -> list[Figure]:
+    return [figure for figure in drawing.figures if figure.is_saved and curves.has_curves(figure)]
+
+
+def _look(figure: Figure) -> tuple[tuple[str, str, int], ...]:
+    """Return what makes a figure the same plot with other data: titles, labels, number of curves."""
+    return tuple((axes.title, axes.ylabel, len(axes.curves)) for axes in figure.axes)
+
+
+def _half(student: Student) -> dict[str, Exception]:
+    """Return half of each check of the plot for a handed-in picture that no code draws; nothing without one."""
+    if not _handed_in(student, PICTURE):
+        return {}
+    student.note(
+        Ours(
+            f"{PICTURE} was handed in, and plot_imu_data does not draw it. The grader cannot read its curves and labels; "
+            f"{A_PERSON_MAY}"
+        )
+    )
+    row = (("plot-not-drawn", Deviation()),)
+    return {name: Charged(Charge(f"visualization.{name}", 0.5, row)) for name in OF_PLOT}
+
+
+def _handed_in(student: Student, name: str) -> bool:
+    """Return whether a picture of that name was handed in, and may be a plot."""
+    picture = student.picture(name)
+    return picture is not None and _INK[0] < picture.ink < _INK[1] and min(picture.size_px) >= _SMALLEST_PX
+
+
+# ---- what is seen of it ----
+
+
+def _cut_off(student: Student, truth: Traces, plot: Plot) -> dict[Channel, Sight]:
+    """Return the channels that the limits of the axes cut off of the recording of the lab.
+
+    Limits that are written into the code are chosen for the data that the code records. So that is drawn, too, where they leave
+    anything outside of the data that the plot was given here; of a channel that it does not show, this data tells.
+    """
+    if not plot.is_cropped:
+        return {}
+    series = series_of(truth, "push")
+    figures = drawing_of_data(student, truth, "push").figures
+    of_lab = best_of([Plot(figure, curves.panels(figure, series)) for figure in figures]) or Plot(plot.figure, [])
+    here = {channel: sight for channel, sight in plot.cut_off().items() if channel not in of_lab.drawn}
+    return here | {channel: sight for channel, sight in of_lab.cut_off().items() if channel in plot.drawn}
+
+
+def _unseen(student: Student, truth: Traces, plot: Plot, outside: Mapping[Channel, Sight]) -> dict[str, Exception]:
+    """Return why the panels cannot be judged: no curves, none that a reader sees, or none that has to do with the data."""
+    if not plot.panels:
+        return dict.fromkeys((*OF_WORDS, "curves_match_data"), Skipped("a figure with curves"))
+    if plot.drawn - {channel for channel in outside if not plot.sight(channel).seen.any()}:
+        return {}
+    if not plot.strange:
+        return dict.fromkeys(OF_WORDS, Skipped("a figure with visible curves"))
+    if not plot.drawn and not _follows_data(student, truth, plot):
+        return dict.fromkeys(OF_WORDS, Skipped("a figure of the data: no curve changes when the data changes"))
+    return {}
+
+
+def _follows_data(student: Student, truth: Traces, plot: Plot) -> bool:
+    """Return whether a curve that shows no channel is made of the data.
+
+    The plot is asked twice more, with stamps that stay: with numbers that are nearly the same, and with the rows in another order.
+    A curve made of the data stays with the first and changes with the second.
+    """
+    series = series_of(truth)
+    order = np.random.default_rng(0).permutation(len(series["time"]))
+    nearly = {"time": series["time"]} | {key: series[key] * (1 + 1e-9) for key in SENSORS}
+    mixed = {"time": series["time"]} | {key: series[key][order] for key in SENSORS}
+    again, other = (_curves_of(student, truth, each) for each in (nearly, mixed))
+    each = zip(_curves(plot), again, other, strict=False)
+    return any(_is_alike(one, two) and not _is_alike(one, three) for one, two, three in each)
+
+
+def _curves(plot: Plot) -> list[Curve]:
+    return [curve for axes in plot.figure.visible_axes for curve in axes.curves]
+
+
+def _curves_of(student: Student, truth: Traces, series: dict[str, Array]) -> list[Curve]:
+    own = _own_recording(student, truth)
+    drawing = student.plot(data=_data(own, series), sheet=series, ids=torso_ids(truth))
+    best = best_of([Plot(figure, curves.panels(figure, series)) for figure in drawing.figures])
+    return [] if best is None else _curves(best)
+
+
+def _is_alike(curve: Curve, other: Curve) -> bool:
+    same_size = curve.y.shape == other.y.shape
+    return same_size and bool(np.abs(curve.y - other.y).max(initial=0.0) <= _SAME * np.ptp(curve.y))
+
+
+# ---- raw and filtered ----
+
+
+def _comparison(student: Student) -> Comparison:
+    """Run the submission's programs until one saves a figure of raw and filtered data."""
+    drawn, meant = False, (0, "")
+    fault: Fault | None = None
+    charged = _past_the_plot(student)
+    for drawing in student.scripts():
+        fault = fault or (drawing.fault if drawing.fault != charged else None)
+        pairs = [(figure, _compared(student, figure)) for figure in drawing.figures]
+        if saved := tuple(pair for figure, pair in pairs if pair and figure.is_saved):
+            _note_stopped(student, drawing.fault)
+            return Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
+        drawn = drawn or any(pair for _, pair in pairs)
+        meant = max(meant, *_meant(drawing))
+    unknown = not drawn and _is_defined(student, "plot_imu_data") and _stands_in_no_python(student)
+    return Comparison((), drawn, meant, _handed_in(student, COMPARISON), fault, unknown)
+
+
+def _past_the_plot(student: Student) -> Fault | None:
+    """Let scripts go on beside a stand-in where `plot_imu_data` does not end, which is charged. Return what it raised."""
+    drawing = student.answered("plot")
+    if drawing is None or drawing.fault is not None:
+        student.replace_broken(["plot_imu_data"])
+    return None if drawing is None else drawing.fault
+
+
+def _note_stopped(student: Student, fault: Fault | None) -> None:
+    """Add a note on a statement that stopped in a program and was stepped over, unless the import has noted it.
+
+    A stand-in has what the sheet gives it, and nothing of the submission's own: what misses that is no fault.
+    """
+    if fault is None or not fault.where or (fault.type == "AttributeError" and student.broken):
+        return
+    if not any(note.startswith(f"{fault.where} ") for note in student.notes):
+        why = printable(fault.type or fault.message, 60)
+        student.note(
+            f"{fault.where} was stopped when the file was run: {why}. The grader skipped this line and ran the rest",
+            Ours("A statement was stopped when a file was run as a script. The grader skipped it and ran the rest"),
+        )
+
+
+def _compared(student: Student, figure: Figure) -> Sequence[comparing.Compared]:
+    """Return the raw and filtered curves; those of a filter that has been charged already go by their names."""
+    found = comparing.comparisons(figure)
+    return found or (comparing.named_comparisons(figure) if "LowPassFilter" in student.broken else [])
+
+
+def _meant(drawing: Drawing) -> list[tuple[int, str]]:
+    """Return the curves of each figure that is meant to compare: its file's name says so, or the names of its curves."""
+    meant = (f for f in drawing.figures if f.file_name == COMPARISON or comparing.named_comparisons(f))
+    return [(0, ""), *map(comparing.in_words, meant)]
+
+
+def _stands_in_no_python(student: Student) -> bool:
+    """Return whether the filter's file saves a picture and does not parse: what it would draw is not known."""
+    if b"savefig" not in student.files.get("filters.py", b""):
+        return False
+    try:
+        return bool(student.load("filters.py").unreadable)
+    except NoAnswer:
+        return False
+
+
+def _is_defined(student: Student, name: str) -> bool:
+    try:
+        student.place_of(name)
+    except (Missing, NoAnswer):
+        return False
+    return True

@@ -1,0 +1,188 @@
+"""Labels, titles and legends of a plot, compared with what its panels show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from grader.base.text import printable
+from grader.engine.figures import Axes
+from grader.labs.imu.visualization import curves, labels
+from grader.labs.imu.visualization.curves import SENSOR_WORDS, Panel, Plot, Shown
+
+Problem = tuple[str, str]
+"""A fault, and what is wrong in words."""
+_LONGEST_MARK = 2
+"""Characters of a text on a figure that is no title, such as "a)"."""
+
+
+def quoted(text: str) -> str:
+    """Quote what a student has written."""
+    return f"“{printable(text, 60)}”"
+
+
+# ---- which sensor ----
+
+
+@dataclass(frozen=True)
+class Misnamed:
+    """Texts on a panel that name the other sensor alone; `share` is 1 if no text is left that names its own."""
+
+    said: list[str]
+    shows: str
+    share: float
+
+
+def misnamed(plot: Plot) -> Misnamed | None:
+    """Return the first panel whose texts name the other sensor."""
+    for sensor, panel in [(which, panel) for which in (0, 1) for panel in plot.of_sensor(which)]:
+        if said := _misnaming(plot, panel, sensor):
+            written = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
+            return Misnamed(said, SENSOR_WORDS[sensor], 1.0 if set(written) <= set(said) else 0.5)
+    return None
+
+
+def _misnaming(plot: Plot, panel: Panel, sensor: int) -> list[str]:
+    """Return the texts on a panel of this sensor that speak of the other one alone, if another panel shows that one."""
+    if not any(other is not panel and 1 - sensor in other.sensors for other in plot.panels):
+        return []
+    texts = [text for text in (panel.axes.title, panel.axes.ylabel) if text.strip()]
+    if _claimed(panel.axes) == {1 - sensor}:
+        return texts
+    return [text for text in texts if labels.names_only(1 - sensor, text)]
+
+
+def _claimed(axes: Axes) -> frozenset[int]:
+    """Return the sensors that title and label of a panel speak of."""
+    return labels.claims(axes.title) | labels.claims(axes.ylabel)
+
+
+def missing_panel(plot: Plot) -> str:
+    """Return the sensor that has no axes of its own, not even empty ones; "" if both have."""
+    if len(plot.panels) > 1:
+        return ""
+    empty = [axes for axes in plot.figure.visible_axes if axes not in [panel.axes for panel in plot.panels]]
+    missing = [sensor for sensor in (0, 1) if not plot.of_sensor(sensor)]
+    return next((SENSOR_WORDS[s] for s in missing if not any(s in _claimed(axes) for axes in empty)), "")
+
+
+def is_named(plot: Plot, sensor: int) -> bool:
+    """Return whether a reader can tell which sensor it is; missing labels and titles are deducted by their own checks."""
+    panels = plot.of_sensor(sensor)
+    if not panels or any(sensor in labels.claims(p.words) for p in panels):
+        return True
+    title_only = all(not p.axes.ylabel.strip() for p in panels) or all(not p.axes.title.strip() for p in panels)
+    inside = [text.text for p in panels for text in p.axes.texts]
+    whole = [plot.figure.title, plot.figure.ylabel, *_names_on(plot, panels), *inside]
+    written = any(p.words.replace("|", "").strip() for p in panels)
+    return any(sensor in labels.claims(text) for text in whole) or (title_only and written)
+
+
+def _names_on(plot: Plot, panels: list[Panel]) -> list[str]:
+    """Return what names each curve of these panels; "" where nothing does."""
+    return [name or "" for panel in panels for name in curves.names_of(panel, plot.figure)]
+
+
+# ---- labels of the axes ----
+
+
+def label_problems(plot: Plot) -> list[Problem]:
+    """Return what is missing from the labels of the axes: one problem for each sensor, and one for the time."""
+    found: list[Problem] = []
+    for sensor in (0, 1):
+        panels = plot.of_sensor(sensor)
+        written = [p.axes.ylabel for p in panels] + [plot.figure.ylabel]
+        beside = [*(p.axes.title for p in panels), *plot.figure.texts, *_names_on(plot, panels)]
+        elsewhere = {text for panel in panels for text in _misnaming(plot, panel, sensor)}
+        if panels and elsewhere.isdisjoint(written):  # the other sensor's label: another check charges that name
+            found += _of_sensor(written, beside, sensor)
+    if all(map(plot.of_sensor, (0, 1))):  # the label may have stood on the panel that is missing
+        found += _of_time(plot)
+    return found
+
+
+def _of_sensor(texts: list[str], beside: list[str], sensor: int) -> list[Problem]:
+    written, what = [text for text in texts if text.strip()], SENSOR_WORDS[sensor]
+    if not written:
+        told = any(labels.has_unit_of(sensor, text) and sensor in labels.claims(text) for text in beside)
+        return [] if told else [("no-axis-labels", f"no label on the y axis of the {what}")]
+    if any(labels.has_unit_of(sensor, text) for text in written + beside):
+        return []
+    return [("no-units", f"{quoted(written[0])} on the y axis, which names no unit of {what}")]
+
+
+def _of_time(plot: Plot) -> list[Problem]:
+    written = [label for label in plot.x_labels if label.strip()]
+    if not written:
+        return [("no-axis-labels", "no label on the time axis")]
+    with_unit = [label for label in written if labels.has_time_unit(label)]
+    if not with_unit and not any(map(labels.counts_samples, written)):
+        return [("no-units", f"{quoted(written[0])} on the time axis, which names no unit of time")]
+    seconds = plot.abscissae <= {"s", "s from start"}
+    if with_unit and all(map(labels.in_milliseconds, with_unit)) and seconds and not plot.own_ticks:
+        return [("no-units", f"{quoted(with_unit[0])} on a time axis whose numbers are seconds")]
+    return []
+
+
+def x_is_wrong(plot: Plot) -> bool:
+    """Return whether curves stand against the sample's index, or against milliseconds under a label that says seconds."""
+    labelled = [labels.plain(text) for text in plot.x_labels]
+    said = not any(labelled) or any(unit in text for text in labelled for unit in ("ms", "milli", "мс"))
+    return "index" in plot.abscissae or ("ms" in plot.abscissae and not said and not plot.own_ticks)
+
+
+def labelled_units(plot: Plot) -> Iterator[tuple[Shown, str, str | None]]:
+    """Yield each shown curve with the label of its panel and the unit that this names."""
+    for panel in plot.panels:
+        texts = (panel.axes.ylabel, plot.figure.ylabel, panel.axes.title)
+        label = next(filter(labels.unit_of, texts), panel.axes.ylabel)
+        yield from ((shown, label, labels.unit_of(label)) for shown in panel.shown)
+
+
+# ---- names of the curves, and titles ----
+
+
+def _crowded(plot: Plot) -> list[Panel]:
+    return [panel for panel in plot.main_panels if len(panel.shown) > 1]
+
+
+def _is_nameless(plot: Plot, panel: Panel) -> bool:
+    """Return whether a channel of a panel has no name, or one name stands for two."""
+    named = zip(panel.shown, curves.names_of(panel, plot.figure), strict=True)
+    names = {(name, shown.channel) for shown, name in named if name}
+    told = {channel for _, channel in names}
+    return told < panel.channels or len({name for name, _ in names}) < len(panel.channels)
+
+
+def share_nameless(plot: Plot) -> float:
+    """Return 1 if no panel names its curves, one half if some do, 0 if all do."""
+    crowded = _crowded(plot)
+    nameless = [panel for panel in crowded if _is_nameless(plot, panel)]
+    return 0.0 if not nameless else 0.5 if len(nameless) < len(crowded) else 1.0
+
+
+def exchanged_name(plot: Plot) -> str:
+    """Describe a curve under the name of another axis; "" if there is none. A channel under several names has a wrong curve."""
+    for panel in _crowded(plot):
+        named = zip(panel.shown, curves.names_of(panel, plot.figure), strict=True)
+        told = {(name, shown.channel) for shown, name in named if name}
+        if _is_nameless(plot, panel) or len(told) > len(panel.channels):
+            continue
+        for name, (_, axis) in sorted(told):
+            if labels.axis_of(name) not in (None, axis):
+                return f"{quoted(name)} beside the curve of {'xyz'[axis]}"
+    return ""
+
+
+def share_untitled(plot: Plot) -> float:
+    """Return 1 if no panel has a title, one half if some have none, 0 if all have one or the figure has."""
+    figure, panels = plot.figure, plot.titled_panels
+    places = {axes.position for axes in figure.axes if axes.title.strip()}  # twin axes share a title
+    titled = [panel.axes.position in places for panel in panels]
+    if figure.title.strip() or any(len(text.strip()) > _LONGEST_MARK for text in figure.texts) or all(titled):
+        return 0.0
+    over = [panel for panel, has in zip(panels, titled, strict=True) if has]
+    columns = {panel.axes.position[0] for panel in over} >= {panel.axes.position[0] for panel in panels}
+    if columns and (len(panels) > 2 or all(len(labels.claims(panel.axes.title)) != 1 for panel in over)):
+        return 0.0  # one title over each column of panels, or one that does not speak of a single sensor
+    return 0.5 if over else 1.0
