@@ -25,8 +25,8 @@ def compare(*changes: tuple[str, str]) -> dict[str, str]:
     return lab(compare=edit({"c": COMPARE}, "c", *changes)["c"])
 
 
-def only(check: str) -> dict[str, tuple[str, ...]]:
-    return {"loses": (f"visualization.{check}",)}
+def only(*checks: str) -> dict[str, tuple[str, ...]]:
+    return {"loses": tuple(f"visualization.{check}" for check in checks)}
 
 
 def fault(name: str, mistake: str, files: dict[str, str], **more: object) -> Faulty:
@@ -77,8 +77,8 @@ PLOT_FAULTS = [
     fault("saved-after-show", "blank-image", sheet((SHEET_SAVE + SHEET_SHOW, SHEET_SHOW + SHEET_SAVE)), reason="the window took the figure along"),
     fault("saved-after-clf", "blank-image", pyplot(('    plt.savefig("imu_data.png")\n', '    plt.clf()\n    plt.savefig("imu_data.png")\n'))),
     fault("saved-a-new-figure", "blank-image", loop((SAVE, '    plt.figure(figsize=(10, 6))\n    plt.savefig("imu_data.png")\n'))),
-    fault("saved-before-anything-is-drawn", "blank-image", loop(("sharex=True)\n", "sharex=True)\n" + SAVE), ("    fig.tight_layout()\n" + SAVE, "    fig.tight_layout()\n")), **only("saves_image")),
-    fault("saved-before-drawing-and-shown", "blank-image", sheet(("sharex=True)\n", "sharex=True)\n" + SHEET_SAVE), (SHEET_SAVE + SHEET_SHOW, SHEET_SHOW)), **only("saves_image")),
+    fault("saved-before-anything-is-drawn", "blank-image", loop(("sharex=True)\n", "sharex=True)\n" + SAVE), ("    fig.tight_layout()\n" + SAVE, "    fig.tight_layout()\n")), **only("saves_image", "titles")),
+    fault("saved-before-drawing-and-shown", "blank-image", sheet(("sharex=True)\n", "sharex=True)\n" + SHEET_SAVE), (SHEET_SAVE + SHEET_SHOW, SHEET_SHOW)), **only("saves_image", "titles")),
     fault("no-labels-at-all", "no-axis-labels", sheet(("    axes[0].set_ylabel('Acceleration (m/s²)')\n", ""), ("    axes[1].set_xlabel('Time (s)')\n", ""), ("    axes[1].set_ylabel('Angular Velocity (rad/s)')\n", "")), **only("axis_labels_with_units")),
     fault("no-labels-loop", "no-axis-labels", loop(('    top.set_ylabel("Acceleration [m/s^2]")\n', ""), ('    bottom.set_ylabel("Angular velocity [rad/s]")\n', ""), ('    bottom.set_xlabel("Time [s]")\n', "")), **only("axis_labels_with_units")),
     fault("labels-without-units", "no-units", sheet(("'Acceleration (m/s²)'", "'Acceleration'"), ("'Time (s)'", "'Time'"), ("'Angular Velocity (rad/s)'", "'Angular Velocity'")), **only("axis_labels_with_units")),

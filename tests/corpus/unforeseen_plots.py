@@ -190,16 +190,16 @@ _LOST = ("picture-overwritten", "plot-not-saved", "blank-image")
 
 _FILES = [
     Unforeseen("two-figures-under-one-name", lab(plot=_TWO_FIGURES), (SAVED,), 1.5, _LOST),
-    Unforeseen("a-blank-figure-afterwards", _saved(_SAVE.strip(), "plt.figure(figsize=(9, 6)).savefig('imu_data.png')"), (SAVED,), 3.0, _LOST),
-    Unforeseen("cut-short", _saved(_SAVE.strip(), "with open('imu_data.png', 'r+b') as file:", "    file.truncate(300)"), (SAVED,), 3.0),
-    Unforeseen("emptied", _saved(_SAVE.strip(), "open('imu_data.png', 'w').close()"), (SAVED,), 3.0, _LOST),
-    Unforeseen("words-in-its-place", _saved(_SAVE.strip(), "open('imu_data.png', 'w').write('no picture' * 99)"), (SAVED,), 3.0),
-    Unforeseen("removed", _saved(_SAVE.strip(), "import os", "os.remove('imu_data.png')"), (SAVED,), 3.0, _LOST),
-    Unforeseen("never-leaves-the-memory", _saved("import io", "fig.savefig(io.BytesIO(), format='png')", "plt.close(fig)"), (SAVED,), 3.0, _LOST),
+    Unforeseen("a-blank-figure-afterwards", _saved(_SAVE.strip(), "plt.figure(figsize=(9, 6)).savefig('imu_data.png')"), (SAVED, "titles"), 3.0, _LOST),
+    Unforeseen("cut-short", _saved(_SAVE.strip(), "with open('imu_data.png', 'r+b') as file:", "    file.truncate(300)"), (SAVED, "titles"), 3.0, _LOST),
+    Unforeseen("emptied", _saved(_SAVE.strip(), "open('imu_data.png', 'w').close()"), (SAVED, "titles"), 3.0, _LOST),
+    Unforeseen("words-in-its-place", _saved(_SAVE.strip(), "open('imu_data.png', 'w').write('no picture' * 99)"), (SAVED, "titles"), 3.0, _LOST),
+    Unforeseen("removed", _saved(_SAVE.strip(), "import os", "os.remove('imu_data.png')"), (SAVED, "titles"), 3.0, _LOST),
+    Unforeseen("never-leaves-the-memory", _saved("import io", "fig.savefig(io.BytesIO(), format='png')", "plt.close(fig)"), (SAVED, "titles"), 3.0, _LOST),
     Unforeseen(
         "noise-in-its-place",
         _saved(_SAVE.strip(), "import PIL.Image as I", "I.fromarray(np.random.randint(0, 255, (600, 900, 3), np.uint8)).save('imu_data.png')"),
-        (SAVED,), 3.0, _LOST,
+        (SAVED, "titles"), 3.0, _LOST,
     ),
     Unforeseen("a-pdf-alone", _saved("fig.savefig('imu_data.pdf')", "plt.close(fig)"), (SAVED,), 1.0),
     Unforeseen("an-svg-alone", _saved("fig.savefig('imu_data.svg')", "plt.close(fig)"), (SAVED,), 1.0),

@@ -47,7 +47,7 @@ def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts
 
 def is_lost(facts: Facts) -> bool:
     """Return whether no file shows at the end what the figure shows."""
-    return not facts.file.formats or facts.file.early or bool(facts.file.lost)
+    return not facts.file.formats or bool(facts.file.early or facts.file.lost)
 
 
 def is_small(facts: Facts) -> bool:
@@ -149,10 +149,20 @@ def _has_problem(name: str) -> Callable[[Facts], bool]:
     return lambda facts: name in dict(words.label_problems(facts.plot))
 
 
+def _empty(cost: int, told: str, holds: Callable[[Facts], bool]) -> tuple[Reason[Facts], ...]:
+    """Return the reasons for a file that shows no plot: nobody reads a title there, unless a picture was handed in."""
+    return (
+        Reason(SAVES, cost, told, lambda f: holds(f) and not f.file.handed_in, takes=frozenset({TITLES})),
+        Reason(SAVES, cost, told, lambda f: holds(f) and f.file.handed_in),
+    )
+
+
 REASONS: tuple[Reason[Facts], ...] = (
-    Reason(SAVES, 1, "picture-overwritten", lambda f: f.file.replaced or bool(f.file.lost)),
-    Reason(SAVES, 2, "blank-image", lambda f: f.file.blank or f.file.early),
-    Reason(SAVES, 3, "plot-not-saved", lambda f: not f.file.formats),
+    *_empty(1, "picture-overwritten", lambda f: f.file.replaced),
+    *_empty(2, "blank-image", lambda f: f.file.blank),
+    *_empty(3, "plot-not-saved", lambda f: not f.file.formats),
+    Reason(SAVES, 3, "picture-overwritten", lambda f: bool(f.file.lost)),
+    Reason(SAVES, 3, "blank-image", lambda f: f.file.early > 0),
     Reason(SAVES, 4, "low-resolution", is_small),
     Reason(PANELS, 1, "one-panel", shares_a_panel),
     Reason(PANELS, 2, "panels-swapped", lambda f: words.misnamed(f.plot) is not None),

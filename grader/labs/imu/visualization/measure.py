@@ -44,7 +44,8 @@ class File:
     size_px : of the largest saved picture of the curves; (0, 0) if there is none
     formats : of all of them
     replaced, blank : whether a file was overwritten or damaged, or saved from an empty figure
-    early : whether the figure got curves or words after it was saved
+    early : how many of curves, titles, labels and legends the figure got after it was saved
+    handed_in : whether no file shows the plot and a picture of it was handed in
     lost : the channels that only a file showed that was overwritten
     """
 
@@ -52,7 +53,8 @@ class File:
     formats: frozenset[str] = frozenset()
     replaced: bool = False
     blank: bool = False
-    early: bool = False
+    early: int = 0
+    handed_in: bool = False
     lost: frozenset[Channel] = frozenset()
 
 
@@ -122,8 +124,8 @@ def measure(student: Student, truth: Traces) -> Facts:
         return Facts(_NO_PLOT, comparison=_comparison(student), stopped=stopped)
     series, plots = series_of(truth), candidates(student, truth, drawing)
     best = best_of(plots) or _NO_PLOT
-    plot = _finished(best, series)
-    file = _file(student, drawing, plots, early=plot is not best)
+    plot, early = _finished(best, series)
+    file = _file(student, drawing, plots, early)
     stopped = {} if any(map(curves.has_curves, drawing.figures)) else _half(student)
     outside: Mapping[Channel, Sight] = {}
     if not stopped:
@@ -210,13 +212,13 @@ def best_of(plots: Sequence[Plot]) -> Plot | None:
     return max(drawn, key=lambda plot: (len(plot.drawn), len(plot.hidden), plot.figure.is_saved), default=None)
 
 
-def _finished(plot: Plot, series: Mapping[str, Array]) -> Plot:
-    """Return the figure at its end if it got curves or words there that a plot needs, else as it was saved."""
+def _finished(plot: Plot, series: Mapping[str, Array]) -> tuple[Plot, int]:
+    """Return the figure at its end and how many kinds of things it got after it was saved; if it got none, as it was saved."""
     if plot.figure.finished is None:
-        return plot
+        return plot, 0
     end = Plot(plot.figure.finished, curves.panels(plot.figure.finished, series))
     gains = [after - before for before, after in zip(_parts(plot), _parts(end), strict=True)]
-    return end if min(gains) >= 0 < max(gains) else plot
+    return (end, sum(gain > 0 for gain in gains)) if min(gains) >= 0 < max(gains) else (plot, 0)
 
 
 def _parts(plot: Plot) -> tuple[int, ...]:
@@ -231,7 +233,7 @@ def _parts(plot: Plot) -> tuple[int, ...]:
     )
 
 
-def _file(student: Student, drawing: Drawing, plots: Sequence[Plot], *, early: bool) -> File:
+def _file(student: Student, drawing: Drawing, plots: Sequence[Plot], early: int) -> File:
     saved = _saved_curves(drawing)
     if not saved and drawing.figures:
         looks = {_look(figure) for figure in drawing.figures if curves.has_curves(figure)}
@@ -249,6 +251,7 @@ def _file(student: Student, drawing: Drawing, plots: Sequence[Plot], *, early: b
         replaced=not saved and ("overwritten" in events or damaged),
         blank=not saved and any(figure.is_saved for figure in drawing.figures),
         early=early,
+        handed_in=not saved and _handed_in(student, PICTURE),
         lost=frozenset(gone - shown) if saved else frozenset(),
     )
 
