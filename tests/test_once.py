@@ -182,6 +182,23 @@ def test_a_statement_that_fails_below_a_main_guard_costs_nothing_and_is_told(
     assert note.startswith(f"filters.py, line {line} was stopped when the file was run: {why}")
 
 
+def test_of_a_name_that_is_defined_twice_a_note_says_which_one_was_graded(player: Marking) -> None:
+    files = lab()
+    again = files["filters.py"] + "\n\nclass LowPassFilter(LowPassFilter):\n    pass\n"
+    for given, told in (
+        (
+            {**files, "Copy of filters.py": files["filters.py"]},
+            "Copy of filters.py and filters.py; the one in filters.py",
+        ),
+        ({**files, "filters.py": again}, "filters.py; the last one in filters.py"),
+        ({**files, "report.txt": files["filters.py"]}, ""),
+    ):
+        content = {name: text.encode() for name, text in given.items()}
+        notes = player.mark(Submission("s", "s", content, (), "ready", ""), only="filtering").notes
+        said = [note for note in notes if "is defined" in note]
+        assert said == ([f"LowPassFilter is defined 2 times, in {told} was graded"] if told else [])
+
+
 def test_biases_in_each_others_place_are_told_as_that(player: Marking) -> None:
     change = ("accel + self.accel_bias", "accel + self.gyro_bias"), ("gyro + self.gyro_bias", "gyro + self.accel_bias")
     noise = _criterion(player, "noise_model", edit(lab(), "noisy_imu.py", *change))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from pathlib import PurePosixPath
@@ -19,6 +20,7 @@ from grader.sandbox.wire import Frame
 
 _NEVER_IMPORTED = ("conftest", "sitecustomize", "usercustomize", "setup")
 _LONGEST_NOTE = 500
+_MOST_PLACES = 4  # files that a note lists
 _MOST_BREAKPOINTS = 3
 _DID = {"hints": "was run without its type hints"}
 THERE = "; there are numpy, scipy, matplotlib, mujoco, Python's own modules and the files that were handed in"
@@ -91,12 +93,14 @@ class Conversation(Asking):
         self._fresh_session()
         if (home in self.paths or home in self.deadly) and name in (loaded := self.load(home)).names:
             self._note_load_problems(home, loaded)
+            self._note_defined_again(home, name)
             return home
         for path in self._elsewhere(name, home):
             if name in (loaded := self.load(path)).names:
                 self.used += [path] if path not in self.used else []
                 self._note_load_problems(path, loaded)
                 self._note_where_it_was_found(path, name, home)
+                self._note_defined_again(path, name)
                 return path
         raise self._missing(name, home)
 
@@ -128,6 +132,21 @@ class Conversation(Asking):
             self.note(f"{first.where} {did}: {first.why}{others}; the rest of the file was used")
         if path.endswith(".py") and path in self.files:  # a notebook may have written it
             self._note_breakpoints(path)
+
+    def _note_defined_again(self, path: str, name: str) -> None:
+        """Say which definition counts where a notebook or several files define a name more than once."""
+        if (key := f"{path}: {name}") in self._noted:
+            return
+        self._noted.add(key)
+        defines = re.compile(rb'^(?:[ \t]*")?(?:async[ \t]+def|def|class)[ \t]+' + name.encode() + rb"\b", re.MULTILINE)
+        code = {each: content for each, content in sorted(self.files.items()) if each.endswith((".py", ".ipynb"))}
+        found = {each: count for each, content in code.items() if (count := len(defines.findall(content)))}
+        if sum(found.values()) > 1:
+            where = _together([printable(each, 80) for each in [*found][:_MOST_PLACES]])
+            which = "last one" if found.get(path, 0) > 1 else "one"
+            self.note(
+                f"{name} is defined {sum(found.values())} times, in {where}; the {which} in {printable(path, 80)} was graded"
+            )
 
     def _note_breakpoints(self, path: str) -> None:
         for call, line in itertools.islice(breakpoints(self.files[path]), _MOST_BREAKPOINTS):
