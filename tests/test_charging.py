@@ -166,3 +166,12 @@ def test_a_check_that_is_not_charged_says_where_the_fault_is_told() -> None:
     assert told["part.b"].said == "No further deduction: the same fault was deducted under “A holds”."
     taken = PART.judge(Facts("c", "nothing-there"), ROWS)["part.a"]
     assert feedback.told(Charged(taken), None, ROWS).said == "Not graded until “C holds” is fixed."  # type: ignore[arg-type]
+
+
+def test_a_criterion_may_name_a_fault_at_each_check_that_it_lowers() -> None:
+    part: Part[Facts] = Part(LAB, "part", PART.measure, PART.reasons, {}, dict(PART.checks), only_names=True)
+    charges = part.judge(Facts("a b", "cheap"), ROWS)
+    assert {name: (each.keeps, each.found[0][0]) for name, each in charges.items() if isinstance(each, Charge)} == {
+        "part.a": (0.0, "cheap"),
+        "part.b": (0.5, "cheap"),
+    }

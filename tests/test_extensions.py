@@ -21,8 +21,8 @@ from grader.engine.results import ExtensionResult, Result, from_dict, to_dict
 from grader.engine.submission_session import Conversation
 from grader.intake import Submission, read_submission
 from grader.labs.imu import bundles
-from grader.labs.imu.diagnosis import allan as allan_diagnosis
-from grader.labs.imu.diagnosis import liveplot, tilting
+from grader.labs.imu.bonuses import allan as allan_diagnosis
+from grader.labs.imu.bonuses import liveplot, tilting
 from grader.labs.imu.lab import LAB
 from grader.people.final_grade import FinalGrade
 from grader.report import words
@@ -429,7 +429,7 @@ def test_numbers_of_no_sense_are_judged_without_an_exception(odd: float, truth: 
     with np.errstate(all="ignore"):
         for taus, curve in ((np.full(20, odd), np.ones(20)), (np.arange(1.0, 21.0), np.full(20, odd))):
             assert allan_diagnosis.unit_of_times([(taus, curve, samples)], 50.0) is None
-            allan_diagnosis.slope(taus, curve, np.full(20, 100.0))
+            allan_diagnosis.slopes((taus, curve, samples), allan_diagnosis.in_seconds, 50.0)
             assert allan_diagnosis.mistakes([(taus, curve, samples)], 50.0) == []
         for x, y in ((np.full(30, odd), np.arange(30.0)), (np.arange(30.0), np.full(30, odd) + np.arange(30.0))):
             assert not liveplot.shows(x, y, watched["pushed"], 0.004)

@@ -11,7 +11,7 @@ import pytest
 
 from grader.engine.question import Question, key_of
 from grader.engine.submission_session import found_once
-from grader.labs.imu import student_bonuses as bonuses
+from grader.labs.imu.bonuses import questions as bonuses
 from grader.labs.imu.replies import RULES
 from grader.labs.imu.robot import robot_of
 from grader.labs.imu.student import FilterCase, Student

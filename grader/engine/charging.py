@@ -43,6 +43,7 @@ class Part(Generic[Facts]):
     reasons : every known fault, each with the property that it is a reason for
     others : properties that no check measures, by name
     together : faults that do not exclude each other: all that fit are named, and the cheapest one alone deducts
+    only_names : whether a fault deducts nothing by itself: each check loses its own share, and says through which fault
     """
 
     lab: Lab
@@ -52,8 +53,9 @@ class Part(Generic[Facts]):
     others: Mapping[str, Measure[Facts]] = field(default_factory=dict)
     checks: dict[str, tuple[Check, Measure[Facts]]] = field(default_factory=dict)
     together: frozenset[str] = frozenset()
+    only_names: bool = False
 
-    def check(self, check_id: str, *, lab_step: int) -> Callable[[Measure[Facts]], Callable[..., None]]:
+    def check(self, check_id: str, *, lab_step: int | None = None) -> Callable[[Measure[Facts]], Callable[..., None]]:
         """Make a function of the facts a check that pytest runs; its docstring is the sentence that the student reads."""
 
         def mark(function: Measure[Facts]) -> Callable[..., None]:
@@ -121,10 +123,10 @@ class Part(Generic[Facts]):
         charges: dict[str, Charge] = {}
         taken: dict[str, str] = {}
         for name, reason in reasons.items():
-            if reason.told in at:
+            if reason.told in at and not self.only_names:
                 continue
             row = table[reason.told]
-            deducts = self._deducts(row) or {name: 1.0}
+            deducts = {name: off[name].share} if self.only_names else self._deducts(row) or {name: 1.0}
             place = name if name in deducts else next((each for each in deducts if each in off), next(iter(deducts)))
             if place in stopped:
                 continue

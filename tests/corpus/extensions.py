@@ -526,8 +526,8 @@ FAULTY_IMUS = [
         "feet-left-out", "multiple_imus", "imu-missing", (_PLACES,),
         _edited(IMUS_NAMED, ("        if name and", '        if name and "foot" not in name and')),
     ),
-    FaultyExtension("views", "multiple_imus", "view-not-copy", (_COPIES,), _edited(IMUS_NAMED, (".data.copy()", ".data"))),
-    FaultyExtension("gyro-first", "multiple_imus", "swapped-sensors", (_TRUE,), _edited(IMUS_NAMED, ("(accel, gyro)", "(gyro, accel)"))),
+    FaultyExtension("views", "multiple_imus", "", (_COPIES,), _edited(IMUS_NAMED, (".data.copy()", ".data"))),
+    FaultyExtension("gyro-first", "multiple_imus", "", (_TRUE,), _edited(IMUS_NAMED, ("(accel, gyro)", "(gyro, accel)"))),
     FaultyExtension(
         "a-list", "multiple_imus", "wrong-return-type", _IMU_IDS, _edited(IMUS_NAMED, ("return readings", "return list(readings.values())")),
     ),
@@ -843,7 +843,7 @@ FAULTY_LIVE = [
         ),
     ),
     FaultyExtension(
-        "another-channel-by-mistake", "realtime_visualization", "wrong-data-plotted", (_SHOWS,),
+        "another-channel-by-mistake", "realtime_visualization", "", (_SHOWS,),
         _edited(LIVE_PAUSE, ("adr:adr + 3].copy()", "adr:adr + 3] * np.array([0.0, 2.0, -1.0]) + 3.0")),
     ),
     FaultyExtension(

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from grader.labs.imu.bonuses import allan
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import allan
 
 pytestmark = pytest.mark.quick
 _N, _RATE = 1200, 100.0
@@ -133,8 +133,6 @@ _INEXACT = np.array([57, 55, 58, 56, 113, 110, 114, 111, 115, 112, 116])
         (lambda t: t * _RATE, False),
         (lambda t: t * _RATE**2, False),
         (lambda t: t / _RATE, False),
-        (lambda t: t / 2, False),
-        (lambda t: t * 2, False),
         (lambda t: t * 3, None),
     ],
 )  # fmt: skip
@@ -191,7 +189,8 @@ _FALLING = 3 * _TAUS**-0.5
 def test_the_slope_rests_on_thirty_clusters_and_three_times(
     taus: Array, curve: Array, clusters: Array, slope: float | None
 ) -> None:
-    assert allan.slope(taus, curve, clusters) == (None if slope is None else pytest.approx(slope, abs=0.01))
+    wanted = np.nan if slope is None else slope
+    assert allan._slope(taus, curve, clusters) == pytest.approx(wanted, abs=0.01, nan_ok=True)
 
 
 def _mistaken(

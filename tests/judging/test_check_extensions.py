@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grader.engine.findings import CheckFailed, Fault
-from grader.labs.imu.checks import check_allan_variance as allan
-from grader.labs.imu.checks import check_complementary_filter as tilt
-from grader.labs.imu.checks import check_multiple_imus as imus
-from grader.labs.imu.checks import check_realtime_visualization as live
+from grader.engine.findings import Fault
+from grader.labs.imu.bonuses import checks
+from grader.labs.imu.bonuses.explain import TILT as TILT_PART
+from grader.labs.imu.bonuses.measure import PLACES, RIDES, measure_imus, measure_tilt
+from grader.labs.imu.bonuses.questions import LiveRun, SeenCurve
 from grader.labs.imu.student import Student
-from grader.labs.imu.student_bonuses import LiveRun, SeenCurve
 from grader.sandbox.wire import Frame
 from tests.judging.made import Case, Made, Marked, is_as_marked, truth
 
@@ -84,7 +83,7 @@ def _own_time_step(self: Any, dt: float) -> None:
 
 
 TILT: list[tuple[Any, list[Row]]] = [
-    (tilt.check_returns_roll_and_pitch, [
+    (checks.check_returns_roll_and_pitch, [
         ("sound", Tilt, None),
         ("off by a degree", _tilted(shift=math.radians(1)), (0.0, [])),
         ("off by half a degree", _tilted(shift=math.radians(0.5)), None),
@@ -99,7 +98,7 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), (0.0, ["not-finite"])),
         ("raises", _tilted(update=lambda *_: 1 / 0), "raised"),
     ]),
-    (tilt.check_settles_at_tilt, [
+    (checks.check_settles_at_tilt, [
         ("sound", Tilt, None),
         ("never", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
         ("further off with each update", Growing, (0.0, [])),
@@ -114,14 +113,14 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("hardly anything of it", _tilted(alpha=0.9999), (0.0, [])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
-    (tilt.check_beats_gyroscope_alone, [
+    (checks.check_beats_gyroscope_alone, [
         ("sound", Tilt, None),
         ("the gyroscope alone", _tilted(alpha=1.0), (0.0, ["gyro-only"])),
         ("hardly anything else", _tilted(alpha=0.9995), (0.0, [])),
         ("little else", _tilted(alpha=0.999), (0.5, [])),
         ("no numbers", _tilted(update=lambda *_: (math.nan, 0.0)), "skipped"),
     ]),
-    (tilt.check_beats_accelerometer_alone, [
+    (checks.check_beats_accelerometer_alone, [
         ("sound", Tilt, None),
         ("the accelerometer alone", _tilted(alpha=0.0, gain=0.0), (0.0, ["accel-only"])),
         ("without the gyroscope", _tilted(gain=0.0), (0.0, ["accel-only"])),
@@ -130,7 +129,7 @@ TILT: list[tuple[Any, list[Row]]] = [
         ("more of it than is good", _tilted(alpha=0.7), (0.5, [])),
         ("a time step of its own", _tilted(__init__=_own_time_step), None),
     ]),
-    (tilt.check_holds_when_steep, [
+    (checks.check_holds_when_steep, [
         ("sound", Tilt, None),
         ("the gyroscope in degrees", _tilted(gain=math.degrees(1)), (0.0, [])),
         ("the accelerometer alone", _tilted(alpha=0.0), (0.0, ["accel-only"])),
@@ -225,7 +224,7 @@ def _fewer_for_axes(samples: Any, rate: float) -> Any:
 
 
 ALLAN: list[tuple[Any, list[Row]]] = [
-    (allan.check_returns_times_and_deviations, [
+    (checks.check_returns_times_and_deviations, [
         ("sound", deviation, None),
         ("the deviations alone", lambda s, r: deviation(s, r)[1], (0.0, ["wrong-return-type"])),
         ("one that is no number", _changed(lambda t, a: (t, np.where(np.arange(len(a)) == 3, np.nan, a))), (0.5, ["not-finite"])),
@@ -234,7 +233,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("fewer times than deviations", _changed(lambda t, a: (t[1:], a)), (0.0, ["wrong-return-type"])),
         ("nothing", lambda *_: None, (0.0, ["wrong-return-type"])),
     ]),
-    (allan.check_averaging_times, [
+    (checks.check_averaging_times, [
         ("sound", deviation, None),
         ("the longest first", _changed(lambda t, a: (t[::-1], a[::-1])), None),
         ("seven tenths of a sample", _changed(lambda t, a: (t * 0.7, a)), None),
@@ -254,7 +253,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("four of them", lambda s, r: tuple(x[::9] for x in deviation(s, r)), (0.5, [])),
         ("two of them", lambda s, r: tuple(x[:2] for x in deviation(s, r)), "skipped"),
     ]),
-    (allan.check_matches_definition, [
+    (checks.check_matches_definition, [
         ("sound", deviation, None),
         ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
         ("without the half", _changed(lambda t, a: (t, a * 2**0.5)), (0.0, ["allan-factor-missing"])),
@@ -268,7 +267,7 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("zero", _changed(lambda t, a: (t, 0 * a)), (0.0, [])),
         ("in samples, which is another check's", _changed(lambda t, a: (t * 80, a)), None),
     ]),
-    (allan.check_shows_kinds_of_noise, [
+    (checks.check_shows_kinds_of_noise, [
         ("sound", deviation, None),
         ("the variance", _changed(lambda t, a: (t, a**2)), (0.0, [])),
         ("the spread of means", _spread, (0.0, ["std-not-allan"])),
@@ -278,11 +277,11 @@ ALLAN: list[tuple[Any, list[Row]]] = [
         ("in samples", _changed(lambda t, a: (t * 80, a)), None),
         ("short times alone", lambda s, r: tuple(x[:4] for x in deviation(s, r)), None),
         ("from half a sample on", _changed(lambda t, a: (t * 0.4, a)), None),
-        ("zero", _changed(lambda t, a: (t, 0 * a)), "skipped"),
-        ("long times alone", lambda s, r: tuple(x[-4:] for x in deviation(s, r)), "skipped"),
+        ("zero", _changed(lambda t, a: (t, 0 * a)), (0.0, [])),
+        ("long times alone", lambda s, r: tuple(x[-4:] for x in deviation(s, r)), (0.0, [])),
         ("the same for every record", lambda s, r: (deviation(s, r)[0], deviation(s, r)[0] ** -0.5), (0.0, [])),
     ]),
-    (allan.check_takes_three_axes, [
+    (checks.check_takes_three_axes, [
         ("sound", deviation, None),
         ("one axis of three", _one_axis, (0.0, [])),
         ("the first for all", _same_for_all, (0.0, [])),
@@ -353,7 +352,7 @@ def _at_first(empty: type) -> Callable[[Any, Any], Any]:
 
 
 IMUS: list[tuple[Any, list[Row]]] = [
-    (imus.check_finds_every_place, [
+    (checks.check_finds_every_place, [
         ("sound", every, None),
         ("none at first", _at_first(dict), (0.0, ["imu-missing"])),
         ("a list at first", _at_first(list), (0.0, ["wrong-return-type"])),
@@ -370,29 +369,29 @@ IMUS: list[tuple[Any, list[Row]]] = [
         ("a list in another model", _elsewhere(lambda m, d: list(every(m, d).values())), (0.0, ["wrong-return-type"])),
         ("more than there are", lambda m, d: every(m, d) | {"tail": _of(d, next(iter(every(m, d))))}, None),
     ]),
-    (imus.check_matches_truth, [
+    (checks.check_matches_truth, [
         ("sound", every, None),
         ("those of the lab", _those_of_the_lab, None),
         ("the first for all", _first_for_all, (0.0, ["same-imu-repeated"])),
         ("the first for two", lambda m, d: dict(list(_first_for_all(m, d).items())[:2]), (0.0, ["same-imu-repeated"])),
-        ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, ["swapped-sensors"])),
-        ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, ["wrong-units"])),
-        ("the torso alone, in g", lambda m, d: {p: (r[0] / 9.81, r[1]) for p, r in every(m, d).items() if p == "torso"}, (0.0, ["wrong-units"])),
+        ("the gyroscope first", _changing(lambda _p, r: r[::-1]), (0.0, [])),
+        ("in g", _changing(lambda _p, r: (r[0] / 9.81, r[1])), (0.0, [])),
+        ("the torso alone, in g", lambda m, d: {p: (r[0] / 9.81, r[1]) for p, r in every(m, d).items() if p == "torso"}, (0.0, [])),
         ("one of the lab", _changing(lambda p, r: r[::-1] if p == "head" else r), (0.0, [])),
         ("never above zero", _changing(lambda _p, r: (np.minimum(r[0], 0.0), r[1])), (0.0, [])),
         ("limited", _changing(lambda _p, r: (r[0], np.clip(r[1], -3.5, 3.5))), (0.0, [])),
         ("the accelerometer alone", _changing(lambda _p, r: r[:1]), (0.0, [])),
         ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), (0.0, [])),
-        ("swapped, and some left out", _swapped_and_some, (0.0, ["swapped-sensors"])),
+        ("swapped, and some left out", _swapped_and_some, (0.0, [])),
         ("raises in another model", _elsewhere(_raises), "raised"),
         ("one for all of another model", _elsewhere(_first_for_all), (0.5, ["same-imu-repeated"])),
         ("one of another model", _changing(lambda p, r: r[::-1] if p == "keel" else r), (0.5, [])),
         ("a list", lambda m, d: list(every(m, d).values()), "skipped"),
     ]),
-    (imus.check_readings_are_copies, [
+    (checks.check_readings_are_copies, [
         ("sound", every, None),
-        ("views", _views, (0.0, ["view-not-copy"])),
-        ("a view of one", lambda m, d: {p: r if p == "head" else every(m, d)[p] for p, r in _views(m, d).items()}, (0.0, ["view-not-copy"])),
+        ("views", _views, (0.0, [])),
+        ("a view of one", lambda m, d: {p: r if p == "head" else every(m, d)[p] for p, r in _views(m, d).items()}, (0.0, [])),
         ("no numbers in one", _changing(lambda _p, r: (r[0], r[1] * np.nan)), None),
         ("no numbers", _changing(lambda _p, r: (r[0] * np.nan, r[1] * np.nan)), "skipped"),
         ("raises", _raises, "raised"),
@@ -437,14 +436,14 @@ _T = 0.004 * np.arange(1, 253)
 _WRONG = (_T, np.cos(40 * _T))
 
 LIVE: list[tuple[Any, list[Row]]] = [
-    (live.check_returns, [
+    (checks.check_returns, [
         ("sound", _seen(), None),
         ("nine tenths", _seen(simulated=0.9), None),
         ("less", _seen(simulated=0.89), (0.5, [])),
         ("nothing", _seen(simulated=0.0), (0.0, [])),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
     ]),
-    (live.check_grows_while_stepping, [
+    (checks.check_grows_while_stepping, [
         ("sound", _seen(), None),
         ("four times", _seen((0.1, 0.3, 0.5, 0.7)), None),
         ("three times", _seen((0.1, 0.4, 0.7)), (0.5, [])),
@@ -457,14 +456,14 @@ LIVE: list[tuple[Any, list[Row]]] = [
         ("once", _seen((0.5, 0.5)), (0.0, ["plot-not-live"])),
         ("at the end", _seen((0.5, 1.0, 1.0, 1.0, 1.0)), (0.0, [])),
     ]),
-    (live.check_shows_true_data, [
+    (checks.check_shows_true_data, [
         ("sound", _seen(), None),
         ("nothing", _seen(()), "skipped"),
-        ("short ones", _seen(curves=[(_T[:9], _T[:9])]), (0.0, ["curves-missing"])),
+        ("short ones", _seen(curves=[(_T[:9], _T[:9])]), (0.0, [])),
         ("of ten points", _seen(curves=[(_T[:10], truth()["watched"]["pushed"][:10, 0])]), None),
         ("wrong ones, and then right ones", _seen(curves=[_WRONG] * 30 + [(_T, truth()["watched"]["pushed"][:, 0])] * 24), None),
         ("raises", _seen(fault=Fault("ValueError", "broken", None, None, None)), "raised"),
-        ("wrong ones", _seen(curves=[_WRONG] * 3), (0.0, ["wrong-data-plotted"])),
+        ("wrong ones", _seen(curves=[_WRONG] * 3), (0.0, [])),
         ("one that is right", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0])] + [_WRONG] * 2), (0.5, [])),
         ("half of them", _seen(curves=[(_T, truth()["watched"]["pushed"][:, 0]), _WRONG]), None),
     ]),
@@ -495,17 +494,18 @@ def test_a_made_up_extension_is_marked_fairly(case: Case) -> None:
 
 @pytest.mark.quick
 def test_where_another_robot_is_graded_on_the_labs_own_is_the_sheets() -> None:
-    assert imus._lab(truth()) is truth()["reading_lab"]
-    sheet = replace(truth()["reading_lab"], name="reading_sheet")
-    other = replace(truth(), scenarios={**truth().scenarios, "reading_sheet": sheet})
-    assert imus._lab(other) is sheet
+    many = replace(truth()["reading_many"], name="reading_lab")
+    scenarios = {**truth().scenarios, "reading_sheet": truth()["reading_lab"], "reading_lab": many}
+    student = Made(read_all_imus=every)
+    assert set(measure_imus(student, replace(truth(), scenarios=scenarios)).lab.read) == set(PLACES)
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("single", ["accel_alone_rms", "gyro_alone_rms"])
 def test_a_steep_ride_is_to_beat_the_better_one_of_both_sensors(single: str) -> None:
-    ride = truth()["tilt_steep"]
-    better = replace(ride, scalars={**ride.scalars, single: 0.001})
-    held = replace(truth(), scenarios={**truth().scenarios, "tilt_steep": better})
-    with pytest.raises(CheckFailed, match=tilt._SINGLE[single]):
-        tilt.check_holds_when_steep(Made(ComplementaryFilter=Tilt), held)
+    facts = measure_tilt(Made(ComplementaryFilter=Tilt), truth())
+    alone = {check: {**each, single: 0.001} for check, each in facts.alone.items()}
+    held = replace(facts, alone=alone)
+    off = [TILT_PART.checks[f"complementary_filter.{name}"][1](held) is not None for name in RIDES]
+    assert off[-1]
+    assert sum(off) == 2

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from grader.labs.imu.bonuses import liveplot
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import liveplot
 
 pytestmark = pytest.mark.quick
 DT, COUNT = 0.002, 600

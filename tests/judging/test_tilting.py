@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from grader.labs.imu.bonuses import tilting
+from grader.labs.imu.bonuses.tilting import Response
 from grader.labs.imu.compare import Array
-from grader.labs.imu.diagnosis import tilting
-from grader.labs.imu.diagnosis.tilting import Response
 
 pytestmark = pytest.mark.quick
 _TILT, _DEGREE = np.array([0.25, -0.12]), 180 / np.pi
@@ -134,23 +134,6 @@ def test_a_turn_is_taken_where_more_of_it_shows() -> None:
     out[0, 200], out[0, 201] = [-0.2, 0], [-0.1, 0]
     out[1, 200], out[1, 201] = [0, -0.1], [0, -0.3]
     assert tilting.turns(list(out)) == pytest.approx(np.diag([-1, -1.5]))
-
-
-@pytest.mark.parametrize(
-    ("outputs", "ignored"),
-    [
-        (_after_turns([0.0, 0], [0.0, 0]), True),
-        (_after_turns([0.0009, 0], [0.0, -0.0009]), True),
-        (_after_turns([0.0011, 0], [0.0, 0]), False),
-        (_after_turns([0.0, 0], [0.0, -0.0011]), False),
-        ([out[:249] for out in _after_turns([0.0, 0], [0.0, 0])], False),
-        ([_after_turns([0.0, 0], [0.0, 0])[0], np.full((250, 2), np.nan)], False),
-        ([np.where(np.arange(250)[:, None] == 10, np.nan, out) for out in _after_turns([0.0, 0], [0.0, 0])], False),
-        ([_after_turns([0.0, 0], [0.0, 0])[0], np.vstack([np.zeros((249, 2)), [[0, np.inf]]])], False),
-    ],
-)
-def test_the_gyroscope_is_ignored_where_no_turn_shows(outputs: list[Array], ignored: bool) -> None:
-    assert tilting.ignores_gyroscope(outputs) is ignored
 
 
 def _tilted(first: Array, settled: Array, before: Array = (3.1, -3.1)) -> Array:  # type: ignore[assignment]

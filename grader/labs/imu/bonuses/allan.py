@@ -97,8 +97,6 @@ _SIZES: list[tuple[bool, Sized]] = [
     (False, lambda taus, rate: np.round(taus)),
     (False, lambda taus, rate: np.round(taus / rate)),
     (False, lambda taus, rate: np.round(taus * rate**2)),
-    (False, lambda taus, rate: np.round(2.0 * taus * rate)),
-    (False, lambda taus, rate: np.round(taus * rate / 2.0)),
 ]
 
 
@@ -128,11 +126,20 @@ def in_seconds(taus: Array, rate: float) -> Sizes:
     return np.round(taus * rate)
 
 
-def slope(taus: Array, curve: Array, clusters: Array) -> float | None:
-    """Slope of a curve (k,) on double logarithmic axes where it rests on thirty clusters or more."""
+def slopes(record: Record, size: Sized, rate: float) -> tuple[float, float]:
+    """Return the slope of the overlapping estimate and that of a curve, where the record has thirty clusters or more."""
+    taus, curve, samples = record
+    sizes = np.clip(size(taus, rate), 1, len(samples) // 2).astype(int)
+    wanted = np.array([overlapping(samples, int(m)) for m in sizes])
+    clusters = len(samples) / sizes
+    return _slope(taus, wanted, clusters), _slope(taus, curve, clusters)
+
+
+def _slope(taus: Array, curve: Array, clusters: Array) -> float:
+    """Return the slope of a curve (k,) on double logarithmic axes; NaN with fewer than three such times."""
     known = (clusters >= 30) & (taus > 0) & (curve > 0) & np.isfinite(curve)
     if len(np.unique(taus[known])) < 3:
-        return None
+        return np.nan
     return float(np.polyfit(np.log(taus[known]), np.log(curve[known]), 1)[0])
 
 
@@ -165,3 +172,4 @@ _HYPOTHESES: list[Named[tuple[list[Record], float]]] = [
     Named(1, "allan-factor-missing", _every(lambda sizes, curve, samples: fits(sizes, curve, samples, factor=2**0.5))),
     Named(2, "std-not-allan", _every(_is_spread)),
 ]
+FAULTS = tuple(each.told for each in _HYPOTHESES if each.told)

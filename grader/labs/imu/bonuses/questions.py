@@ -95,13 +95,9 @@ def _curve(node: Node | None, arrays: Arrays, columns: int) -> tuple[Array | Non
 
 
 def _two(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]:
-    """The two parts of a pair, of an array with two rows, or of a dictionary whose keys say which is which."""
+    """The two parts of a pair, or of an array with two rows."""
     if node is None:
         return None, None
-    if node["kind"] in ("dict", "object"):
-        named = {name.lower(): numbers(item, arrays) for name, item in node["items"]}
-        taus = next((v for k, v in named.items() if "tau" in k or "time" in k), None)
-        return taus, next((v for k, v in named.items() if "dev" in k or "sigma" in k), None)
     if "key" in node:
         whole = arrays[node["key"]]
         return (whole[0], whole[1]) if whole.ndim == 2 and len(whole) == 2 else (None, None)

@@ -1,0 +1,212 @@
+"""Checks of the extensions: each a threshold on one measured property."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.engine.findings import Deviation, Size
+from grader.labs.imu.bonuses import allan, explain, liveplot, tilting
+from grader.labs.imu.bonuses.explain import ALLAN, IMUS, LIVE, SPAN, TILT, UPDATES
+from grader.labs.imu.bonuses.measure import KINDS, Allan, Imus, Live, Tilt
+from grader.labs.imu.compare import vector
+
+# ---- the complementary filter ----
+
+_LEVEL_ATOL = 0.01
+"""rad. A filter that starts at zero or at the accelerometer's tilt is level from the first sample on, to rounding."""
+_SETTLED_ATOL = 0.03
+"""rad, after 30 s. The sheet's alpha 0.98 forgets a wrong start in 1 s, a slow Mahony filter (gain 0.5) in 2 s."""
+_BETTER_THAN_GYRO, _BETTER_THAN_ACCEL = 3.0, 1.4
+"""How many times smaller the error must be: exp(mean - 6.7 deviations) of log(factor) over hidden motions, for the weakest
+setting that is still sound. Six deviations are 1e-9; the rest allows for a deviation that 20 motions tell to 12 %. Weakest are,
+with mean factor and deviation of its logarithm: alpha 0.995 where the gyroscope drifts, 7.8 and 0.034 (limit 6.2); alpha 0.9 where
+the accelerometer is shaken, 2.56 and 0.089 (limit 1.41); Madgwick's filter with 0.04 where it is steep, 2.88 and 0.107 (limit
+1.41). Alpha 0.98, Mahony with gains 0.5 to 2 and Madgwick with 0.1 lie higher in all. Weights the wrong way round give 1.00, a
+time step twice too long 0.7 where it is steep."""
+
+
+@TILT.check("complementary_filter.returns_roll_and_pitch")
+def check_returns_roll_and_pitch(facts: Tilt) -> Deviation | None:
+    """update() returns roll and pitch, both 0 where the sensor is level and at rest"""
+    if explain.has_no_angles(facts):
+        came = facts.odd or "NaN or infinity"
+        return Deviation({"form": "two numbers from update(), roll and pitch", "came": came})
+    worst = np.abs(tilting.wrapped(facts.level)).max()
+    return None if worst <= _LEVEL_ATOL else _off_by(worst, came=vector(facts.level[-1]))
+
+
+@TILT.check("complementary_filter.settles_at_tilt")
+def check_settles_at_tilt(facts: Tilt) -> Deviation | None:
+    """Held still at a tilt, the filter settles at the true roll and pitch, wherever it started"""
+    errors = np.abs(tilting.wrapped(facts.settled - facts.tilts)).max(axis=1)
+    worst = int(np.argmax(errors))
+    share = 0.5 if errors[0] <= _SETTLED_ATOL else 1.0
+    numbers = {"wanted": vector(facts.tilts[worst]), "came": vector(facts.settled[worst])}
+    return None if errors[worst] <= _SETTLED_ATOL else _off_by(errors[worst], share, **numbers)
+
+
+@TILT.check("complementary_filter.beats_gyroscope_alone")
+def check_beats_gyroscope_alone(facts: Tilt) -> Deviation | None:
+    """Where the gyroscope has a bias, the filter does not drift away with it"""
+    return _beats(facts, "beats_gyroscope_alone", "gyro_alone_rms", _BETTER_THAN_GYRO)
+
+
+@TILT.check("complementary_filter.beats_accelerometer_alone")
+def check_beats_accelerometer_alone(facts: Tilt) -> Deviation | None:
+    """Where the sensor is shaken, the filter does not take the shaking for a tilt"""
+    if facts.response is not None and tilting.ignores_gyroscope(facts.response):
+        return Deviation({"limit": 0.0, "error": facts.errors["beats_accelerometer_alone"]})
+    return _beats(facts, "beats_accelerometer_alone", "accel_alone_rms", _BETTER_THAN_ACCEL)
+
+
+@TILT.check("complementary_filter.holds_when_steep")
+def check_holds_when_steep(facts: Tilt) -> Deviation | None:
+    """The filter beats both sensors alone in large and fast pitching, at another time step"""
+    beaten = (_beats(facts, "holds_when_steep", f"{each}_alone_rms", _BETTER_THAN_ACCEL) for each in ("accel", "gyro"))
+    return next(filter(None, beaten), None)
+
+
+def _beats(facts: Tilt, check: str, single: str, factor: float) -> Deviation | None:
+    error, alone = facts.errors[check], facts.alone[check][single]
+    if error * factor <= alone:
+        return None
+    share = 0.5 if error * np.sqrt(factor) <= alone else 1.0
+    return Deviation({"limit": alone / factor, "error": error}, share, Size("the error is off", error, "rad"))
+
+
+def _off_by(error: float, share: float = 1.0, **numbers: object) -> Deviation:
+    return Deviation(numbers, share, Size("an angle is off", float(error), "rad"))
+
+
+# ---- the Allan deviation ----
+
+_NOMINAL = dict(zip(KINDS, (-0.5, 0.5, -1.0, 1.0), strict=True))
+_WORDS = dict(zip(KINDS, ("white noise", "a random walk", "quantisation", "a steady drift"), strict=True))
+_SLOPE_ATOL = 0.15
+"""Between the slope of a sound estimate and that of the overlapping one on the same record, measured in `tests/test_extensions.py`.
+Neighbouring kinds differ by 0.5."""
+
+
+@ALLAN.check("allan_variance.returns_times_and_deviations")
+def check_returns_times_and_deviations(facts: Allan) -> Deviation | None:
+    """allan_deviation returns averaging times and as many deviations"""
+    if facts.odd is None:
+        return Deviation({"form": "two arrays of one length, (taus_s, adev)", "came": facts.shape})
+    return Deviation({"came": f"{facts.odd} with NaN or infinity"}, share=0.5) if facts.odd else None
+
+
+@ALLAN.check("allan_variance.averaging_times")
+def check_averaging_times(facts: Allan) -> Deviation | None:
+    """The averaging times are in seconds, from about a sample to a good part of the record"""
+    taus, _, samples = facts.curves["white"]
+    low, high, count = taus.min() * facts.rate, taus.max() * facts.rate, len(np.unique(taus))
+    numbers = {"count": count, "low": taus.min(), "high": taus.max(), "longest": len(samples) / 2 / facts.rate}
+    if facts.meant and not facts.meant[0]:
+        return Deviation(numbers)
+    fits = low >= 0.5 and high <= len(samples) / 2 * 1.01 + 1 and count >= 5 and high >= 10 * low
+    return None if fits else Deviation(numbers, share=0.5)
+
+
+@ALLAN.check("allan_variance.matches_definition")
+def check_matches_definition(facts: Allan) -> Deviation | None:
+    """The deviation is the root of half the mean square difference of neighbouring averages"""
+    if facts.meant:
+        return None  # whatever the unit of its averaging times, which another check measures
+    taus, curve, samples = next(r for r in facts.records if not allan.fits(allan.in_seconds(r[0], facts.rate), *r[1:]))
+    size = int(np.clip(allan.in_seconds(taus, facts.rate)[0], 1, len(samples) // 2))
+    return Deviation({"ratio": curve[0] / allan.overlapping(samples, size), "tau": taus[0]})
+
+
+@ALLAN.check("allan_variance.shows_kinds_of_noise")
+def check_shows_kinds_of_noise(facts: Allan) -> Deviation | None:
+    """Its slope is −1/2 for white noise, +1/2 for a random walk, −1 for quantisation and +1 for drift"""
+    size = facts.meant[1] if facts.meant else allan.in_seconds
+    for kind, nominal in _NOMINAL.items():
+        wanted, got = allan.slopes(facts.curves[kind], size, facts.rate)
+        if not abs(got - wanted) <= _SLOPE_ATOL:
+            return Deviation({"nominal": nominal, "kind": _WORDS[kind], "came": got})
+    return None
+
+
+@ALLAN.check("allan_variance.takes_three_axes")
+def check_takes_three_axes(facts: Allan) -> Deviation | None:
+    """Samples of three axes, (n, 3), give a curve for each axis"""
+    if facts.axes is None:
+        return Deviation({"came": facts.axes_shape})
+    known = facts.axes[np.isfinite(facts.axes).all(axis=1)]
+    for axis, curve in enumerate(facts.alone):
+        its = allan.thinned(np.arange(float(len(known))), known[:, axis])[1]
+        if len(curve) != len(its) or not np.allclose(its, curve, rtol=1e-9, atol=0.0):
+            return Deviation({"came": f"another curve for axis {'xyz'[axis]} than when it is the only one"})
+    return None
+
+
+# ---- all IMUs ----
+
+
+@IMUS.check("multiple_imus.finds_every_place")
+def check_finds_every_place(facts: Imus) -> Deviation | None:
+    """read_all_imus has an entry for every place of the model that has an accelerometer and a gyroscope"""
+    if explain.is_no_dictionary(facts):
+        shape = next((world.got.shape for world in facts.worlds if not world.read), "")
+        return Deviation({"form": "a dictionary of readings by place, such as 'torso'", "came": shape})
+    missing = [[place for place in world.true if place not in world.read] for world in facts.worlds]
+    where = "" if missing[0] else " of a model with other places"
+    places = " and ".join(f"'{place}'" for place in (missing[0] or missing[1])[:3])
+    return Deviation({"where": where, "places": places}, share=1.0 if missing[0] else 0.5) if any(missing) else None
+
+
+@IMUS.check("multiple_imus.matches_truth")
+def check_matches_truth(facts: Imus) -> Deviation | None:
+    """Each place's reading is that of its own accelerometer and gyroscope"""
+    world = next((world for world in facts.worlds if world.wrong), None)
+    if world is None:
+        return None
+    place = world.wrong[0]
+    state = int(np.argmax(np.abs(world.read[place] - world.true[place]).max(axis=1)))
+    numbers = {"wanted": vector(world.true[place][state]), "place": place, "came": vector(world.read[place][state])}
+    return Deviation(numbers, 1.0 if world is facts.lab else 0.5, Size("readings of other places"))
+
+
+@IMUS.check("multiple_imus.readings_are_copies")
+def check_readings_are_copies(facts: Imus) -> Deviation | None:
+    """Readings stay what they were when the simulation steps on"""
+    changed = facts.lab.changed
+    return Deviation({"changed": len(changed), "read": len(facts.lab.read)}) if changed else None
+
+
+# ---- a plot that grows ----
+
+_JUDGED = 10
+"""Points that a curve needs before it is compared with the truth."""
+_MOST = 24
+"""Curves that are compared, the latest ones."""
+
+
+@LIVE.check("realtime_visualization.returns")
+def check_returns(facts: Live) -> Deviation | None:
+    """live_plot simulates for the time that it was asked for, and returns"""
+    simulated = facts.run.simulated
+    numbers = {"wanted": facts.duration_s, "came": simulated}
+    return None if simulated >= 0.9 * facts.duration_s else Deviation(numbers, share=0.5 if simulated > 0 else 1.0)
+
+
+@LIVE.check("realtime_visualization.grows_while_stepping")
+def check_grows_while_stepping(facts: Live) -> Deviation | None:
+    """The curves grow while the simulation goes on, not after it"""
+    updates = liveplot.updates(facts.run.events)
+    if updates >= UPDATES and liveplot.span(facts.run.events) >= SPAN * facts.duration_s:
+        return None
+    replayed = liveplot.changes_after(facts.run.events) >= UPDATES
+    share = 0.5 if updates >= UPDATES - 2 and not explain.shows_once(facts) and not replayed else 1.0
+    return Deviation({"least": UPDATES, "wanted": facts.duration_s, "came": updates}, share)
+
+
+@LIVE.check("realtime_visualization.shows_true_data")
+def check_shows_true_data(facts: Live) -> Deviation | None:
+    """The curves show what the IMU reads"""
+    judged = [curve for curve in facts.run.curves if len(curve.y) >= _JUDGED][-_MOST:]
+    right = sum(any(liveplot.shows(each.x, each.y, its, facts.timestep) for its in facts.channels) for each in judged)
+    if judged and right * 2 >= len(judged):
+        return None
+    return Deviation({"right": right, "judged": len(judged)}, share=0.5 if right else 1.0)
