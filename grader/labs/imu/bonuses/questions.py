@@ -96,7 +96,7 @@ def _curve(node: Node | None, arrays: Arrays, columns: int) -> tuple[Array | Non
 
 def _two(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None]:
     """The two parts of a pair, or of an array with two rows."""
-    if node is None:
+    if node is None or node["kind"] in ("dict", "object"):
         return None, None
     if "key" in node:
         whole = arrays[node["key"]]
