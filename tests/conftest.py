@@ -9,6 +9,7 @@ processes.
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import sys
 import tempfile
@@ -17,7 +18,8 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-from collections.abc import Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +29,7 @@ from grader.engine.grader import Marker
 from grader.engine.recording import CACHE_VARIABLE
 from grader.engine.traces import Traces
 from grader.labs.imu import bundles
-from tests import sandboxes
+from tests import generated, sandboxes
 from tests.recordings import Marking, store
 from tests.recordings.marker import Counts, RecordedMarker, without_charts
 from tests.sandboxes import Opened
@@ -35,6 +37,10 @@ from tests.sandboxes import Opened
 SECRET = "a secret that must not leave 4711"
 FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_cluster")
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
+SLOW = FIRST
+"""Files that `pytest` without arguments leaves out. `pytest -m full`, as in CI, and `pytest FILE` run them."""
+ALL = "not delivered and not sweep"
+"""The marker expression of a run without `-m`."""
 
 
 @pytest.hookimpl(optionalhook=True)  # mutants are tested without xdist
@@ -46,21 +52,53 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.stem not in FIRST)
     for item in items:
+        if item.path.stem in SLOW:
+            item.add_marker("slow")
         if "player" in getattr(item, "fixturenames", ()):
             item.add_marker("recorded")
 
 
-# --- recordings: counted by each test worker, told once ---------------------------------------------------------------
+# --- what each test worker found, told once at the end ----------------------------------------------------------------
 
-_COUNTED = pytest.StashKey[dict[str, float]]()
+
+class Found:
+    """What the test workers of a run counted: recordings, slow tests that were left out, and stale generated files."""
+
+    def __init__(self) -> None:
+        self.recordings: Counter[str] = Counter()
+        self.left_out = 0
+        self.stale: defaultdict[str, list[str]] = defaultdict(list)
+
+    def add(self, recordings: Mapping[str, float], left_out: int, stale: Mapping[str, list[str]]) -> None:
+        self.recordings.update(recordings)  # type: ignore[arg-type] # seconds are no integers
+        self.left_out = max(self.left_out, left_out)  # each worker collects all tests
+        for file, texts in stale.items():
+            self.stale[file] += texts
+
+
+_FOUND = pytest.StashKey[Found]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.stash[_COUNTED] = dict.fromkeys(("recorded", "compared", "seconds"), 0)
+    config.stash[_FOUND] = Found()
+    _choose(config)
     Counts.compare_all = config.option.markexpr == "recorded"
     if not hasattr(config, "workerinput"):
         store.tidy_up()
         _use_an_empty_cache(config)
+
+
+def _choose(config: pytest.Config) -> None:
+    """Run all tests for `-m full`; leave out the slow ones where neither tests nor markers are named."""
+    if config.option.markexpr == "full":
+        config.option.markexpr = ALL
+    elif (
+        config.option.markexpr == ALL
+        and config.args_source is pytest.Config.ArgsSource.TESTPATHS
+        and not config.option.keyword
+        and not hasattr(config, "workerinput")
+    ):
+        config.option.markexpr = f"{ALL} and not slow"
 
 
 def _use_an_empty_cache(config: pytest.Config) -> None:
@@ -71,33 +109,52 @@ def _use_an_empty_cache(config: pytest.Config) -> None:
     os.environ[CACHE_VARIABLE] = folder.name
 
 
+def pytest_deselected(items: Sequence[pytest.Item]) -> None:
+    for item in items:
+        item.config.stash[_FOUND].left_out += item.get_closest_marker("slow") is not None
+
+
 def pytest_sessionfinish(session: pytest.Session) -> None:
     sandboxes.close()
-    mine = {name: getattr(Counts, name) for name in session.config.stash[_COUNTED]}
+    found = session.config.stash[_FOUND]
+    recordings = {name: getattr(Counts, name) for name in ("recorded", "compared", "seconds")}
+    found.add(recordings, 0, generated.differences)
     if hasattr(session.config, "workeroutput"):
-        session.config.workeroutput["recordings"] = mine
-    else:
-        _count(session.config, mine)
+        mine = {"recordings": recordings, "left_out": found.left_out, "stale": generated.differences}
+        session.config.workeroutput["found"] = mine
+        return
+    for file, text in generated.failures(found.stale).items():
+        report = pytest.TestReport(f"tests/{file}", (file, 0, file), {}, "failed", text, "call")
+        session.config.hook.pytest_runtest_logreport(report=report)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any, error: object) -> None:
-    _count(node.config, getattr(node, "workeroutput", {}).get("recordings", {}))
-
-
-def _count(config: pytest.Config, more: Mapping[str, float]) -> None:
-    for name, number in more.items():
-        config.stash[_COUNTED][name] += number
+    if found := getattr(node, "workeroutput", {}).get("found"):
+        node.config.stash[_FOUND].add(**found)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """Tell how many submissions ran in a real sandbox, and how long that took of all test workers' time."""
-    counted = config.stash[_COUNTED]
+    """Tell how many submissions ran in a real sandbox and how long that took, and how many tests were left out."""
+    found = config.stash[_FOUND]
+    counted = found.recordings
     if counted["recorded"] or counted["compared"]:
         terminalreporter.write_line(
             f"{counted['recorded']} submissions recorded in {store.FOLDER}, {counted['compared']} compared with a real sandbox: "
             f"{counted['seconds']:.0f} s of the test workers' time"
         )
+    if "not slow" in config.option.markexpr:
+        terminalreporter.write_line(f"{found.left_out} slow tests left out; all tests: python -m pytest -m full")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Tell with each failure the command that repeats this test alone."""
+    report = yield
+    if report.failed:
+        report.sections.append(("repeat it alone", f"python -m pytest -n 0 {shlex.quote(item.nodeid)}"))
+    return report
 
 
 @pytest.fixture(scope="session")

@@ -22,6 +22,7 @@ from typing import Any
 import coverage
 import pytest
 
+from tests.generated import differences
 from tests.recordings.marker import recorded_corpus
 from tests.scoreboard import Case
 
@@ -78,7 +79,7 @@ class Collected:
         for item, following in pairwise([*(self.items[name] for name in names), None]):
             assert item is not None
             item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
-            if self._failed:
+            if self._failed or differences:
                 return True
         return False
 

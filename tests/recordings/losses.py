@@ -15,6 +15,7 @@ from pathlib import Path
 import yaml
 
 from grader.engine.results import CheckResult, Result
+from tests.generated import differs
 from tests.recordings.marker import recorded_corpus, verdict
 from tests.scoreboard import Case, Verdict
 
@@ -49,11 +50,16 @@ def pins(case: Case) -> bool:
 
 
 def disagreements(said: Verdict) -> list[str]:
-    """Where a case is judged otherwise than the corpus and `losses.yaml` say, a line each."""
+    """Return where a case is judged otherwise than the corpus says, a line each; note where `losses.yaml` says otherwise."""
     case = said.case
-    found = [f"{case.id}: {kind}: {text}" for kind, text in said.troubles]
-    if pins(case) and said.result is not None and losses(said.result) != pinned().get(case.id, {}):
-        found.append(f"{case.id}: loses {losses(said.result)}, pinned is {pinned().get(case.id, {})}")
+    again = f"repeat: python -m tests.scoreboard --only {case.name}"
+    found = [f"{case.id}: {kind}: {text}; {again}" for kind, text in said.troubles]
+    if (
+        pins(case)
+        and said.result is not None
+        and (lost := losses(said.result)) != (before := pinned().get(case.id, {}))
+    ):
+        differs(FILE, f"{case.id}: expected to keep {dict(before)}, keeps {dict(lost)}; {again}")
     return found
 
 
