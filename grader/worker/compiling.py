@@ -12,6 +12,8 @@ from . import faults, fuzzy_names, notebooks, packages, stepping
 from .submission import STATE
 
 _RELATIVE = re.compile(r"\bfrom[\s\\]*\.")
+_MOST_LEFT_OUT = 8  # statements of a file that do not parse; each costs a parse of the file
+_CONTINUES = re.compile(r"[\s)\]}#]|(?:elif|else|except|finally)\b")  # a line that begins no statement
 _DEFINES = re.compile(r"^(?:async[ \t]+)?(?:def|class)[ \t]+(\w+)", re.MULTILINE)
 
 
@@ -22,6 +24,32 @@ def units_in(source: bytes, path: str, *, flags: int = 0) -> list[stepping.Unit]
     except (SyntaxError, ValueError, RecursionError, MemoryError) as refused:
         STATE.unreadable[path] = faults.describe(refused)
         return None
+
+
+def units_that_parse(source: bytes, path: str) -> list[stepping.Unit]:
+    """Return the top-level statements of a file that parse, where the file as a whole does not."""
+    own = faults.own_name(path)
+    try:
+        lines = _decoded(source).splitlines()
+        for _ in range(_MOST_LEFT_OUT):
+            try:
+                return stepping.units_of(ast.parse("\n".join(lines), own), own)
+            except SyntaxError as refused:
+                _leave_out(lines, refused.lineno or 1)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        pass
+    return []
+
+
+def _leave_out(lines: list[str], number: int) -> None:
+    """Blank the top-level statement that this line is part of, with its decorators."""
+    at = min(number, len(lines)) - 1
+    starts = [n for n, line in enumerate(lines) if line and not _CONTINUES.match(line)]
+    first = max((n for n in starts if n <= at), default=0)
+    last = min((n for n in starts if n > at), default=len(lines))
+    while first and lines[first - 1].startswith("@"):
+        first -= 1
+    lines[first:last] = [""] * (last - first)
 
 
 def _units(text: str, path: str, flags: int) -> list[stepping.Unit]:

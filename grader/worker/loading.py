@@ -89,6 +89,8 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
+        if STATE.standins and STATE.unreadable.pop(path, None):  # which has been told of
+            _run_what_parses(path, vars(module))
         desktop_stubs.end_program()
     seen, arrays = recorder.RECORDER.take(STATE.folder)
     error = _unreadable(path) or next((e for e in STATE.stepper.noted if e["path"] == path), None)
@@ -234,6 +236,12 @@ def _run_file(path: str, names: dict[str, Any]) -> bool:
     missing.at_end(names)
     STATE.misspelled.setdefault(path, [*standins.put_right(path, units, names)])
     return len(STATE.stepper.noted) == known
+
+
+def _run_what_parses(path: str, names: dict[str, Any]) -> None:
+    """Run the statements that parse in a file that does not, beside stand-ins: what they draw counts."""
+    units = compiling.units_that_parse(Path(STATE.folder, path).read_bytes(), path)
+    _run_units(units, path, names, _missing_imports(path, units, names))
 
 
 def _library_or_partner(name: str) -> Any:

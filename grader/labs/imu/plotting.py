@@ -156,9 +156,17 @@ class Plotting(Conversation):
         return replace(drawing_of(loaded.frame), fault=fault)
 
     def _drawn_as_script(self, path: str) -> Drawing | None:
-        if path.endswith(".ipynb") or b"__main__" not in self.files.get(path, b"__main__"):
+        if path.endswith(".ipynb") or not (
+            self._is_unreadable(path) or b"__main__" in self.files.get(path, b"__main__")
+        ):
             return None
         return self._run_script(path)
+
+    def _is_unreadable(self, path: str) -> bool:
+        try:
+            return self.load(path).unreadable is not None
+        except NoAnswer:
+            return False
 
     def _run_script(self, path: str) -> Drawing | None:
         self.end_session()

@@ -83,7 +83,7 @@ def check_comparison_plot(facts: Facts) -> Deviation | None:
     """A saved plot shows raw and filtered data together"""
     comparison = facts.comparison
     if not comparison.saved:
-        if comparison.unknown or (comparison.drawn and comparison.handed_in):
+        if comparison.drawn and comparison.handed_in:
             return None
         affected = 0.5 if comparison.drawn or comparison.handed_in else 1.0
         return Deviation({"came": comparison.in_words}, affected=affected, fault=comparison.fault)

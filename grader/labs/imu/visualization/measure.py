@@ -69,7 +69,6 @@ class Comparison:
     meant : the number of curves of a figure that is meant to compare and has no such pair, and what they are in words
     handed_in : whether a picture of it was handed in
     fault : the exception that stopped a program
-    unknown : whether the file that would draw it is no Python; the filter is charged for that
     clean : whether the noise model has lost points, so that no noise is asked for
     """
 
@@ -78,7 +77,6 @@ class Comparison:
     meant: tuple[int, str] = (0, "")
     handed_in: bool = False
     fault: Fault | None = None
-    unknown: bool = False
     clean: bool = False
 
     @property
@@ -363,8 +361,7 @@ def _comparison(student: Student) -> Comparison:
             return Comparison(saved, drawn=True, clean="NoisyIMU" in student.broken)
         drawn = drawn or any(pair for _, pair in pairs)
         meant = max(meant, *_meant(drawing))
-    unknown = not drawn and _is_defined(student, "plot_imu_data") and _stands_in_no_python(student)
-    return Comparison((), drawn, meant, _handed_in(student, COMPARISON), fault, unknown)
+    return Comparison((), drawn, meant, _handed_in(student, COMPARISON), fault)
 
 
 def _past_the_plot(student: Student) -> Fault | None:
@@ -400,21 +397,3 @@ def _meant(drawing: Drawing) -> list[tuple[int, str]]:
     """Return the curves of each figure that is meant to compare: its file's name says so, or the names of its curves."""
     meant = (f for f in drawing.figures if f.file_name == COMPARISON or comparing.named_comparisons(f))
     return [(0, ""), *map(comparing.in_words, meant)]
-
-
-def _stands_in_no_python(student: Student) -> bool:
-    """Return whether the filter's file saves a picture and does not parse: what it would draw is not known."""
-    if b"savefig" not in student.files.get("filters.py", b""):
-        return False
-    try:
-        return bool(student.load("filters.py").unreadable)
-    except NoAnswer:
-        return False
-
-
-def _is_defined(student: Student, name: str) -> bool:
-    try:
-        student.place_of(name)
-    except (Missing, NoAnswer):
-        return False
-    return True
