@@ -26,6 +26,13 @@ ODD = {
     ),
     "a type whose name is computed": "class M(type):\n    __name__ = property(lambda c: 1 / 0)\nclass E(ValueError, metaclass=M):\n    pass\nraise E()\n",
     "a traceback that is computed": "class E(ValueError):\n    __traceback__ = property(lambda self: 1 / 0)\nraise E()\n",
+    "a class that is computed": "class E(BaseException):\n    @property\n    def __class__(self):\n        raise self\nraise E('x')\n",
+    "an exit whose class is computed": "class E(SystemExit):\n    @property\n    def __class__(self):\n        raise self\nraise E('x')\n",
+    "attributes that all raise": "class E(BaseException):\n    def __getattribute__(self, name):\n        raise self\nraise E('x')\n",
+    "an import error whose class is computed": (
+        "class E(ImportError):\n    __class__ = name = property(lambda self: 1 / 0)\ndef tells(f):\n    raise E('x')\n"
+        "@tells\ndef helper():\n    pass\n"
+    ),
     "a line of fifty digits": "e = SyntaxError('x')\ne.filename, e.lineno, e.offset, e.text = '<submission>/filters.py', 10**50, 10**50, 'x'\nraise e\n",
     "fields of other kinds": "e = SyntaxError('x')\ne.filename, e.lineno, e.offset, e.text, e.msg = '<submission>/filters.py', [], {}, 5, b'x'\nraise e\n",
     "a field that raises": "class E(SyntaxError):\n    filename = property(lambda self: 1 / 0)\n    lineno = filename\nraise E('x')\n",

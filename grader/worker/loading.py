@@ -89,7 +89,8 @@ def run_script(fields: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str
     with environment.at_home(STATE.folder), stepping.limited(fields["within_s"]):
         module = sys.modules["__main__"] = _main_module(path)
         _run_file(path, vars(module))
-        if STATE.standins and STATE.unreadable.pop(path, None):  # which has been told of
+        if STATE.standins and path in STATE.unreadable:
+            del STATE.unreadable[path]  # this fault is reported elsewhere
             _run_what_parses(path, vars(module))
         desktop_stubs.end_program()
     seen, arrays = recorder.RECORDER.take(STATE.folder)

@@ -212,7 +212,7 @@ class Stepper:
         if len(self.noted) >= _MAX_NOTED:
             return
         line = _first_line(unit.node)
-        told = faults.told_at(path, line, why) if isinstance(why, str) else faults.describe(why)
+        told = faults.told_at(path, line, why) if type(why) is str else faults.describe(why)  # type: ignore[arg-type] # its `__class__` may be student code
         defines = [name for name in (*bound(unit.node), *_imported(unit.node)) if name in self.wanted]
         about = {"path": path, "number": unit.number, "at": line, "how": how, "defines": defines}
         self.noted.append(told | about | {"within": sorted(within)})
