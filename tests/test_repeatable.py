@@ -38,6 +38,9 @@ SOUND = {
     "uuid4": "def draw():\n    return np.random.default_rng(uuid.uuid4().int).normal(0, 1, 3)\n",
     "uuid1": "def draw():\n    return np.random.default_rng(uuid.uuid1().int).normal(0, 1, 3)\n",
     "a Random of its own": "def draw():\n    rng = random.Random()\n    return np.array([rng.gauss(0, 1) for _ in range(3)])\n",
+    "/dev/urandom": f"def bytes_of(n):\n    with open('/dev/urandom', 'rb') as source:\n        return source.read(n)\n{NORMAL}",
+    "/dev/random by its descriptor": f"def bytes_of(n):\n    fd = os.open('/dev/random', os.O_RDONLY)\n    try:\n        return os.read(fd, n)\n    finally:\n        os.close(fd)\n{NORMAL}",
+    "/dev/urandom as an array": "def draw():\n    seed = np.fromfile('/dev/urandom', np.uint32, 4)\n    return np.random.default_rng(seed).normal(0, 1, 3)\n",
     "default_rng": "def draw():\n    return np.random.default_rng().normal(0, 1, 3)\n",
     "monotonic_ns": "def draw():\n    return np.random.default_rng(time.monotonic_ns()).normal(0, 1, 3)\n",
     "monotonic": "def draw():\n    return np.random.default_rng(int(time.monotonic() * 1e9)).normal(0, 1, 3)\n",
@@ -49,6 +52,8 @@ ODD = {
     "load": "def draw():\n    return np.array([*os.getloadavg()])\n",
     "threads": "def draw():\n    return np.array([threading.get_ident() % 1009, threading.get_native_id() % 1009, os.getpid()]) / 1009\n",
     "addresses": "def draw():\n    return np.array([id(object()) % 1009, id([]) % 1009, id(draw) % 1009]) / 1009\n",
+    "times of files": "def draw():\n    open('own.txt', 'w').close()\n    return np.array([os.path.getmtime('own.txt'), os.stat('filters.py').st_ctime_ns, os.lstat('filters.py').st_ino]) % 1009 / 1009\n",
+    "a folder in words": "def draw():\n    raise ValueError(f\"{[(e.name, e.inode(), e.stat().st_mtime) for e in os.scandir()]} {os.stat('filters.py')}\")\n",
     "an address in words": "def draw():\n    raise ValueError(f'{id(draw)} {draw!r} {uuid.uuid4()}')\n",
     "a date in words": "def draw():\n    raise ValueError(f'{datetime.datetime.now()} {datetime.date.today()} {time.strftime(\"%X\")} {time.ctime()}')\n",
 }
