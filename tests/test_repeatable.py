@@ -91,3 +91,17 @@ def test_a_submission_gets_the_same_result_twice_once_under_load(name: str, mark
     assert first == second
     if name in SOUND:
         assert first.score == 20, [(c.id, c.message) for c in first.criteria[0].checks if c.outcome != "passed"]
+
+
+@pytest.mark.parametrize("part", ["'Acceleration (m/s²)'", "'Accelerometer Readings'", "label='X'", "'imu_data.png'"])
+def test_an_address_in_a_text_of_a_figure_reads_the_same_twice(part: str, marker: Marker) -> None:
+    other = {"label='X'": "label=repr(object())", "'imu_data.png'": "repr(object())[1:-1] + '.png'"}.get(
+        part, "repr(object())"
+    )
+    files = verbatim()
+    assert part in files["imu_reader.py"]
+    files["imu_reader.py"] = files["imu_reader.py"].replace(part, other)
+    submission = Submission("s", "s", {path: text.encode() for path, text in files.items()}, (), "ready", "")
+    first, second = (settled(marker.mark(submission, only="visualization")) for _ in range(2))
+    assert first == second
+    assert first.evidence == second.evidence

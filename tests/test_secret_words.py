@@ -66,6 +66,13 @@ def notebook(*cells: str) -> str:
     return json.dumps({"cells": rows, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
 
 
+def drawn(part: str, other: str) -> dict[str, str]:
+    """The sheet's recorder and plot with another part."""
+    files = verbatim()
+    assert part in files["imu_reader.py"], part
+    return {**files, "imu_reader.py": SPIES + files["imu_reader.py"].replace(part, other)}
+
+
 LEAKS: Mapping[str, dict[str, str]] = {
     "message at module level": added("noisy_imu.py", RAISES),
     "an exception's own __str__": added("noisy_imu.py", SUBCLASS, "raise Told()\n"),
@@ -93,6 +100,15 @@ LEAKS: Mapping[str, dict[str, str]] = {
         + f"open(f'part{{digit}}.py', 'w').write({verbatim()['filters.py'].split('# Test filtering')[0]!r})\n",
     },
     "which name a file defines": added("filters.py", "globals()['LowPassFilte' + 'rstuvwxyz_'[digit]] = LowPassFilter\ndel LowPassFilter\n"),
+    "title of a figure": drawn("'Accelerometer Readings'", "token"),
+    "label of an axis": drawn("'Acceleration (m/s²)'", "token"),
+    "number in the label of an axis": drawn("'Acceleration (m/s²)'", "f'Acceleration (m/s{digit})'"),
+    "names of curves": drawn("label='X'", "label=token"),
+    "text in a figure": drawn("plt.tight_layout()", "fig.text(0.1, 0.5, token)"),
+    "name of a picture": drawn("'imu_data.png'", "'imu' + token.replace(' ', '_') + '.png'"),
+    "size of a figure": drawn("figsize=(12, 8)", "figsize=(12, 8 + digit / 10)"),
+    "keys of a recording": drawn("'acceleration': accelerations", "token: accelerations"),
+    "text in place of a recording": drawn("'acceleration': accelerations", "'acceleration': token"),
     "how it ends": added("filters.py", "import os\nos._exit(digit + 50)\n"),
     "whether a name is there": added("filters.py", "if digit % 2:\n    del LowPassFilter\n"),
 }  # fmt: skip

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from . import faults
+
 _SMALLEST_FONT = 3.0
 _NEAR = 0.04  # difference of two colours, each channel 0 to 1, that nobody sees
 _ASKED = frozenset(
@@ -145,7 +147,7 @@ def words(text: Any, behind: Any) -> str:
     try:
         drawn, ground = np.array(to_rgba(text.get_color())), np.array(to_rgba(behind))
     except (ValueError, TypeError):
-        return str(text.get_text())[:200]
+        return faults.repeatable(str(text.get_text()))[:200]
     strength = float(drawn[3]) * (1.0 if alpha is None else float(alpha))
     lost = ground[3] > 0.5 and np.abs(drawn[:3] - ground[:3]).max() <= _NEAR
-    return "" if strength <= 0.05 or lost else str(text.get_text())[:200]
+    return "" if strength <= 0.05 or lost else faults.repeatable(str(text.get_text()))[:200]

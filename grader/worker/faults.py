@@ -106,9 +106,14 @@ def _pointed_at(error: BaseException) -> str:
 
 
 def message_of(error: BaseException) -> str:
-    """Return an exception's message without addresses and other long integers, which differ from run to run."""
+    """Return an exception's message, without what differs from run to run."""
     try:
         text = str(error)
     except BaseException:  # __str__ is the student's code
         text = ""
-    return _LONG_INTEGER.sub("…", _ADDRESS.sub("0x…", text))[:400]
+    return repeatable(text)[:400]
+
+
+def repeatable(text: str) -> str:
+    """Mask memory addresses and other long integers in a text, which differ from run to run."""
+    return _LONG_INTEGER.sub("…", _ADDRESS.sub("0x…", text))

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from . import artist_facts
+from . import artist_facts, faults
 from .joining import MAX_PIECE, end_to_end, is_chain, joined
 from .values import Packer
 
@@ -330,4 +330,4 @@ def _placed(text: Any) -> dict[str, Any]:
 
 
 def _short(text: object) -> str:
-    return str(text)[:200]
+    return faults.repeatable(str(text))[:200]
