@@ -35,16 +35,18 @@ def units_that_parse(source: bytes, path: str) -> list[stepping.Unit]:
             try:
                 return stepping.units_of(ast.parse("\n".join(lines), own), own)
             except SyntaxError as refused:
-                _leave_out(lines, refused.lineno or 1)
+                _leave_out(lines, refused)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         pass
     return []
 
 
-def _leave_out(lines: list[str], number: int) -> None:
-    """Blank the top-level statement that this line is part of, with its decorators."""
-    at = min(number, len(lines)) - 1
+def _leave_out(lines: list[str], refused: SyntaxError) -> None:
+    """Blank the top-level statement that does not parse, with its decorators."""
+    at = min(refused.lineno or 1, len(lines)) - 1
     starts = [n for n, line in enumerate(lines) if line and not _CONTINUES.match(line)]
+    if isinstance(refused, IndentationError) and at in starts:
+        at -= 1  # the statement before this one lacks its block
     first = max((n for n in starts if n <= at), default=0)
     last = min((n for n in starts if n > at), default=len(lines))
     while first and lines[first - 1].startswith("@"):
