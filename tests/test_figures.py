@@ -46,7 +46,7 @@ RULES = {
     Axes: replies._AXES.keys() | {"curves"},
     Figure: replies._FIGURE.keys() - {"legends"} | {"event", "path", "format", "size_px", "axes", "legend"},
 }
-OURS = {"sight", "pixels", "finished"}
+OURS = {"sight", "pixels"}
 """What no rule names: the first is found out here, the second is looked at as an array, the third is a figure by itself."""
 
 
@@ -65,19 +65,10 @@ def test_what_the_box_says_to_be_seen_is_not_believed(frame: Frame) -> None:
     assert not any(curve.visible for curve in curves)
 
 
-def test_a_figure_as_it_is_at_its_end_goes_with_the_one_that_was_saved(frame: Frame) -> None:
+def test_a_figure_at_its_end_is_none_of_those_that_were_saved(frame: Frame) -> None:
     facts = facts_of(frame)
     frame.fields["figures"] += [facts | {"event": "finished", "title": "At its end"}, facts | {"title": "Another"}]
-    first, second = figures_of(frame)
-    assert first.finished is not None
-    assert [figure.title for figure in (first, first.finished, second)] == [facts["title"], "At its end", "Another"]
-    assert second.finished is None
-
-
-def test_a_figure_at_its_end_that_was_never_saved_is_one_by_itself(frame: Frame) -> None:
-    facts_of(frame)["event"] = "finished"
-    (figure,) = figures_of(frame)
-    assert (figure.is_saved, figure.finished) == (False, None)
+    assert [figure.title for figure in figures_of(frame)] == [facts["title"], "Another"]
 
 
 def test_of_a_figure_that_cannot_be_read_only_the_file_is_told(frame: Frame) -> None:

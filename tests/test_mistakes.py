@@ -73,7 +73,7 @@ MEANS = {
     },
     "visualization": {
         "plot-not-saved": "saves no picture of the plot",
-        "blank-image": "saves an empty or unfinished figure",
+        "blank-image": "saves an empty figure",
         "no-axis-labels": "axes have no labels",
         "no-units": "axis labels name no unit, or the unit of something else",
         "no-legend": "nothing names the curves of a panel",

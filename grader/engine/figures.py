@@ -6,7 +6,7 @@ Words, limits and curves are what the sandbox claims; the pixels are the witness
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePath
 from typing import Any, TypeVar
@@ -154,7 +154,6 @@ class Figure:
     title, xlabel, ylabel, texts, legend : what is said of all its panels
     extent, dots : width and height of `pixels`, not rounded, and how many of them there are to an inch
     pixels : (h, w, 3) ndarray of uint8, what was drawn, in red, green and blue
-    finished : the figure at its end, where more was drawn or written on it after it was saved
     """
 
     event: str
@@ -170,7 +169,6 @@ class Figure:
     extent: tuple[float, float] = (0.0, 0.0)
     dots: float = 0.0
     pixels: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
-    finished: Figure | None = None
 
     @property
     def file_name(self) -> str:
@@ -216,14 +214,8 @@ class Picture:
 
 
 def figures_of(frame: Frame) -> list[Figure]:
-    """The figures of an answer that tells of drawings; one that was saved too early is followed by itself as it is at its end."""
-    found: list[Figure] = []
-    for figure in (_figure(facts, frame.arrays) for facts in frame.fields["figures"]):
-        if figure.event == "finished" and found:
-            found[-1] = replace(found[-1], finished=figure)
-        else:
-            found.append(figure)
-    return found
+    """Return the figures of an answer that tells of drawings, as they were saved or shown."""
+    return [_figure(facts, frame.arrays) for facts in frame.fields["figures"] if facts["event"] != "finished"]
 
 
 def strays_of(frame: Frame) -> tuple[Stray, ...]:
@@ -251,7 +243,7 @@ def _figure(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Fig
         return Figure(facts["event"], facts["path"], facts["format"], tuple(facts["size_px"]))
     axes = tuple(_axes(each, arrays) for each in facts["axes"])
     entries = _entries(entry for legend in facts["legends"] for entry in legend)
-    return _record(Figure, facts, axes=axes, legend=entries, pixels=arrays[facts["seen"]], finished=None)
+    return _record(Figure, facts, axes=axes, legend=entries, pixels=arrays[facts["seen"]])
 
 
 def _axes(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Axes:

@@ -353,21 +353,6 @@ def _more_shown(*changes: Callable[[Sheet], Any]) -> Callable[[], Made]:
     return student
 
 
-def _late(
-    *missing: Callable[[Sheet], Any], finally_: Callable[[Sheet], Any] = lambda _sheet: None
-) -> Callable[[], Made]:
-    """A figure that was saved while this was missing from it, and that is at its end what that is."""
-
-    def student() -> Made:
-        early, end = Sheet(), Sheet()
-        _then(finally_, *missing)(early)
-        finally_(end)
-        early.says(finished=replace(end.figure, event="finished"))
-        return Plotted(early.drawing())
-
-    return student
-
-
 def _overwritten(sheet: Sheet) -> None:
     sheet.says(event="overwritten")
 
@@ -458,14 +443,6 @@ def _compared(
     return Drawing((replace(figure, event=event, path="filtered_imu.png"),))
 
 
-def _compared_late(**words: Any) -> Drawing:
-    """The comparison, saved before the filtered curve was drawn."""
-    (figure,) = _compared(**words).figures
-    (panel,) = figure.axes
-    early = replace(figure, axes=(replace(panel, curves=panel.curves[:1]),), finished=figure)
-    return Drawing((early,))
-
-
 def _few(rows: int, **words: Any) -> Drawing:
     """The comparison of so many samples."""
     (figure,) = _compared(**words).figures
@@ -484,16 +461,6 @@ _STOPPED = replace(
     _compared(), figures=(), fault=Fault("RuntimeError", "broken", "filters.py", 3, None)
 )  # fmt: skip
 _NO_FILTER = ("LowPassFilter",)
-
-_NO_GYROSCOPE = _then(_without((1, 0), (1, 1), (1, 2)), _says(1, title="", ylabel="", xlabel="", legend=()))
-_NO_WORDS = _says(1, title="", ylabel="", xlabel="", legend=())
-_ONE_LATE = {
-    PANELS: _says(1, title="Bottom", ylabel="b (rad/s)"),
-    CURVES: _without((0, 2)),
-    LABELS: _says(1, xlabel=""),
-    LEGEND: _says(1, legend=()),
-    TITLES: _says(1, title=""),
-}
 
 CASES = [
     Case(name, check, student, marked)
@@ -524,12 +491,6 @@ CASES = [
             ("saved to memory", _with(event="forgotten"), (0.0, ["plot-not-saved"])),
             ("a figure without curves that is never saved", _with(event="shown", axes=()), (0.0, ["plot-not-saved"])),
             ("a PDF", _with(format="pdf"), (0.8, [])),
-            ("saved before the gyroscope was drawn", _late(_NO_GYROSCOPE), (0.0, ["blank-image"])),
-            ("saved before the words were written", _late(_NO_WORDS), (0.0, ["blank-image"])),
-            ("saved before the title was written", _late(_ONE_LATE[TITLES]), (0.5, ["blank-image"])),
-            ("saved before something that nobody asks for", _late(lambda s: s.says(texts=()), finally_=lambda s: s.says(texts=("draft",))), None),
-            ("saved before it was spoilt", _late(lambda s: s.says(axes=Sheet().panels), finally_=_exchanged), None),
-            ("without curves, saved too early", lambda: Plotted(Drawing((replace(Sheet().figure, axes=(), finished=Sheet().figure),))), (0.0, ["blank-image"])),
             ("beside one that cannot be read", lambda: Plotted(Sheet().drawing(Figure("saved", "odd.png", "png", (640, 480)))), None),
             ("a small one and a large one", lambda: Plotted(Sheet().drawing(replace(Sheet().figure, size_px=(100, 100)))), None),
         ],
@@ -689,9 +650,6 @@ CASES = [
             ("another series", _scripts(_compared(other=lambda x: _slow(np.cos(x)), noise=0.1)), (0.0, ["comparison-wrong-data"])),
             ("another series by a filter that is charged", _scripts(_compared(other=np.cos), broken=_NO_FILTER), None),
             ("the same twice, a picture handed in", _scripts(_compared(other=np.array), **_FILTERED), (0.5, ["comparison-wrong-data"])),
-            ("saved before the filtered curve was drawn", _scripts(_compared_late()), (0.0, ["comparison-missing"])),
-            ("saved before it was drawn, and once more", _scripts(_compared_late(), _compared()), None),
-            ("saved before it was drawn, and once more without saving", _scripts(_compared_late(), _compared(event="shown")), (0.5, ["comparison-missing"])),
             ("few samples", _scripts(_few(20)), (0.0, ["comparison-wrong-data"])),
             ("stopped before", _scripts(_STOPPED), (0.0, [])),
             ("stepped over on the way", _scripts(replace(_compared(), fault=_STOPPED.fault)), None),
@@ -702,21 +660,6 @@ CASES = [
         ],
     }.items()
     for name, student, marked in rows
-]  # fmt: skip
-CASES += [
-    Case(f"saved before {what}", check, _late(*changes), None)
-    for check, alone in _ONE_LATE.items()
-    for what, changes in {
-        "the gyroscope was drawn": [_NO_GYROSCOPE],
-        "the words were written": [_NO_WORDS],
-        "it was finished": [alone],
-    }.items()
-]
-CASES += [
-    Case("saved before the words were written, and without a title", TITLES, _late(_NO_WORDS, finally_=_says(0, title="")), (0.5, ["no-title"])),
-    Case("saved before the words were written, a little outside", TITLES, _late(_NO_WORDS, finally_=_cropped), None),
-    Case("saved before the words were written, a little outside", SAVES, _late(_NO_WORDS, finally_=_cropped), (0.0, ["blank-image"])),
-    Case("saved before it was spoilt", PANELS, _late(lambda s: s.says(axes=Sheet().panels), finally_=_exchanged), None),
 ]  # fmt: skip
 
 

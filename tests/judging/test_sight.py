@@ -308,14 +308,6 @@ def test_a_figure_without_axes_is_as_it_was() -> None:
     assert visibility.looked_at(figure, Patience()) is figure
 
 
-def test_a_figure_is_looked_at_as_it_is_at_its_end_as_well() -> None:
-    saved, end = Canvas().figure(curve()), Canvas().draw().figure(curve())
-    looked_at = visibility.looked_at(replace(saved, finished=end), Patience())
-    assert looked_at.finished is not None
-    assert looked_at.finished.axes[0].curves[0].sight.seen.all()
-    assert not looked_at.axes[0].curves[0].sight.seen.any()
-
-
 # --- parts of it ---------------------------------------------------------------------------------------------------------
 
 

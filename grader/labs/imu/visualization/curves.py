@@ -199,7 +199,7 @@ def joined(figures: Sequence[Figure]) -> Figure:
     """Several figures as the panels of one, each with what its own figure says of all its panels."""
     axes = tuple(_alone(one, figure, number) for number, figure in enumerate(figures) for one in figure.axes)
     texts = tuple(text for figure in figures for text in figure.texts)
-    return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts, finished=None)
+    return replace(figures[0], title="", xlabel="", ylabel="", legend=(), axes=axes, texts=texts)
 
 
 def _alone(axes: Axes, figure: Figure, number: int) -> Axes:

@@ -47,7 +47,7 @@ def to_the_end(measured: Callable[[Facts], Deviation | None]) -> Callable[[Facts
 
 def is_lost(facts: Facts) -> bool:
     """Return whether no file shows at the end what the figure shows."""
-    return not facts.file.formats or bool(facts.file.early or facts.file.lost)
+    return not facts.file.formats or bool(facts.file.lost)
 
 
 def is_small(facts: Facts) -> bool:
@@ -162,7 +162,6 @@ REASONS: tuple[Reason[Facts], ...] = (
     *_empty(2, "blank-image", lambda f: f.file.blank),
     *_empty(3, "plot-not-saved", lambda f: not f.file.formats),
     Reason(SAVES, 3, "picture-overwritten", lambda f: bool(f.file.lost)),
-    Reason(SAVES, 3, "blank-image", lambda f: f.file.early > 0),
     Reason(SAVES, 4, "low-resolution", is_small),
     Reason(PANELS, 1, "one-panel", shares_a_panel),
     Reason(PANELS, 2, "panels-swapped", lambda f: words.misnamed(f.plot) is not None),

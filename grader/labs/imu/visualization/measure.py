@@ -44,7 +44,6 @@ class File:
     size_px : of the largest saved picture of the curves; (0, 0) if there is none
     formats : of all of them
     replaced, blank : whether a file was overwritten or damaged, or saved from an empty figure
-    early : how many of curves, titles, labels and legends the figure got after it was saved
     handed_in : whether no file shows the plot and a picture of it was handed in
     lost : the channels that only a file showed that was overwritten
     """
@@ -53,7 +52,6 @@ class File:
     formats: frozenset[str] = frozenset()
     replaced: bool = False
     blank: bool = False
-    early: int = 0
     handed_in: bool = False
     lost: frozenset[Channel] = frozenset()
 
@@ -120,10 +118,8 @@ def measure(student: Student, truth: Traces) -> Facts:
     except (Missing, NoAnswer, Raised) as stop:
         stopped = _half(student) or dict.fromkeys(OF_PLOT, stop)
         return Facts(_NO_PLOT, comparison=_comparison(student), stopped=stopped)
-    series, plots = series_of(truth), candidates(student, truth, drawing)
-    best = best_of(plots) or _NO_PLOT
-    plot, early = _finished(best, series)
-    file = _file(student, drawing, plots, early)
+    plots = candidates(student, truth, drawing)
+    plot, file = best_of(plots) or _NO_PLOT, _file(student, drawing, plots)
     stopped = {} if any(map(curves.has_curves, drawing.figures)) else _half(student)
     outside: Mapping[Channel, Sight] = {}
     if not stopped:
@@ -210,28 +206,7 @@ def best_of(plots: Sequence[Plot]) -> Plot | None:
     return max(drawn, key=lambda plot: (len(plot.drawn), len(plot.hidden), plot.figure.is_saved), default=None)
 
 
-def _finished(plot: Plot, series: Mapping[str, Array]) -> tuple[Plot, int]:
-    """Return the figure at its end and how many kinds of things it got after it was saved; if it got none, as it was saved."""
-    if plot.figure.finished is None:
-        return plot, 0
-    end = Plot(plot.figure.finished, curves.panels(plot.figure.finished, series))
-    gains = [after - before for before, after in zip(_parts(plot), _parts(end), strict=True)]
-    return (end, sum(gain > 0 for gain in gains)) if min(gains) >= 0 < max(gains) else (plot, 0)
-
-
-def _parts(plot: Plot) -> tuple[int, ...]:
-    """Return how many channels a plot shows, and whether it has titles, labels on both axes and legends."""
-    figure, axes = plot.figure, [panel.axes for panel in plot.titled_panels]
-    return (
-        len(plot.drawn),
-        bool(figure.title or all(each.title.strip() for each in axes)),
-        bool(figure.ylabel or all(each.ylabel.strip() for each in axes)),
-        any(text.strip() for text in plot.x_labels),
-        bool(figure.legend or all(each.legend or each.texts for each in axes)),
-    )
-
-
-def _file(student: Student, drawing: Drawing, plots: Sequence[Plot], early: int) -> File:
+def _file(student: Student, drawing: Drawing, plots: Sequence[Plot]) -> File:
     saved = _saved_curves(drawing)
     if not saved and drawing.figures:
         looks = {_look(figure) for figure in drawing.figures if curves.has_curves(figure)}
@@ -248,7 +223,6 @@ def _file(student: Student, drawing: Drawing, plots: Sequence[Plot], early: int)
         formats=frozenset(figure.format for figure in saved),
         replaced=not saved and ("overwritten" in events or damaged),
         blank=not saved and any(figure.is_saved for figure in drawing.figures),
-        early=early,
         handed_in=not saved and _handed_in(student, PICTURE),
         lost=frozenset(gone - shown) if saved else frozenset(),
     )

@@ -48,9 +48,7 @@ class Patience:
 
 
 def looked_at(figure: Figure, patience: Patience) -> Figure:
-    """Return the figure, and its `finished` version if any, with `sight` set: which parts of each curve can be seen."""
-    if figure.finished is not None:
-        figure = replace(figure, finished=looked_at(figure.finished, patience))
+    """Return the figure with `sight` set: which parts of each curve can be seen."""
     if not figure.axes:
         return figure
     axes = (
