@@ -239,14 +239,14 @@ def test_of_a_long_curve_the_last_points_are_looked_at() -> None:
 def test_what_follows_a_running_mean_is_about_as_large(strength: float, follows: bool) -> None:
     mean = _averaged(9)(NOISY)
     level = float(mean[N // 2 :].mean())
-    assert comparing._follows(NOISY, level + strength * (mean - level), 9, comparing._Likeness()) is follows
+    assert comparing._follows(NOISY, level + strength * (mean - level), 9) is follows
 
 
 @pytest.mark.parametrize(("widths", "near"), [(2.9, True), (-2.9, True), (3.1, False), (-3.1, False)])
 def test_what_is_alike_is_near_by_three_times_its_width(widths: float, near: bool) -> None:
     wave = np.sin(np.arange(N))
     begins, ends = np.array([0]), np.array([N])
-    assert comparing._alike(wave, wave + widths * wave.std(), (begins, ends), begins, comparing._Likeness()) is near
+    assert comparing._alike(wave, wave + widths * wave.std(), (begins, ends), begins) is near
 
 
 def _from_zero(alpha: float, raw: Array) -> Array:
@@ -268,36 +268,6 @@ PUSHED = np.random.default_rng(6).normal(0, 0.005, 1000) + np.exp(-np.arange(100
 ITS_OPPOSITE = -_from_zero(0.1, FALLING - FALLING[0]) + FALLING[0]
 
 
-@pytest.mark.parametrize(
-    ("raw", "smooth", "names", "found"),
-    [
-        (STANDING[::3], ITS_MEAN[::3], ("raw", "filtered"), True),
-        (STANDING[::3], ITS_MEAN[::3], ("noisy", "filtered"), True),
-        (STANDING[::3], ITS_MEAN[::3], ("a", "b"), False),
-        (STANDING[::3], ITS_MEAN[::3], ("raw", "b"), False),
-        (STANDING[::3], ITS_MEAN[::3], ("a", "filtered"), False),
-        (STANDING[::3] + SWING, ITS_MEAN[::3] + SWING, ("raw", "filtered"), True),
-        (STANDING[::3] + SWING, ITS_MEAN[::3] - SWING, ("raw", "filtered"), False),
-        (STANDING, ITS_MEAN - 5.0 * (np.arange(1000) < 400), ("a", "b"), True),
-        (STANDING, ITS_MEAN - 5.0 * (np.arange(1000) < 600), ("a", "b"), False),
-        (STANDING[::3], ITS_MEAN[::3] + 1, ("raw", "filtered"), False),
-        (STANDING, ITS_MEAN + 0.25, ("raw", "filtered"), True),
-        (STANDING, ITS_MEAN + 0.25, ("a", "b"), False),
-        (STANDING, _from_zero(0.1, STANDING), ("a", "b"), True),
-        (PUSHED, _from_zero(0.5, PUSHED), ("a", "b"), True),
-        (STANDING[::3], 20 * (ITS_MEAN[::3] + 9.81) - 9.81, ("raw", "filtered"), False),
-        (STANDING[::3], STANDING[1::3], ("raw", "filtered"), False),
-        (FALLING[::3], ITS_OPPOSITE[::3], ("raw", "filtered"), False),
-    ],
-)
-def test_of_noise_that_is_thinned_the_names_tell_what_is_compared(
-    raw: Array, smooth: Array, names: tuple[str, str], found: bool
-) -> None:
-    rows = np.arange(min(len(raw), len(smooth)))
-    drawn = figure(*(curve(y[rows], name, 1.0 * rows) for y, name in zip((raw, smooth), names, strict=True)))
-    assert bool(comparing.comparisons(drawn)) is found
-
-
 def test_of_clean_channels_all_rows_tell_which_is_smoother() -> None:
     rest = np.exp(-np.arange(1000) / 150) * np.sin(np.arange(1000) / 20)
     other = rest * np.where(np.arange(1000) < 500, 1.5, 0.6)
@@ -306,34 +276,11 @@ def test_of_clean_channels_all_rows_tell_which_is_smoother() -> None:
     assert comparing._is_smoother(rest + noisy, other)
 
 
-@pytest.mark.parametrize("step", [1, 3])
-@pytest.mark.parametrize("window", [27, 81])
-def test_of_a_series_with_noise_the_motion_is_asked_for(step: int, window: int) -> None:
-    raw = STANDING + 0.5 * np.sin(np.arange(1000) / 90)
-    noise = np.var(np.diff(raw[::step])) / 2
-    moved = np.var([raw[n : n + window].mean() for n in range(500, 1001 - window)])
-    likeness = comparing._of_noise(raw, step, window)
-    assert likeness.correlation == pytest.approx(0.75 * (1 - 3 * noise * step / window / moved), rel=1e-6)
-    assert likeness.apart == pytest.approx(8 * np.sqrt(noise), rel=1e-6)
-
-
-def test_of_noise_alone_nothing_is_asked_for_but_its_size_and_a_constant_has_none() -> None:
-    assert comparing._of_noise(STANDING, 1, 81).correlation == 0
-    assert comparing._of_noise(np.ones(1000), 1, 81) == comparing._Likeness(0.75, 0.0)
-
-
-def test_of_a_series_with_noise_the_longest_mean_tells_how_much_is_motion() -> None:
-    rows = np.arange(1000)
-    raw = 0.15 * np.sin(rows / 60) + np.random.default_rng(0).normal(0, 0.3, 1000)
-    assert comparing._is_smoothed(raw, 0.15 * np.sin(rows / 60), 1, named=True)
-    assert not comparing._is_smoothed(raw, 0.15 * np.sin(rows / 60 + 1.3), 1, named=True)
-
-
 def test_fifty_points_are_enough() -> None:
     raw = np.sin(np.arange(50) / 8) + np.tile([0.3, -0.3], 25)
     smooth = np.sin(np.arange(50) / 8)
-    assert comparing._is_smoothed(raw, smooth, 1, named=False)
-    assert not comparing._is_smoothed(raw[:49], smooth[:49], 1, named=False)
+    assert comparing._is_smoothed(raw, smooth, 1)
+    assert not comparing._is_smoothed(raw[:49], smooth[:49], 1)
 
 
 def test_mean_and_spread_of_runs_of_rows_are_those_of_their_rows() -> None:

@@ -25,10 +25,8 @@ _MOST_PAIRS = 1000
 _TURNS = 0.25
 """Share of neighbouring second differences that change sign, of a series with noise in it. White noise has 0.73, the lab's own
 noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
-_LIKENESS, _OPPOSED = 0.75, -0.5
-"""Correlations: of a series with its smoother version, and of one that goes up where the other goes down."""
-_BIAS_OF_NOISE = 8.0
-"""Of the noise's standard deviation: the sheet draws biases with two of it, and four of them are rare."""
+_LIKENESS = 0.75
+"""Correlation of a series with its smoother version."""
 _ROUNDING = 1e-5
 """Of the largest value: second differences below that are of digits that were cut off."""
 
@@ -40,10 +38,6 @@ class Compared:
     raw: str
     smooth: str
     noisy: bool
-
-    @property
-    def both_named(self) -> bool:
-        return says_raw(self.raw) and says_smooth(self.smooth)
 
     @property
     def exchanged(self) -> bool:
@@ -70,7 +64,7 @@ def comparisons(figure: Figure) -> list[Compared]:
     return [
         compared
         for compared, raw, smooth in named
-        if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)), named=compared.both_named)
+        if _is_smoothed(*_at_the_same_points(_last_points(raw), _last_points(smooth)))
     ]
 
 
@@ -147,41 +141,17 @@ def _at_the_same_points(raw: tuple[Array, Array], smooth: tuple[Array, Array]) -
     return np.interp(x, *raw), np.interp(x, *smooth), len(longer) // len(shorter)
 
 
-def _is_smoothed(raw: Array, smooth: Array, step: int, *, named: bool) -> bool:
+def _is_smoothed(raw: Array, smooth: Array, step: int) -> bool:
     """Return whether one series is smoother than the other and goes where its running mean goes, at some lag.
 
     An exponential average follows a running mean with a correlation of 0.85 and more, whatever alpha; two different channels of a
     standing robot stay below 0.5. The second half is looked at: a filter may start from zero. Of a thinned curve every `step`-th
     value counts as drawn; the values between them lie on straight lines, and are no smoother for it.
-
-    What only noise has moved need not be the same where both are `named`: a filter was given values that are not drawn, and of
-    every third one a correlation of 0.4 is left, as two runs of noise may have. Its bias may have been taken off, too.
     """
     if len(raw) < FEWEST_POINTS or not _is_smoother(raw[::step], smooth[::step]):
         return False
     windows = [window for window in (3, 9, 27, 81) if 4 * window < len(raw)]
-    doubtful = named and not np.corrcoef(raw, smooth)[0, 1] < _OPPOSED
-    likeness = _of_noise(raw, step, windows[-1]) if doubtful else _Likeness()
-    return any(_follows(raw, smooth, window, likeness) for window in windows)
-
-
-@dataclass(frozen=True)
-class _Likeness:
-    """Bounds on the likeness of two series: correlation, and distance of the means in three of their widths."""
-
-    correlation: float = _LIKENESS
-    apart: float = 0.0
-
-
-def _of_noise(raw: Array, step: int, window: int) -> _Likeness:
-    """Return the bounds for a series with this noise: the share of its running mean's variance that is not noise.
-
-    By chance white noise moves a mean by three times its variance. A bias is a few times as large as the noise (Step 5).
-    """
-    noise = float(np.var(np.diff(raw[::step]))) / 2
-    moved = float(np.var(np.convolve(raw, np.full(window, 1 / window), mode="valid")[len(raw) // 2 :]))
-    share = max(0.0, 1 - 3 * noise * step / window / max(moved, 1e-300))
-    return _Likeness(_LIKENESS * share, _BIAS_OF_NOISE * float(np.sqrt(noise)))
+    return any(_follows(raw, smooth, window) for window in windows)
 
 
 def _has_noise(raw: Array) -> bool:
@@ -191,7 +161,7 @@ def _has_noise(raw: Array) -> bool:
     return len(bends) > 1 and float(np.mean(bends[1:] * bends[:-1] < 0)) > _TURNS
 
 
-def _follows(raw: Array, smooth: Array, window: int, likeness: _Likeness) -> bool:
+def _follows(raw: Array, smooth: Array, window: int) -> bool:
     """Return whether a series goes where the running mean of another goes at one of the lags; the second half of each is looked at.
 
     Both are as long, and longer than four windows: a lag leaves two thirds of the rows.
@@ -202,18 +172,18 @@ def _follows(raw: Array, smooth: Array, window: int, likeness: _Likeness) -> boo
     cut = int(ends.min()) // 2
     wanted, got = mean[cut:], smooth[window // 2 + cut :]
     level = float(wanted.mean())  # what both are measured from: sums of squares then lose no digits
-    return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags, likeness)
+    return _alike(wanted - level, got - level, (ends // 2 - cut, ends - cut), lags)
 
 
-def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index, likeness: _Likeness) -> bool:
+def _alike(wanted: Array, got: Array, rows: tuple[Index, Index], lags: Index) -> bool:
     """Return whether rows `begins` to `ends` of both agree in shape, level and size at one of the lags; all lags at once."""
     begins, ends = rows
     means, widths = _moments(wanted, begins, ends)
     its_means, its_widths = _moments(got, begins + lags, ends + lags)
     each = zip(begins, ends, lags, strict=True)
     products = np.array([wanted[first:end] @ got[first + lag : end + lag] for first, end, lag in each])
-    alike = products / (ends - begins) - means * its_means > likeness.correlation * widths * its_widths
-    near = np.abs(means - its_means) <= np.maximum(3 * widths, likeness.apart) + 1e-12
+    alike = products / (ends - begins) - means * its_means > _LIKENESS * widths * its_widths
+    near = np.abs(means - its_means) <= 3 * widths + 1e-12
     as_large = (its_widths > 0.25 * widths) & (its_widths < 4 * widths)
     return bool(np.any(alike & near & as_large))
 
