@@ -1,4 +1,4 @@
-"""What was drawn, as records: figures with their axes and curves, made once of a reply that keeps the rule for drawings.
+"""Records of what was drawn: figures with their axes and curves, made once of a reply that keeps the rule for drawings.
 
 Words, limits and curves are what the sandbox claims; the pixels are the witness, and a curve's `sight` is what these show of it.
 """
@@ -21,16 +21,19 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 FEWEST_SEEN = 0.12
-"""Of the parts of a curve. Of 30,000 curves of 5,000 random sound figures one has less, 0.07, and leaving it out changes hardly
-any column of the whole picture; the next has 0.13. Of 500 that are claimed and not drawn, among five that are, 426 have less; the
-others take the place of curves of their colour, or of mixtures of it (`python -m tests.benchmarks.pictures`)."""
+"""Least share of the parts of a curve that must be seen.
+
+Of 30,000 curves of 5,000 random sound figures one has less, 0.07, and leaving it out changes hardly any column of the whole
+picture; the next has 0.13. Of 500 that are claimed and not drawn, among five that are, 426 have less; the others take the place of
+curves of their colour, or of mixtures of it (`python -m tests.benchmarks.pictures`).
+"""
 PARTS = 100
-"""Of a curve along its abscissa: dashes and thinned points leave gaps, and are seen from part to part."""
+"""Parts of a curve along its abscissa: dashes and thinned points leave gaps, and are seen from part to part."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """How much of a curve is in the picture.
+    """Visible parts of a curve.
 
     Attributes
     ----------
@@ -42,7 +45,7 @@ class Sight:
 
     @property
     def is_hidden(self) -> bool:
-        """Whether hardly anything can be seen of what lies within the limits."""
+        """True if hardly anything can be seen of what lies within the limits."""
         return bool(self.inside.any()) and float(self.seen.sum() / self.inside.sum()) < FEWEST_SEEN
 
 
@@ -106,7 +109,7 @@ class Curve:
 
     @cached_property
     def points(self) -> tuple[Array, Array]:
-        """Those that are drawn: while a filter warms up there is nothing to show."""
+        """The finite points: while a filter warms up there is nothing to show."""
         known = np.isfinite(self.x) & np.isfinite(self.y)
         return self.x[known], self.y[known]
 
@@ -172,7 +175,7 @@ class Figure:
 
     @property
     def file_name(self) -> str:
-        """That of its file, without the folder; empty where there is none."""
+        """Name of its file, without the folder; "" without a file."""
         return PurePath(self.path or "").name
 
     @property

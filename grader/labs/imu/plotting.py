@@ -1,4 +1,4 @@
-"""What a submission draws: its own plot of given data, its files run as scripts, and the pictures that were handed in."""
+"""Questions about drawings: the plot of given data, the files run as scripts, and the handed-in pictures."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Plotting(Conversation):
         super().__init__(sandbox, lab, own, lab_configuration=lab_configuration, **limits)
 
     def drawings(self) -> list[Drawing]:
-        """What the submission's files have drawn so far, imported or run."""
+        """Return what the submission's files have drawn so far, imported or run."""
         answers = (drawing_of(a.frame) if isinstance(a, Loaded) else a for a in self._answers.values())
         return [answer for answer in answers if isinstance(answer, Drawing)]
 
@@ -68,7 +68,7 @@ class Plotting(Conversation):
         called: str = "",
         own_form: bool = False,
     ) -> Drawing:
-        """What `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
+        """Return what `plot_imu_data` draws and saves of a run's data, by the submission's own keys, else by those of the sheet.
 
         If it raises, it is given what the submission's own recorder returns of such a run: an object of the submission's own, or a
         dictionary with labels and settings beside the numbers. If it raises again, it gets the sheet's recording: a key that is
@@ -125,7 +125,7 @@ class Plotting(Conversation):
         return drawing_of(self.ask("plot", place | {"keys": keys, "recorder": recorder}, arrays))
 
     def scripts(self) -> Iterator[Drawing]:
-        """What the submission's files draw when they are run as scripts, one file after the other, the likeliest first.
+        """Yield what the submission's files draw when they are run as scripts, one file after the other, the likeliest first.
 
         What they drew while they were imported comes first: it saves the time of running them again.
         """
@@ -147,7 +147,7 @@ class Plotting(Conversation):
         return [p for p in ("filters.py", "noisy_imu.py", "imu_reader.py", *self.used, *others) if p in self.paths]
 
     def _drawn_at_import(self, path: str) -> Drawing | None:
-        """What a file drew when it was imported; a statement that raised and was stepped over may have broken it off."""
+        """Return what a file drew when it was imported; a statement that raised and was stepped over may have broken it off."""
         try:
             loaded = self.load(path)
         except NoAnswer:
@@ -178,7 +178,7 @@ class Plotting(Conversation):
             self.end_session()
 
     def _drawn_in_turn(self) -> list[Drawing]:
-        """The same, one after the other in one folder: a script may read what the one before it has written."""
+        """Run all scripts one after the other in one folder: a script may read what the one before it has written."""
         found = []
         self.end_session()
         try:
@@ -191,7 +191,7 @@ class Plotting(Conversation):
         return found
 
     def _drawn_untouched(self, path: str) -> Drawing | None:
-        """The same without stand-ins: a script that fits its own broken part need not fit a sound one."""
+        """Return what a file draws without stand-ins: a script that fits its own broken part need not fit a sound one."""
         if not self.broken or path in self.deadly:
             return None
         with self.without_standins():
@@ -203,7 +203,7 @@ class Plotting(Conversation):
                 return None
 
     def picture(self, name: str) -> Picture | None:
-        """What can be seen of a handed-in picture; None where it was not handed in, or cannot be read."""
+        """Return the facts of a handed-in picture; None where it was not handed in, or cannot be read."""
         if name not in self.files:
             return None
         return self.known_as(name, ("picture", name), lambda: self._decode(name))

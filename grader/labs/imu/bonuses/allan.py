@@ -64,7 +64,7 @@ def _spread_unbiased(samples: Array, m: int) -> float:
 
 
 def fits(sizes: Sizes, curve: Array, samples: Array, *, factor: float = 1.0) -> bool:
-    """Whether a curve (k,) is `factor` times the Allan deviation at these cluster sizes (k,): by rounding, or as an estimate."""
+    """Return whether a curve (k,) is `factor` times the Allan deviation at these cluster sizes (k,), or a sound estimate."""
     usable = [(int(m), value / factor) for m, value in zip(sizes, curve, strict=True) if 1 <= m <= len(samples) // 2]
     if len(usable) < max(3, len(curve) // 2):
         return False

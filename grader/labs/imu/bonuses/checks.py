@@ -17,7 +17,7 @@ _LEVEL_ATOL = 0.01
 _SETTLED_ATOL = 0.03
 """rad, after 30 s. The sheet's alpha 0.98 forgets a wrong start in 1 s, a slow Mahony filter (gain 0.5) in 2 s."""
 _BETTER_THAN_GYRO, _BETTER_THAN_ACCEL = 3.0, 1.4
-"""How many times smaller the error must be: exp(mean - 6.7 deviations) of log(factor) over hidden motions, for the weakest
+"""Factor by which the error must be smaller: exp(mean - 6.7 deviations) of log(factor) over hidden motions, for the weakest
 setting that is still sound. Six deviations are 1e-9; the rest allows for a deviation that 20 motions tell to 12 %. Weakest are,
 with mean factor and deviation of its logarithm: alpha 0.995 where the gyroscope drifts, 7.8 and 0.034 (limit 6.2); alpha 0.9 where
 the accelerometer is shaken, 2.56 and 0.089 (limit 1.41); Madgwick's filter with 0.04 where it is steep, 2.88 and 0.107 (limit

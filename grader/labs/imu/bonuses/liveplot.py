@@ -23,7 +23,7 @@ _SCALES = (1.0, float(np.degrees(1.0)))
 
 
 def updates(events: Array) -> int:
-    """At how many moments of the simulation the curves had changed.
+    """Return at how many moments of the simulation the curves had changed.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def span(events: Array) -> float:
 
 
 def shows(x: Array, y: Array, channels: Array, dt: float) -> bool:
-    """Whether a curve (n,) follows one of the true channels (m, c), three of an accelerometer and three of a gyroscope in turn.
+    """Return whether a curve (n,) follows a true channel (m, c): three of an accelerometer and three of a gyroscope in turn.
 
     Angular velocity may be drawn in degrees per second; noise and bias as on the sheet may be on the first IMU's readings.
     """

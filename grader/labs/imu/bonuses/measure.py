@@ -148,7 +148,7 @@ class Allan:
 
     @cached_property
     def meant(self) -> tuple[bool, allan.Sized] | None:
-        """How averaging times become numbers of samples so that every curve is an Allan deviation, and whether they are seconds."""
+        """Conversion of averaging times to samples under which every curve is an Allan deviation, and whether they are seconds."""
         return allan.unit_of_times(self.records, self.rate)
 
 

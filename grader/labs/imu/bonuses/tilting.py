@@ -23,7 +23,7 @@ Signals = tuple[Array, Array]
 
 
 def wrapped(angle: Array) -> Array:
-    """The same directions in [−π, π)."""
+    """Return the same directions in [−π, π)."""
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 

@@ -16,19 +16,19 @@ from grader.labs.imu.visualization.labels import says_raw, says_smooth, unit_of
 Index = NDArray[np.intp]
 
 _SEEN = 0.05
-"""Of a curve: a comparison may be a detail, and one that shows nothing is none."""
+"""Least share of a curve that is seen; a comparison may be a detail."""
 _SMOOTHER = 0.8  # of the raw series' differences from value to value
 _MOST_POINTS = 20_000
-"""Of a curve are compared, its last: eight times what the lab records."""
+"""Points of a curve that are compared, its last: eight times what the lab records."""
 _MOST_PAIRS = 1000
-"""Of a figure are compared: those of six channels with five filtered versions of each."""
+"""Pairs of curves of a figure that are compared: six channels with five filtered versions of each."""
 _TURNS = 0.25
 """Share of neighbouring second differences that change sign, of a series with noise in it. White noise has 0.73, the lab's own
 noise on the lab's signals 0.55 and more, however thinned; clean signals 0.01 to 0.12, and 0.23 where every fifth value is drawn."""
 _LIKENESS = 0.75
 """Correlation of a series with its smoother version."""
 _ROUNDING = 1e-5
-"""Of the largest value: second differences below that are of digits that were cut off."""
+"""Share of the largest value below which second differences come from digits that were cut off."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def named_comparisons(figure: Figure) -> list[Compared]:
 
 
 def _is_smoother(raw: Array, smooth: Array) -> bool:
-    """By its differences from value to value, where there is noise of the second half as well: a filter may climb at first.
+    """Return whether its differences from value to value are smaller; with noise, of the second half as well: a filter may climb.
 
     Of clean channels each is smoother than some other one while a robot comes to rest.
     """

@@ -20,10 +20,12 @@ FEWEST_POINTS = 50
 """A curve that is thinned to fewer points hides the motion. The sheet's 1,500 samples may be thinned to 200; here there are 600."""
 _NEAR = 0.2  # of a panel's width or height: what is farther from a curve is not beside it
 _MATCH = 1e-3
-"""Of the channel's range over the time of the curve. Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve
-misses by 0.01 and more."""
+"""Largest difference, as a share of the channel's range over the time of the curve.
+
+Thinned and single-precision data agree to 1e-6, a smoothed or shifted curve misses by 0.01 and more.
+"""
 NEARLY_ALL = 0.9
-"""Of the recorded time: a curve over this much of it is drawn in full."""
+"""Share of the recorded time; a curve over this much of it is drawn in full."""
 _LEAST_PART = 0.05  # of the recorded time: a curve over less shows no motion
 
 _MIDDLES = (np.arange(PARTS) + 0.5) / PARTS
@@ -59,7 +61,7 @@ class Shown:
 
     @property
     def sight(self) -> Sight:
-        """What is seen of it, in parts of the recorded time."""
+        """The visible parts of the recorded time."""
         (first, last), own = self.part, self.curve.sight
         along = np.clip((_MIDDLES - first) / (last - first) * PARTS, 0, PARTS - 1).astype(int)
         return Sight(self.drawn & own.inside[along], self.drawn & own.seen[along])
@@ -94,12 +96,12 @@ class Panel:
         return (right - left) * (high - low)
 
     def leaves_out(self, curve: Curve) -> bool:
-        """Whether any point of a curve lies outside the limits of the axes."""
+        """Return whether any point of a curve lies outside the limits of the axes."""
         limits = (sorted(self.axes.x_limits), sorted(self.axes.y_limits))
         return any(bool(np.any((v < low) | (v > high))) for v, (low, high) in zip(curve.points, limits, strict=True))
 
     def is_inset_of(self, other: Panel) -> bool:
-        """Whether it shows again, and much smaller, what another panel shows: that one has the names for both."""
+        """Return whether it repeats, much smaller, what another panel shows; that one has the names for both."""
         return bool(self.channels) and self.channels <= other.channels and self.area < other.area / 2
 
     @property
@@ -122,7 +124,7 @@ class Plot:
 
     @property
     def titled_panels(self) -> list[Panel]:
-        """Those of them that show the data; what else is drawn beside these may stand without a title."""
+        """The main panels that show the data; others may stand without a title."""
         return [panel for panel in self.main_panels if panel.shown] or self.main_panels
 
     def of_sensor(self, sensor: int) -> list[Panel]:
@@ -149,21 +151,21 @@ class Plot:
 
     @property
     def abscissae(self) -> set[str]:
-        """What the curves are drawn against."""
+        """The kinds of x values of the curves."""
         return {shown.x for shown in self.shown}
 
     @property
     def x_labels(self) -> list[str]:
-        """What is written along the time axis, wherever that may stand; empty where nothing is."""
+        """Texts along the time axis, wherever they may stand; "" where there is none."""
         return [panel.axes.xlabel for panel in self.panels] + [self.figure.xlabel, *self.figure.texts]
 
     @property
     def own_ticks(self) -> bool:
-        """Whether the numbers beside the time axis may be others than those that are drawn."""
+        """True if the numbers beside the time axis may be others than those that are drawn."""
         return any(panel.axes.own_ticks for panel in self.panels)
 
     def sight(self, channel: Channel) -> Sight:
-        """What is seen of a channel in all panels together."""
+        """Return the visible parts of a channel in all panels together."""
         sights = [shown.sight for shown in self.shown if shown.channel == channel]
         return Sight(np.any([each.inside for each in sights], axis=0), np.any([each.seen for each in sights], axis=0))
 
@@ -179,7 +181,7 @@ class Plot:
 
     @property
     def is_cropped(self) -> bool:
-        """Whether no panel shows a channel to its last point, or might not with other data: matplotlib's limits leave none out."""
+        """True if no panel shows a channel to its last point, or might not with other data: matplotlib's limits leave none out."""
         if any(panel.axes.own_height for panel in self.panels):
             return True
         drawn = [(panel, shown) for panel in self.panels for shown in panel.shown]
@@ -242,12 +244,12 @@ def has_curves(figure: Figure) -> bool:
 
 
 def lacking(figures: Iterable[Figure], series: Mapping[str, Array]) -> bool:
-    """Whether one of the six channels is drawn in none of these figures."""
+    """Return whether one of the six channels is drawn in none of these figures."""
     return len({channel for figure in figures for panel in panels(figure, series) for channel in panel.channels}) < 6
 
 
 def is_reference(curve: Curve) -> bool:
-    """Whether a curve is a line at a fixed value or moment: `axhline`, `axvline` and their like."""
+    """Return whether a curve is a line at a fixed value or moment, such as `axhline` and `axvline`."""
     return len(curve.y) <= 2 or float(np.ptp(curve.y)) == 0.0 or float(np.ptp(curve.x)) == 0.0
 
 
@@ -271,7 +273,7 @@ def _part(stamps: Array, time: Array) -> tuple[float, float]:
 
 
 def _abscissae(x: Array, time: Array) -> list[tuple[str, Array]]:
-    """What x may be, with the time stamps that follow: the readings under which x spans the recorded time, then a part of it.
+    """Return the kinds that x may be, with time stamps: those that span the recorded time first, then those of a part of it.
 
     Rows of thinned data are counted anew, and spread over the recorded time: over a part of it nobody knows what they are.
     """
@@ -315,7 +317,7 @@ def unit_in(rows: Array, true: Array, sensor: int) -> str:
 
 
 def as_recorded(own: Collection, series: Mapping[str, Array]) -> dict[str, Array]:
-    """What a submission records beside the three series, as it would have recorded it of the true ones.
+    """Return what a submission records beside the three series, as it would have recorded it of the true ones.
 
     Multiples of a series, of a column and of a magnitude are made anew; everything else stays.
     """
@@ -335,7 +337,7 @@ def _as_recorded(name: str, value: Array, own: Collection, series: Mapping[str, 
 
 
 def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:
-    """What may follow from the three series, as recorded and as true: that which the name speaks of first."""
+    """Yield what may follow from the three series, as recorded and as true: first what the name speaks of."""
     if own.time is not None:
         yield own.time, series["time"]
     said, axis = column_named(name), axis_of(name)
@@ -352,7 +354,7 @@ def _derived(name: str, own: Collection, series: Mapping[str, Array]) -> Iterato
 
 
 def names_of(panel: Panel, figure: Figure) -> list[str | None]:
-    """What the reader is told about each shown curve: its legend entry, or a text beside it."""
+    """Return the name of each shown curve: its legend entry, or a text beside it."""
     axes = panel.axes
     entries = [*axes.legend, *figure.legend]
     for other in figure.axes:
@@ -388,5 +390,5 @@ def name_of(curve: Curve, entries: Sequence[Entry], texts: Sequence[Placed]) -> 
 
 
 def _likeness(entry: Entry, curve: Curve) -> tuple[bool, bool]:
-    """How far a legend's sample looks like a curve of its colour: by style and marker, then by dashes, width and opacity."""
+    """Return how far a legend's sample looks like a curve of its colour: by style and marker, then by dashes, width and opacity."""
     return (entry.style, entry.marker) == (curve.style, curve.marker), entry.stroke == curve.stroke

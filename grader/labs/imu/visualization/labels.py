@@ -1,4 +1,4 @@
-"""What labels, legends and titles say: units, sensors, axes and curves, in the languages of `languages.yaml`.
+"""Meaning of labels, legends and titles: units, sensors, axes and curves, in the languages of `languages.yaml`.
 
 Symbols are the same in every language and stand here; words stand there, a block a language.
 """
@@ -16,7 +16,7 @@ import yaml
 
 _once = lru_cache(maxsize=1024)  # a text is asked for with every pair of curves that bear it
 _LOOKALIKES = str.maketrans("º⁄", "°/")
-"""What is written for a degree and for a stroke, and would become a letter and stay what it is."""
+"""Look-alikes of the degree sign and of the stroke, which normalisation would make a letter or leave."""
 
 
 _KINDS = {
@@ -107,7 +107,7 @@ def unit_of(text: str) -> str | None:
 
 
 def has_unit_of(sensor: int, text: str) -> bool:
-    """Whether a label names a unit of the sensor, whatever else it names."""
+    """Return whether a label names a unit of the sensor, whatever else it names."""
     return bool((_ACCELERATION_UNIT, _RATE_UNIT)[sensor].search(plain(text)))
 
 
@@ -124,7 +124,7 @@ def counts_samples(text: str) -> bool:
 
 
 _NAMES = (_words("acceleration"), _words("angular_velocity"))
-"""What acceleration and angular velocity, and their sensors, are called."""
+"""Names of acceleration and angular velocity, and of their sensors."""
 _ACCELERATION_WORDS = re.compile(f"{_NAMES[0]}|{_hints('acceleration')}")
 _RATE_WORDS = re.compile(f"{_NAMES[1]}|{_hints('angular_velocity')}")
 
@@ -143,7 +143,7 @@ def claims(text: str) -> frozenset[int]:
 
 
 def names_only(sensor: int, text: str) -> bool:
-    """Whether a text calls one sensor, or what it measures, by its name and says nothing of the other one."""
+    """Return whether a text calls one sensor, or what it measures, by its name and says nothing of the other one."""
     return bool(re.search(_NAMES[sensor], plain(text))) and claims(text) == {sensor}
 
 
@@ -170,10 +170,10 @@ _SMOOTH = re.compile(_words("filtered"))
 
 
 def says_raw(name: str) -> bool:
-    """Whether a curve's name speaks of data as it was measured."""
+    """Return whether a curve's name speaks of data as it was measured."""
     return bool(_RAW.search(plain(name)))
 
 
 def says_smooth(name: str) -> bool:
-    """Whether a curve's name speaks of filtered data."""
+    """Return whether a curve's name speaks of filtered data."""
     return bool(_SMOOTH.search(plain(name))) and not says_raw(name)

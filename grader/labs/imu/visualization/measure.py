@@ -37,7 +37,7 @@ _SAME = 1e-3
 
 @dataclass(frozen=True)
 class File:
-    """What became of the file of the plot.
+    """Fate of the file of the plot.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class File:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What the submission's programs draw of raw and filtered data.
+    """Figures of raw and filtered data that the submission's programs draw.
 
     Attributes
     ----------

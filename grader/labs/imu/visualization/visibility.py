@@ -34,7 +34,7 @@ _SOME = 3  # pixels
 
 
 class Patience:
-    """How many pixels are looked at for one answer; one that asks for more is not believed.
+    """Budget of pixels that are looked at for one answer; one that asks for more is not believed.
 
     Most honest ones need half a million, the largest of the corpus 2.3 million.
     """
@@ -59,7 +59,7 @@ def looked_at(figure: Figure, patience: Patience) -> Figure:
 
 
 def _sights(figure: Figure, patience: Patience) -> list[list[Sight]]:
-    """What is seen of each curve of each panel."""
+    """Return the visible parts of each curve of each panel."""
     codes = _codes(figure.pixels)
     places = [[_places(panel, curve, figure) for curve in panel.curves] for panel in figure.axes]
     free = ~_taken([place for panel in places for place in panel], codes.shape)
@@ -105,7 +105,7 @@ def _places(panel: Axes, curve: Curve, figure: Figure) -> _Places:
 
 
 def _shares(values: Array, limits: Sequence[float], scale: str) -> tuple[Array, bool]:
-    """How far along an axis each value lies, and whether that is known."""
+    """Return how far along an axis each value lies, and whether that is known."""
     ends = np.array(limits, dtype=float)
     with np.errstate(all="ignore"):
         share = (values - ends[0]) / (ends[1] - ends[0])
@@ -113,7 +113,7 @@ def _shares(values: Array, limits: Sequence[float], scale: str) -> tuple[Array, 
 
 
 def _taken(places: Sequence[_Places], shape: tuple[int, ...]) -> Mask:
-    """Where some curve is said to stand, two pixels around it included."""
+    """Return where some curve is said to stand, two pixels around it included."""
     taken = np.zeros(shape, bool)
     for place in places:
         fits = place.inside & _are_in(shape, place.rows, place.columns)
@@ -153,7 +153,7 @@ class _Window:
     at: tuple[int, int]
 
     def around(self, strength: Pixels) -> Pixels:
-        """What is around each marked pixel where no curve is said to stand; where curves are everywhere, what is between them."""
+        """Return the mean strength around each marked pixel where no curve is said to stand; near curves, that of the panel."""
         shape, free = self.free.shape, self.free.ravel()[self.marked]
         spread = np.zeros(self.free.size, np.float32)
         spread[self.marked[free]] = strength[free]
@@ -252,7 +252,7 @@ def _shown_points(
 
 
 def _reach(curve: Curve, wide: float) -> int:
-    """How far from its point a curve may leave its colour: a hollow marker does at its rim."""
+    """Return how far from its point a curve may leave its colour: a hollow marker does at its rim."""
     plain = curve.kind == "line" and curve.marker in _NO_STROKE
     return 1 if plain else 2 + int(min(wide, 6.0) / 2)
 
@@ -271,7 +271,7 @@ def _near(stands_out: Mask, place: _Places, window: _Window, reach: int) -> Mask
 def _strength(
     window: _Window, ink: Array | None, others: Sequence[Array], curve: Curve, wide: float
 ) -> tuple[Pixels, float]:
-    """How much of the curve's colour is in each marked pixel, 0 to 1, and how much of it the curve has to leave."""
+    """Return how much of the curve's colour is in each marked pixel, 0 to 1, and how much of it the curve has to leave."""
     if ink is None:
         return _largest(window.off), 2 * _FAINTEST
     opacity = ink[3] if ink[3] < 1 else min(max(curve.alpha, 0.0), 1.0)
@@ -288,7 +288,7 @@ def _strength(
 
 
 def share_of_way(off: Pixels, way: Array) -> Pixels:
-    """How far pixels (k, 3), as they are off the ground, are on the way to a colour; 0 where they are beside it."""
+    """Return how far pixels (k, 3), as they are off the ground, are on the way to a colour; 0 where they are beside it."""
     share = off @ (way / (way @ way)).astype(np.float32)
     beside = _largest(off - share[:, None] * way.astype(np.float32))
     share = np.clip(share, 0, 1)
@@ -296,7 +296,7 @@ def share_of_way(off: Pixels, way: Array) -> Pixels:
 
 
 def _share_beside(off: Pixels, way: Array, other: Array) -> Pixels:
-    """The same where another curve's colour is mixed in, as far as that colour alone does not explain the pixel."""
+    """Return that share where another curve's colour is mixed in, as far as that colour alone does not explain the pixel."""
     basis = np.stack([way, other])
     if abs(np.linalg.det(basis @ basis.T)) < 1e-3:
         return np.zeros(len(off), np.float32)
