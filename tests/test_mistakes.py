@@ -152,7 +152,7 @@ MEANS = {
     },
 }
 ADDED = {
-    "sensor_access": ["same-sensor-twice", "reading-clipped", "reading-smoothed", "turned-by-body"],
+    "sensor_access": ["same-sensor-twice"],
     "data_collection": ["keeps-old-rows", "first-row-empty", "fixed-rate", "rows-altered", "random-push"],
     "visualization": ["comparison-wrong-data", "picture-overwritten", "curves-not-seen"],
     "noise_model": [

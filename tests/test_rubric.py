@@ -213,6 +213,10 @@ def test_a_late_policy_is_lines_of_its_keys() -> None:
             "there is no fault 'sensor-id-as-adress' (did you mean sensor-id-as-address?); `imugrade explain` lists them",
         ),
         (
+            "mistakes: {reading-clipped: 1}",
+            "the fault 'reading-clipped' is no longer told apart: sensor_access.matches_truth deducts for it",
+        ),
+        (
             "mistakes: {no-bias: much}",
             "what no-bias costs must be a number from 0 to 1000, not 'much'; correct it",
         ),

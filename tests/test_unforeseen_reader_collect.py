@@ -6,17 +6,14 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pytest
 
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
-from grader.labs.imu import bundles
 from grader.labs.imu.answers import Collection
-from grader.labs.imu.checks.check_sensor_access import with_others_first
 from grader.labs.imu.compare import told
-from grader.labs.imu.diagnosis import collection, reader_faults
+from grader.labs.imu.diagnosis import collection
 from grader.labs.imu.diagnosis.collection import Story, Worlds
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
 from tests.recordings import Marking
@@ -91,66 +88,6 @@ AXES *= np.linalg.det(AXES)[:, None, None]
 MOUNTED = np.diag([1.0, -1.0, -1.0])
 
 
-def mean_of_two(x: np.ndarray) -> np.ndarray:
-    return np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1])])
-
-
-def exponential(x: np.ndarray) -> np.ndarray:
-    out = x.copy()
-    for n in range(1, len(x)):
-        out[n] = 0.7 * x[n] + 0.3 * out[n - 1]
-    return out
-
-
-def every_second(x: np.ndarray) -> np.ndarray:
-    return x[np.arange(len(x)) // 2 * 2]
-
-
-def by_the_body(x: np.ndarray) -> np.ndarray:
-    return np.einsum("nij,jk,nk->ni", AXES, MOUNTED.T, x)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("change", "name"),
-    [
-        (lambda x: np.clip(x, -1, 1), "reading-clipped"),
-        (lambda x: np.minimum(x, 0.5), "reading-clipped"),
-        (mean_of_two, "reading-smoothed"),
-        (exponential, "reading-smoothed"),
-        (every_second, "cached-reading"),
-        (by_the_body, "turned-by-body"),
-        (
-            lambda x: np.einsum("ji,njk->nik", MOUNTED, AXES.swapaxes(1, 2)) @ x[:, :, None] @ np.ones((1, 1)),
-            "turned-by-body",
-        ),
-    ],
-)
-def test_what_is_done_to_readings_over_calls_is_told(change: Callable[[np.ndarray], np.ndarray], name: str) -> None:
-    both = tuple(change(x).reshape(-1, 3) for x in TRUE)
-    assert reader_faults.handled(both, TRUE, AXES, ATOL) == name
-    assert reader_faults.handled((both[0], TRUE[1]), TRUE, AXES, ATOL) == name
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda x: x,
-        np.abs,
-        lambda x: x + RNG.normal(0, 0.05, x.shape),
-        lambda x: np.round(x, 1),
-        lambda x: np.where(np.abs(x) < 0.3, 0, x),
-        lambda x: np.einsum("nij,nj->ni", AXES, x),
-        lambda x: 0.9 * x,
-        lambda x: np.full_like(x, np.nan),
-    ],
-)
-def test_nothing_is_named_that_does_not_predict_every_reading(change: Callable[[np.ndarray], np.ndarray]) -> None:
-    changed = change(TRUE[0]), change(TRUE[1])
-    assert reader_faults.handled(changed, TRUE, AXES, ATOL) is None
-
-
 STEPS, DT = 600, 0.002
 STAMPS = (np.arange(STEPS) + 1) * DT
 WORLD = 9.81 * np.sin(np.outer(STAMPS, [7.0, 11.0, 13.0])), np.cos(np.outer(STAMPS, [5.0, 17.0, 19.0]))
@@ -203,15 +140,6 @@ def test_a_sensor_with_fewer_rows_than_the_other_is_told_as_far_as_both_reach(sh
     series = recorded(slice(None), np.negative)
     series = replace(series, **{shorter: getattr(series, shorter)[:-3]})
     assert collection.explain_altered(series, WORLDS) == Story(altered=collection.SENSORS)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("name", sorted(bundles.shipped().models))
-def test_two_sensors_before_a_models_own_move_ids_by_two_and_addresses_by_three(name: str) -> None:
-    xml = bundles.shipped().models[name]
-    model, moved = (mujoco.MjModel.from_xml_string(text) for text in (xml, with_others_first(xml)))
-    assert moved.nsensor == model.nsensor + 2
-    assert (moved.sensor_adr[2:] == model.sensor_adr + 3).all()
 
 
 @pytest.mark.quick

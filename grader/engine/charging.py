@@ -40,7 +40,7 @@ class Part(Generic[Facts]):
     Attributes
     ----------
     measure : asks a student and returns the facts; it judges nothing
-    reasons : every known fault, each with the property that it is a reason for
+    reasons : every known fault, each with the property that it is a reason for; those of one property stand together
     others : properties that no check measures, by name
     together : faults that do not exclude each other: all that fit are named, and the cheapest one alone deducts
     only_names : whether a fault deducts nothing by itself: each check loses its own share, and says through which fault
@@ -103,9 +103,13 @@ class Part(Generic[Facts]):
         return charge
 
     def _reasons(self, off: Mapping[str, Deviation], facts: Facts) -> dict[str, Reason[Facts]]:
-        """The reason for each property that has one of its own: where two that cost the same disagree, the general one."""
+        """Return the reason for each property that has one of its own: where two that cost the same disagree, the general one.
+
+        A fault is charged at the property whose reasons stand first in the list.
+        """
         found: dict[str, Reason[Facts]] = {}
-        for name in off:
+        order = list(dict.fromkeys(self._full(reason.of) for reason in self.reasons))
+        for name in sorted(set(off).intersection(order), key=order.index):
             own = [reason for reason in self.reasons if self._full(reason.of) == name]
             general = [reason for reason in own if reason.told == name]
             if (reason := explain(own, facts) or next(iter(general), None)) is not None:

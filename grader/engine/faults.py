@@ -25,6 +25,7 @@ class Mistake:
     title, hint : what the code does, and what to do next
     explanation, wrong, right : for `imugrade explain`; a row without an explanation has no public name
     deducts : the share of its points that each check loses where this fault is found through it, by name
+    formerly : ids of faults that are told by this row now; a rubric that names one is refused with this row's id
     takes : checks that have nothing to judge where this fault is found, and are lost with it
     expected, got : templates over the numbers of the deviation; those of the check where a row has none
     raised : a pattern of the exceptions that show it, as ``Type: message``; empty where none does
@@ -43,6 +44,7 @@ class Mistake:
     got: str = ""
     deducts: Mapping[str, float] = field(default_factory=dict)
     takes: tuple[str, ...] = ()
+    formerly: tuple[str, ...] = ()
 
 
 NEEDED = (

@@ -26,7 +26,7 @@ from grader.base.errors import RequestError
 from grader.base.package_data import beside
 from grader.base.text import printable
 from grader.engine.check_catalog import checks_of
-from grader.engine.faults import catalogue
+from grader.engine.faults import catalogue, rows
 from grader.engine.lab import Lab
 from grader.engine.rubric_nodes import LARGEST, MAX_BYTES, Reader, RubricError, guess_at, quote, refuse
 
@@ -475,7 +475,9 @@ def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, flo
     known = catalogue(lab)
     prices: dict[str, float] = {}
     for name, (key, value) in reader.pairs(node, "mistakes").items():
-        if name not in known:
+        if now := next((id_ for id_, row in rows(lab).items() if name in row.formerly), None):
+            reader.say(key, f"the fault {quote(key)} is no longer told apart: {now} deducts for it")
+        elif name not in known:
             reader.say(key, f"there is no fault {quote(key)}{guess_at(name, known)}; `imugrade explain` lists them")
         prices[name] = reader.points(value, f"what {printable(name, 60)} costs") or 0.0
     return prices

@@ -104,7 +104,6 @@ def _wrong(name: str, files: Mapping[str, str], takes: Mapping[str, float], mist
     return Sample(name, next(iter(takes)).split(".")[0], files, takes, mistake, also, reason)
 
 
-_SMOOTH = ("reading-smoothed",)
 FAULTY_READERS = (
     _wrong("class-with-the-id-as-address", _sharing("sensor"), _PLACE, "sensor-id-as-address",
            reason="the recording uses the same class: its own part is right"),
@@ -112,19 +111,19 @@ FAULTY_READERS = (
     _wrong("class-that-takes-three-numbers-a-sensor", _sharing("3 * sensor"), _PLACE, "sensor-id-as-address"),
     _wrong("class-in-the-other-order", _sharing(values="gyro, accel"), _PLACE, "swapped-sensors"),
     _wrong("class-that-negates", _sharing(values="-accel, -gyro"), _VALUE, "sign-flipped"),
-    _wrong("class-that-clips", _sharing(values="np.clip(accel, -8.0, 8.0), np.clip(gyro, -0.2, 0.2)"), _VALUE, "reading-clipped"),
-    _wrong("clipped-to-one-g-and-two-radians", _reader("return np.clip(acc, -9.81, 9.81), np.clip(gyr, -2.0, 2.0)"), _VALUE, "reading-clipped",
+    _wrong("class-that-clips", _sharing(values="np.clip(accel, -8.0, 8.0), np.clip(gyro, -0.2, 0.2)"), _VALUE),
+    _wrong("clipped-to-one-g-and-two-radians", _reader("return np.clip(acc, -9.81, 9.81), np.clip(gyr, -2.0, 2.0)"), _VALUE,
            reason="a range of the chip's that the sheet does not have"),
-    _wrong("accelerometer-saturates", _reader("acc = np.minimum(np.maximum(acc, -5), 5)\nreturn acc, gyr"), _VALUE, "reading-clipped"),
+    _wrong("accelerometer-saturates", _reader("acc = np.minimum(np.maximum(acc, -5), 5)\nreturn acc, gyr"), _VALUE),
     _wrong("averaged-with-the-one-before", _reader(
         "global LAST\nnow = np.concatenate([acc, gyr])\nout = now if LAST is None else 0.5 * (LAST + now)\nLAST = now\nreturn out[:3], out[3:]",
-        "LAST = None\n"), _VALUE, *_SMOOTH),
+        "LAST = None\n"), _VALUE),
     _wrong("mean-of-the-last-five", _reader(
         "WINDOW.append(np.concatenate([acc, gyr]))\nmean = np.mean(WINDOW, axis=0)\nreturn mean[:3], mean[3:]",
-        "from collections import deque\n\nWINDOW = deque(maxlen=5)\n"), _VALUE, *_SMOOTH),
+        "from collections import deque\n\nWINDOW = deque(maxlen=5)\n"), _VALUE),
     _wrong("smoothed-exponentially", _reader(
         "old = STATE.get('v')\nnew = np.hstack([acc, gyr])\nSTATE['v'] = new if old is None else 0.7 * new + 0.3 * old\n"
-        "return STATE['v'][:3].copy(), STATE['v'][3:].copy()", "STATE = {}\n"), _VALUE, *_SMOOTH),
+        "return STATE['v'][:3].copy(), STATE['v'][3:].copy()", "STATE = {}\n"), _VALUE),
     _wrong("first-reading-kept", _reader(
         "if not hasattr(get_imu_readings, 'kept'):\n    get_imu_readings.kept = (acc, gyr)\nreturn tuple(v.copy() for v in get_imu_readings.kept)"),
         {"sensor_access.matches_truth": 6.0, "sensor_access.follows_address": 6.0, "sensor_access.reading_is_a_copy": 3.0,
@@ -132,19 +131,19 @@ FAULTY_READERS = (
         "cached-reading", reason="one reading for ever follows nothing: its form alone is left"),
     _wrong("read-anew-every-second-call", _reader(
         "MEMORY['n'] = MEMORY.get('n', 0) + 1\nif MEMORY['n'] % 2 or 'v' not in MEMORY:\n    MEMORY['v'] = acc, gyr\nreturn MEMORY['v'][0].copy(), MEMORY['v'][1].copy()",
-        "MEMORY = {}\n"), _VALUE, "cached-reading"),
+        "MEMORY = {}\n"), _VALUE),
     _wrong("turned-by-the-bodys-matrix", _reader(
         "body = model.body('torso').id if 'torso' in [model.body(i).name for i in range(model.nbody)] else 1\n"
-        "turn = data.xmat[body].reshape(3, 3)\nreturn turn @ acc, turn @ gyr"), _VALUE, "turned-by-body"),
+        "turn = data.xmat[body].reshape(3, 3)\nreturn turn @ acc, turn @ gyr"), _VALUE),
     _wrong("turned-into-the-body", _reader(
         "site = model.sensor_objid[accel_sensor_id]\nturn = data.xmat[model.site_bodyid[site]].reshape(3, 3).T\nreturn turn @ acc, turn @ gyr"),
-        _VALUE, "turned-by-body"),
+        _VALUE),
     _wrong("turned-by-the-bodys-quaternion", _reader(
         "body = model.site_bodyid[model.sensor_objid[accel_sensor_id]]\nout = np.zeros((2, 3))\n"
         "mujoco.mju_rotVecQuat(out[0], acc, data.xquat[body])\nmujoco.mju_rotVecQuat(out[1], gyr, data.xquat[body])\nreturn out[0].copy(), out[1].copy()"),
-        _VALUE, "turned-by-body"),
+        _VALUE),
     _wrong("accelerometer-turned-by-the-body", _reader(
-        "body = model.site_bodyid[model.sensor_objid[accel_sensor_id]]\nreturn data.xmat[body].reshape(3, 3) @ acc, gyr"), _VALUE, "turned-by-body"),
+        "body = model.site_bodyid[model.sensor_objid[accel_sensor_id]]\nreturn data.xmat[body].reshape(3, 3) @ acc, gyr"), _VALUE),
     _wrong("noise-added-while-reading", _reader("return acc + np.random.normal(0, 0.05, 3), gyr + np.random.normal(0, 0.005, 3)"), _VALUE),
     _wrong("noise-of-an-own-generator", _reader(
         "return acc + RNG.normal(0, 0.05, 3), gyr + RNG.normal(0, 0.005, 3)", "RNG = np.random.default_rng()\n"), _VALUE),

@@ -298,50 +298,6 @@ def test_rows_of_earlier_runs_are_counted(series: Collection, before: Collection
     assert collection.rows_left(series, before) == left
 
 
-@pytest.mark.parametrize(
-    ("key", "change", "told"),
-    [
-        (_ACCELERATION, lambda x: -x, "sign-flipped"),
-        (_ACCELERATION, lambda x: x[:, [1, 0, 2]], "axes-permuted"),
-        (_ACCELERATION, lambda x: x / 9.81, "wrong-units"),
-        (_ACCELERATION, lambda x: x - [0, 0, 9.81], "gravity-removed"),
-        (_ACCELERATION, np.degrees, "treated"),
-        (_RATE, np.degrees, "wrong-units"),
-        (_RATE, lambda x: x - [0, 0, 9.81], "treated"),
-        (_RATE, lambda x: x @ np.arange(9).reshape(3, 3) + 4, "treated"),
-        (_RATE, lambda x: 2 * x + 0.7 * 2e-4 * np.sign(np.sin(9 * x)), "treated"),
-        (_RATE, lambda x: 2 * x + 1.2 * 2e-4 * np.sign(np.sin(9 * x)), None),
-        (_ACCELERATION, lambda x: 2 * x + 0.7 * 2e-3 * np.sign(np.sin(9 * x)), "treated"),
-        (_ACCELERATION, lambda x: 2 * x + 1.2 * 2e-3 * np.sign(np.sin(9 * x)), None),
-        (_ACCELERATION, lambda x: 2 * x[:150], "treated"),
-        (_ACCELERATION, lambda x: -x[:150], "sign-flipped"),
-        (_ACCELERATION, lambda x: -np.concatenate([x, x]), "sign-flipped"),
-        (_ACCELERATION, lambda x: 2 * np.concatenate([x, x]), "treated"),
-        (_ACCELERATION, lambda x: x.round(1), "precision-lost"),
-        (_ACCELERATION, lambda x: 2 * x[:20], "treated"),
-        (_ACCELERATION, lambda x: 2 * x[:19], None),
-        (_ACCELERATION, lambda x: 0 * x + [1, 2, 3], None),
-        (_ACCELERATION, lambda x: 2.1e-3 * x / np.ptp(x, axis=0).max(), "treated"),
-        (_ACCELERATION, lambda x: 1.9e-3 * x / np.ptp(x, axis=0).max(), None),
-        (_ACCELERATION, lambda x: 2 * x + np.outer(np.arange(_STEPS) == 7, [0, 0.01, 0]), None),
-        (_ACCELERATION, lambda x: 2 * x - np.outer(np.arange(_STEPS) == 7, [0, 0.01, 0]), None),
-        (_ACCELERATION, lambda x: x * [0, 0, 2], "treated"),
-        (_ACCELERATION, lambda x: x * np.nan, None),
-        (_ACCELERATION, np.abs, None),
-        (_RATE, lambda x: x**2, None),
-    ],
-)  # fmt: skip
-def test_what_was_done_to_all_rows_of_a_sensor_is_told(key: str, change: object, told: str | None) -> None:
-    true = dict(zip(SENSORS, (_ACCEL, _GYRO), strict=True))[key]
-    assert collection.treatment(key, change(true), true) == told  # type: ignore[operator]
-
-
-def test_rows_that_two_alterations_make_tell_neither() -> None:
-    flat = np.tile([1.0, 1.0, 2.0], (30, 1))
-    assert collection.altered_by(_RATE, np.tile([2.0, 1.0, 1.0], (30, 1)), flat) == ["axes-permuted"]
-    assert collection.altered_by(_RATE, flat, flat) == []
-
-
 def _shaken(size: float, seed: int = 5) -> Collection:
     noise = np.random.default_rng(seed).choice([-1.0, 1.0], (2, _STEPS, 3)) * [[[2e-3]], [[2e-4]]]
     return Collection(None, _ACCEL + size * noise[0], _GYRO + size * noise[1])

@@ -7,10 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from grader.engine.findings import CheckFailed, Ours, Size
+from grader.engine.findings import CheckFailed, Ours
 from grader.labs.imu.answers import SENSORS, Array, Collection
 from grader.labs.imu.checks import row_faults
-from grader.labs.imu.compare import vector
 from grader.labs.imu.diagnosis.collection import (
     ATOL_ACCELERATION,
     ATOL_RATE,
@@ -239,41 +238,6 @@ _MOVED = Worlds({TRUE_WORLD: (_MOVING, _TURNING)}, 0.002, 0.08, 40)
 _OTHERS = "; the other sensor is right"
 _AS_IT_IS = "Compare your loop with the sheet: one call of mj_step, then one reading, stored unchanged. A reading between mj_step1 and mj_step2 holds old values (Step 3)."
 _ODD = _TURNING + 0.1 * np.sin(np.arange(40.0))[:, None]
-
-
-@pytest.mark.parametrize(
-    ("which", "series", "ending", "mistakes", "keeps"),
-    [
-        ((0,), (-_MOVING, _TURNING), ": the reading with other signs" + _OTHERS, True, 0.0),
-        ((1,), (_MOVING, -_TURNING), ": the reading with other signs" + _OTHERS, True, 0.0),
-        ((0,), (_MOVING[:, [1, 0, 2]], _TURNING), ": the reading with its axes in another order" + _OTHERS, True, 0.0),
-        ((0,), (_MOVING / 9.81, _TURNING), ": the reading in another unit" + _OTHERS, True, 0.0),
-        ((0,), (_MOVING.round(1), _TURNING), ": the reading with fewer digits" + _OTHERS, True, 0.5),
-        ((0,), (_MOVING * 1.2 + 3, _TURNING), ": the reading scaled, shifted or mixed" + _OTHERS, True, 0.0),
-        ((1,), (_MOVING, _ODD), _OTHERS, False, 0.0),
-        ((0, 1), (-_MOVING, -_TURNING), ": the reading with other signs", True, 0.0),
-        ((0, 1), (_MOVING + _ODD, _ODD), "", False, 0.0),
-    ],
-    ids=["signs", "signs of the other", "axes", "unit", "digits", "scaled", "strange", "both", "both strange"],
-)  # fmt: skip
-def test_altered_rows_are_told_by_what_was_done_to_them(
-    which: tuple[int, ...], series: tuple[Array, Array], ending: str, mistakes: bool, keeps: float
-) -> None:
-    story = Story(altered=tuple(SENSORS[n] for n in which))
-    got, true = series[which[0]], (_MOVING, _TURNING)[which[0]]
-    row = int(np.abs(got - true).max(axis=1).argmax())
-    unit, key = (("m/s²", "acceleration"), ("rad/s", "angular_velocity"))[which[0]]
-    with pytest.raises(CheckFailed) as lost:
-        row_faults.altered(story, _MOVED, Collection(None, *series))
-    said = lost.value
-    assert said.expected == f"{vector(true[row])} {unit} under '{key}' in row {row}"
-    assert said.got == f"{vector(got[row])}{ending}"
-    assert (said.mistakes, said.keeps) == (("rows-altered",) if mistakes else (), keeps)
-    assert said.hint == ("" if mistakes else _AS_IT_IS)
-    off = np.sqrt(np.mean((got - true) ** 2))
-    beside = "the other sensor is right; " if len(which) == 1 else ""
-    kind = ending.removesuffix(_OTHERS).removeprefix(": ") or "rows"
-    assert said.off == Size(f"{beside}{kind} under '{key}', off", pytest.approx(off), unit)
 
 
 _BOTH = "Store all three components of both sensors in every pass, in arrays of shape (n_steps, 3) (Step 3)."

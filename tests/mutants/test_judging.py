@@ -7,7 +7,8 @@ import os
 import pytest
 
 from grader.labs.imu import recordings
-from grader.labs.imu.diagnosis import noise, reading
+from grader.labs.imu.diagnosis import noise
+from grader.labs.imu.sensor_access import explain
 from tests.mutants import judging
 from tests.mutants.operators import Mutant
 from tests.mutants.reach import remembering
@@ -73,7 +74,7 @@ def test_a_mutant_that_makes_another_number_of_functions_when_loaded_is_not_put_
 
 
 def test_what_a_function_remembers_is_found_to_be_forgotten() -> None:
-    assert reading._by_cost in remembering(["grader/labs/imu/diagnosis/reading.py"])
+    assert explain._hypotheses in remembering(["grader/labs/imu/sensor_access/explain.py"])
     assert not remembering(["grader/labs/imu/diagnosis/noise.py"])
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grader.engine.figures import Figure, Stray, figures_of, strays_of
-from grader.engine.findings import Fault
+from grader.engine.findings import Fault, Ours
 from grader.labs.imu.visualization.visibility import Patience, looked_at
 from grader.sandbox.wire import Frame
 
@@ -61,6 +61,14 @@ def shape_in_words(node: Node | None, arrays: Arrays) -> str:
         names = ", ".join(repr(name) for name, _ in node["items"][:6]) or "nothing"
         return f"{'a dictionary' if kind == 'dict' else 'an object'} with {names}"
     return f"a value of type {node.get('type', '?')}"
+
+
+def if_nothing(got: str) -> str:
+    """Return the hint for a function that returned None; "" for any other value."""
+    return _NOTHING_RETURNED if got.removeprefix("got ").startswith("None") else ""
+
+
+_NOTHING_RETURNED = Ours("The function returns None: it is still to be written, or a return statement is missing.")
 
 
 # --- readings ------------------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from grader.engine.findings import Deviation, Size
 
-_GLOBAL = "global "
+_GLOBAL, _NAME = "global ", "name for "
 
 
 def reads_global(departs: Sequence[str]) -> bool:
@@ -19,5 +19,5 @@ def departure(name: str, departs: Sequence[str]) -> Deviation | None:
     if not departs:
         return None
     read = [each.removeprefix(_GLOBAL) for each in departs if each.startswith(_GLOBAL)]
-    told = " and ".join(read) if read else ", ".join(departs)
+    told = " and ".join(read) if read else ", ".join(each.removeprefix(_NAME) for each in departs)
     return Deviation({"name": name, "departs": told}, size=Size(f"other parameters for {told}"))

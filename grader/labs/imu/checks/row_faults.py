@@ -29,12 +29,8 @@ _ENDS_EARLY = Ours(
     "the loop (Step 3)."
 )
 _KINDS = {
-    "sign-flipped": "the reading with other signs",
-    "axes-permuted": "the reading with its axes in another order",
-    "precision-lost": "the reading with fewer digits",
-    "wrong-units": "the reading in another unit",
-    "gravity-removed": "the reading with gravity added or taken away",
-    "treated": "the reading scaled, shifted or mixed",
+    "rounded": "the reading with fewer digits",
+    "treated": "the reading scaled, shifted or mixed, such as another unit or sign",
 }
 
 

@@ -17,7 +17,6 @@ from grader.engine.traces import Scenario
 
 from ..answers import SENSORS, Collection
 from ..compare import Array, same
-from .reading import alterations, alterations_of_acceleration, alterations_of_rate
 
 ATOL_ACCELERATION = 2e-3
 ATOL_RATE = 2e-4
@@ -297,19 +296,16 @@ def _missing_at_first(series: Collection, worlds: Worlds, world: str) -> int:
 
 
 def treatment(key: str, got: Array, true: Array) -> str | None:
-    """What makes all these rows (n, 3) of the true ones of a sensor: a known alteration, or any mixing, scaling and shifting.
-
-    Returns its name, "treated" where it has none, or None where nothing does.
-    """
-    n = min(len(got), len(true))
-    if names := altered_by(key, got, true):
-        return names[0]
-    atol = ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
-    if np.ptp(got[:n], axis=0).max(initial=0.0) <= atol:  # an offset alone foretells what does not move
+    """Return what makes all these rows (n, 3) of the true ones: "rounded", or "treated" for any mixing, scaling and shifting."""
+    n, atol = min(len(got), len(true)), ATOL_ACCELERATION if key == SENSORS[0] else ATOL_RATE
+    got, true = got[:n], true[:n]
+    coarse = (*(true.round(decimals) for decimals in range(5)), np.trunc(true), true.astype(np.float16).astype(float))
+    if any(same(got, each, atol) for each in coarse):
+        return "rounded"
+    if np.ptp(got, axis=0).max(initial=0.0) <= atol:  # an offset alone foretells what does not move
         return None
-    fit = affine(got[:n], true[:n])
-    fits = fit is not None and bool(np.abs(true[:n] @ fit[:3] + fit[3] - got[:n]).max() <= atol)
-    return "treated" if fits else None
+    fit = affine(got, true)
+    return "treated" if fit is not None and same(got, true @ fit[:3] + fit[3], atol) else None
 
 
 def affine(got: Array, true: Array) -> Array | None:
@@ -317,16 +313,6 @@ def affine(got: Array, true: Array) -> Array | None:
     if len(got) < FEWEST_ROWS or not np.isfinite(got).all() or not np.ptp(got, axis=0).any():
         return None
     return np.asarray(np.linalg.lstsq(np.column_stack([true, np.ones(len(true))]), got, rcond=None)[0], np.float64)
-
-
-def altered_by(key: str, got: Array, true: Array) -> list[str]:
-    """What makes these rows (n, 3) of the true ones of a sensor, by a reader's name for it; nothing where none does or two do."""
-    own, atol = (
-        (alterations_of_acceleration(), ATOL_ACCELERATION) if key == SENSORS[0] else (alterations_of_rate(), ATOL_RATE)
-    )
-    n = min(len(got), len(true))
-    names = {name for name, change in (*alterations(), *own) if same(got[:n], change(true[:n]), atol)}
-    return sorted(names) if len(names) == 1 else []
 
 
 def nearest(series: Collection, worlds: Worlds) -> str | None:

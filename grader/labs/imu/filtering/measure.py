@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from grader.engine.findings import Fault, Raised, Skipped, Unusable
 from grader.engine.traces import Scenario, Traces
-from grader.labs.imu.answers import FilterRun
-from grader.labs.imu.checks.fitting import if_nothing
+from grader.labs.imu.answers import FilterRun, if_nothing
 from grader.labs.imu.compare import Array, same
 from grader.labs.imu.student import FilterCase, Student
 

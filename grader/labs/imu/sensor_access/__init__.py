@@ -1,0 +1,1 @@
+"""The criterion Sensor access: facts, hypotheses and checks."""

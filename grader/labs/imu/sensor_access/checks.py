@@ -1,0 +1,75 @@
+"""Checks of the reader: each a threshold on one measured property."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from grader.base.text import printable
+from grader.engine.findings import Deviation, Size
+from grader.labs.imu.answers import SENSOR_UNITS
+from grader.labs.imu.compare import Array, deviation, vector
+from grader.labs.imu.number_format import told_apart
+from grader.labs.imu.sensor_access.explain import PART, Explained
+from grader.labs.imu.sensor_access.measure import FORM, NO_CHANGE, Visit
+
+NAMES = ("accel", "gyro")
+
+
+@PART.check("sensor_access.returns_two_vectors", lab_step=2)
+def check_returns_two_vectors(found: Explained) -> Deviation | None:
+    """get_imu_readings returns acceleration and angular velocity, three numbers each"""
+    return Deviation({"form": FORM, "came": found.facts.odd}) if found.facts.odd else None
+
+
+@PART.check("sensor_access.matches_truth", lab_step=2)
+def check_matches_truth(found: Explained) -> Deviation | None:
+    """The values are the sensor's own: m/s² and rad/s in the sensor's frame, unaltered"""
+    if (wrong := found.altered()) is None:
+        return None
+    return _off(
+        *wrong, found.meant(*wrong), {"form": FORM, "came": found.facts.odd}, 0.5 if found.near(wrong[0]) else 1.0
+    )
+
+
+@PART.check("sensor_access.follows_address", lab_step=2)
+def check_follows_address(found: Explained) -> Deviation | None:
+    """Reads the sensors that the ids name, wherever they lie in sensordata and in whichever model"""
+    if (wrong := found.misplaced()) is not None:
+        visit, sensor = wrong
+        return _off(visit, sensor, visit.scene.true(sensor), {})
+    if (fault := next((visit.fault for visit in found.facts.others if visit.fault), None)) is None:
+        return None
+    came = f"{fault.type}: {printable(fault.message, 200)}{f' at {fault.where}' if fault.where else ''}"
+    wanted = "a reading of the sensors whose ids are given, in a model with other sensor names"
+    return Deviation(
+        {"wanted": wanted, "got": came}, size=Size("an exception in a model with other sensor names"), fault=fault
+    )
+
+
+@PART.check("sensor_access.reading_is_a_copy", lab_step=2)
+def check_reading_is_a_copy(found: Explained) -> Deviation | None:
+    """A reading keeps its values while the simulation goes on"""
+    now, later = np.array([each[0] for each in found.facts.torso.got]), found.facts.later
+    if np.array_equal(now, later, equal_nan=True):
+        return None
+    moved = int(np.argmax(np.abs(np.nan_to_num(later - now)).max(axis=1)))
+    return Deviation({"now": vector(now[moved]), "later": vector(later[moved])})
+
+
+@PART.check("sensor_access.leaves_simulation_alone", lab_step=2)
+def check_leaves_simulation_alone(found: Explained) -> Deviation | None:
+    """Reading the sensors changes nothing in the simulation"""
+    sizes = zip(("data.time", "data.qpos", "data.qvel", "data.sensordata"), found.facts.disturbance, strict=True)
+    changed = [f"{name} changed by {size:.3g}" for name, size in sizes if not size <= NO_CHANGE]
+    return Deviation({"came": "; ".join(changed)}) if changed else None
+
+
+def _off(visit: Visit, sensor: int, true: Array, numbers: dict[str, object], affected: float = 1.0) -> Deviation:
+    """Describe the row in which a sensor is furthest from what stands where it should be read."""
+    got, name, unit = visit.got[sensor], NAMES[sensor], SENSOR_UNITS[sensor]
+    gap = deviation(got, true)
+    wanted, came = told_apart(true[gap.row], got[gap.row])
+    steps = np.diff(np.unique(got[np.isfinite(got)]))
+    grain = float(steps.min(initial=np.inf))
+    told = {"wanted": f"{name} ≈ {wanted} {unit}", "got": f"{name} = {came}", "grain": grain}
+    return Deviation({**numbers, **told}, size=Size(f"{name} is off", gap.worst, unit), affected=affected)

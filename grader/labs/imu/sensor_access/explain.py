@@ -1,0 +1,350 @@
+"""Hypotheses on why a reader's numbers differ from the sensors': the place that it looks at, and what it does to the values.
+
+Each sensor is explained by itself: a hypothesis predicts every number that the reader returned for it, for every IMU.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from grader.engine import hypothesis
+from grader.engine.charging import Part
+from grader.engine.findings import Deviation, Skipped
+from grader.engine.hypothesis import Reason
+from grader.engine.traces import Traces
+from grader.labs.imu.compare import SHEETS_NOISE, Array, same_where_known
+from grader.labs.imu.lab import LAB
+from grader.labs.imu.parameters import departure, reads_global
+from grader.labs.imu.sensor_access import measure as facts_of
+from grader.labs.imu.sensor_access.measure import ATOL, BOTH, NO_CHANGE, Facts, Scene, Visit, three
+from grader.labs.imu.student import Student
+
+VALUES, PLACE, FORM, COPY, ALONE = facts_of.CHECKS[1], facts_of.CHECKS[2], facts_of.CHECKS[0], *facts_of.CHECKS[3:]
+_G = 9.81
+_DECIMALS = range(5)
+"""Decimals of a rounding that are looked for; a finer one stays below `ATOL`."""
+_MOST = 0.5
+_ALIKE = 0.5
+"""Correlation of two visits to the same states. A reader of the sensors has 1, one that smooths over calls nearly that; 78 random
+numbers reach 0.5 once in 250,000."""
+
+Place = Callable[[Scene, int], int]
+Change = Callable[[Scene, Array], Array]
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A fault of place, a fault of the values, both or none, for one sensor."""
+
+    cost: int
+    place: str
+    values: tuple[str, ...]
+    start: Place
+    change: Change
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        return self.place, *self.values
+
+    def predict(self, scene: Scene, sensor: int) -> Array:
+        return self.change(scene, scene.at(self.start(scene, sensor)))
+
+    def fits(self, seen: Seen) -> bool:
+        """Return whether it predicts every number; zeros may come of many alterations, and tell of none."""
+        sensor, visits = seen
+        wanted = [self.predict(visit.scene, sensor) for visit in visits]
+        tells = np.isfinite(wanted[0]).any() and (not self.values or wanted[0].any())
+        return bool(tells) and all(_agree(v.got[sensor], w) for v, w in zip(visits, wanted, strict=True))
+
+
+def _agree(got: Array, wanted: Array) -> bool:
+    """Return whether all numbers that came are the wanted ones; none come from beyond the end of sensordata."""
+    return same_where_known(got, wanted, ATOL) or not (np.isfinite(got).any() or np.isfinite(wanted).all())
+
+
+Seen = tuple[int, Sequence[Visit]]
+"""A sensor, and the visits that are to be explained."""
+
+
+# ---- places
+
+
+def _fixed(start: int) -> Place:
+    return lambda _scene, _sensor: start
+
+
+_PLACES: tuple[tuple[str, Place], ...] = (
+    ("", Scene.own),
+    ("sensor-id-as-address", lambda scene, sensor: scene.pair[sensor]),
+    ("sensor-id-as-address", lambda scene, sensor: 3 * scene.pair[sensor]),
+    ("same-sensor-twice", lambda scene, sensor: scene.own(1 - sensor)),
+    ("hard-coded-address", lambda scene, sensor: scene.own(0) + 3 if sensor else -1),
+    ("off-by-one-address", lambda scene, sensor: scene.own(sensor) - 1),
+    ("off-by-one-address", lambda scene, sensor: scene.own(sensor) + 1),
+)
+
+
+def _fixed_places(torso: Visit, sensor: int) -> Iterator[Hypothesis]:
+    """Yield the places of sensordata that hold the reader's numbers in every state."""
+    data, got = torso.scene.sensordata, torso.got[sensor]
+    for start in range(data.shape[1] - 2):
+        if np.abs(data[:, start : start + 3] - got).max() <= ATOL:
+            yield Hypothesis(3, "hard-coded-address", (), _fixed(start), _unchanged)
+
+
+# ---- values
+
+
+def _unchanged(_scene: Scene, x: Array) -> Array:
+    return x
+
+
+def _of_numbers(change: Callable[[Array], Array]) -> Change:
+    return lambda _scene, x: change(x)
+
+
+def _changes() -> Iterator[tuple[str, Change]]:
+    """Yield (fault, change) for everything that is known to be done to the numbers of a sensor."""
+    for signs in itertools.product((1.0, -1.0), repeat=3):
+        yield "sign-flipped", _of_numbers(lambda x, s=signs: x * np.array(s))  # type: ignore[misc]
+    for order in itertools.permutations(range(3)):
+        yield "axes-permuted", _of_numbers(lambda x, o=order: x[:, list(o)])  # type: ignore[misc]
+    for decimals in _DECIMALS:
+        yield "precision-lost", _of_numbers(lambda x, d=decimals: x.round(d))  # type: ignore[misc]
+    yield "precision-lost", _of_numbers(np.trunc)
+    yield "precision-lost", _of_numbers(lambda x: x.astype(np.float16).astype(np.float64))
+    yield "cached-reading", _of_numbers(lambda x: np.broadcast_to(x[:1], x.shape))
+    for shift in _G * np.concatenate([np.eye(3), -np.eye(3)]):
+        yield "gravity-removed", _of_numbers(lambda x, s=shift: x + s)  # type: ignore[misc]
+    for sign in (_G, -_G):
+        yield "gravity-removed", lambda scene, x, s=sign: x + s * scene.world_from_site[:, 2]  # type: ignore[misc]
+    gravity = [factor for g in (_G, 9.80665, 9.8) for factor in (1 / g, g)]
+    for factor in (*gravity, 100.0, 1000.0, 1 / 0.3048, 180 / np.pi, np.pi / 180, 60 / (2 * np.pi), 1 / (2 * np.pi)):
+        yield "wrong-units", _of_numbers(lambda x, k=factor: k * x)  # type: ignore[misc]
+    for turning in ("kij,kj->ki", "kji,kj->ki"):
+        yield "world-frame", lambda s, x, t=turning: np.asarray(np.einsum(t, s.world_from_site, x))  # type: ignore[misc]
+    for name, first in itertools.product(("qvel", "qacc", "cvel", "cacc"), (0, 3)):
+        for up in (0.0, _G, -_G) if name == "qacc" else (0.0,):
+            yield "not-the-sensor", lambda s, _, n=name, i=first, g=up: three(getattr(s, n), i) + np.array([0, 0, g])  # type: ignore[misc]
+
+
+@functools.cache
+def _hypotheses() -> tuple[Hypothesis, ...]:
+    changes = list(_changes())
+    rounded = [(v, _then_rounded(change, d)) for v, change in changes if v != "precision-lost" for d in _DECIMALS]
+    return (
+        *(Hypothesis(bool(place), place, (), start, _unchanged) for place, start in _PLACES),
+        *(
+            Hypothesis(1 + bool(p), p, (v,), start, change)
+            for (p, start), (v, change) in itertools.product(_PLACES, changes)
+        ),
+        *(Hypothesis(2, "", (value, "precision-lost"), Scene.own, change) for value, change in rounded),
+    )
+
+
+def _then_rounded(change: Change, decimals: int) -> Change:
+    return lambda scene, x: change(scene, x).round(decimals)
+
+
+# ---- the explanation of each sensor
+
+
+@dataclass(frozen=True)
+class Explained:
+    """The facts, and the hypothesis that explains each sensor; None where none does, or several do."""
+
+    facts: Facts
+    sensors: tuple[Hypothesis | None, ...] = (None, None)
+
+    @property
+    def stopped(self) -> Mapping[str, Exception]:
+        return self.facts.stopped
+
+    @classmethod
+    def of(cls, facts: Facts) -> Explained:
+        return cls(facts, tuple(_explain(facts, sensor) for sensor in BOTH))
+
+    @property
+    def places(self) -> list[str]:
+        """The faults of place: also that the ids are ignored, as other IMUs or an exception in another model show."""
+        known = _named_places([each for each in self.sensors if each])
+        ignored = any(_is_ignored(self.facts.torso, v, i) for v in self.facts.visits[1:] for i in BOTH)
+        raised = any(v.fault.type in _NOT_FOUND for v in self.facts.others if v.fault)
+        return known or ["hard-coded-address"] * (ignored or raised)
+
+    @property
+    def values(self) -> list[str]:
+        return [value for each in self.sensors if each for value in each.values]
+
+    def meant(self, visit: Visit, sensor: int) -> Array:
+        """Return what stands where a sensor is read."""
+        known = self.sensors[sensor]
+        return visit.scene.true(sensor) if known is None else visit.scene.at(known.start(visit.scene, sensor))
+
+    def altered(self) -> tuple[Visit, int] | None:
+        """Return a sensor with other numbers than where it is read: of the robot's IMU, or else some numbers of another IMU."""
+        wrong = [i for i in BOTH if (known := self.sensors[i]) is None or known.values or self.lacks_numbers(i)]
+        others = ((v, i) for v in self.facts.visits[1:] for i in BOTH if self._partly_right(i) and not self._fits(v, i))
+        return (self.facts.torso, wrong[0]) if wrong else next(others, None)
+
+    def misplaced(self) -> tuple[Visit, int] | None:
+        """Return a sensor that is not read where its id says."""
+        torso, others = self.facts.torso, self.facts.visits[1:]
+        places = [i for i in BOTH if (known := self.sensors[i]) and known.place]
+        first = ((v, i) for v in self.facts.visits for i in places if _rightness([v], i) < 1)
+        same = ((v, i) for v in others for i in BOTH if self.sensors[i] is None and _is_ignored(torso, v, i))
+        off = (
+            (v, i) for v in others for i in BOTH if self.sensors[i] and not (self._fits(v, i) or self._partly_right(i))
+        )
+        return next(itertools.chain(first, same, off), None)
+
+    def _fits(self, visit: Visit, sensor: int) -> bool:
+        known = self.sensors[sensor]
+        return known is not None and _agree(visit.got[sensor], known.predict(visit.scene, sensor))
+
+    def _partly_right(self, sensor: int) -> bool:
+        """Whether most numbers of the other IMUs are right, so that some are altered."""
+        return _rightness(self.facts.visits[1:], sensor) >= _MOST
+
+    def lacks_numbers(self, sensor: int) -> bool:
+        """Whether numbers are missing that no wrong place accounts for."""
+        known, got = self.sensors[sensor], self.facts.torso.got[sensor]
+        return not np.isfinite(got).all() and not (known and known.place)
+
+    def near(self, visit: Visit) -> bool:
+        """Whether both sensors are off by less than a real one's noise."""
+        pairs = zip(visit.got, (self.meant(visit, i) for i in BOTH), SHEETS_NOISE, strict=True)
+        return all(bool(np.abs(got - there).max() <= little) for got, there, little in pairs)
+
+
+_NOT_FOUND = ("KeyError", "ValueError", "IndexError")
+
+
+def _explain(facts: Facts, sensor: int) -> Hypothesis | None:
+    """Return the cheapest hypothesis for a sensor that predicts all IMUs; where none does, the robot's own."""
+    everywhere = (*_hypotheses(), *_fixed_places(facts.torso, sensor))
+    return explained(everywhere, sensor, facts.visits) or explained(_hypotheses(), sensor, [facts.torso])
+
+
+def explained(known: Iterable[Hypothesis], sensor: int, visits: Sequence[Visit]) -> Hypothesis | None:
+    return hypothesis.explain(known, (sensor, visits))
+
+
+def _named_places(found: Sequence[Hypothesis]) -> list[str]:
+    names = [each.place for each in found if each.place]
+    return ["swapped-sensors"] if names == ["same-sensor-twice"] * 2 else list(dict.fromkeys(names))
+
+
+def _rightness(visits: Sequence[Visit], sensor: int) -> float:
+    """Return the share of a sensor's numbers that are true."""
+    right = [np.abs(visit.got[sensor] - visit.scene.true(sensor)) <= ATOL for visit in visits]
+    return float(np.mean(np.concatenate(right))) if right else 0.0
+
+
+def _is_ignored(torso: Visit, other: Visit, sensor: int) -> bool:
+    """Return whether the ids of another IMU, which shows other numbers in the same states, give the same readings."""
+    if torso.scene.sensordata is not other.scene.sensordata or not np.ptp(torso.got[sensor], axis=0).any():
+        return False
+    differ = np.abs(torso.scene.true(sensor) - other.scene.true(sensor)).max() > ATOL
+    return bool(differ) and same_where_known(other.got[sensor], torso.got[sensor], ATOL)
+
+
+# ---- readings that follow nothing
+
+
+def measured(student: Student, truth: Traces) -> Explained:
+    """Measure, and explain; a reader that returns the same in every state, or by chance, has no place and disturbs nothing."""
+    facts = facts_of.measure(student, truth)
+    if facts.stopped:
+        return Explained(facts)
+    found = Explained.of(facts)
+    known = None not in found.sensors
+    if np.ptp(np.nan_to_num([*facts.torso.got, *facts.again.got]), axis=1).any():
+        why = "" if known else _by_chance(replace(facts, reverse=facts_of.in_reverse(student, truth)))
+    else:  # a reader that resets the simulation shows how it disturbs it
+        resets = facts.disturbance[1] > NO_CHANGE
+        why = "" if resets or (known and "cached-reading" not in found.values) else _CONSTANT
+    return replace(found, facts=facts_of.with_stops(facts, Skipped(why), PLACE, COPY, ALONE)) if why else found
+
+
+_CONSTANT = "a reading of the simulation: the function returns the same numbers in every state"
+
+
+def _by_chance(facts: Facts) -> str:
+    """Say why readings that no hypothesis predicts cannot be judged; empty where they follow the states.
+
+    Another process visits the states in reverse order. What follows them is more like the first visit by state than by call; a
+    counter and seeded random numbers are the same by call.
+    """
+    if not np.isfinite(facts.torso.got).any():
+        return "a reading with numbers"
+    assert facts.reverse is not None
+    if max(_rightness([facts.torso], sensor) for sensor in BOTH) >= _MOST:
+        return ""
+    alike = _likeness(np.array(facts.torso.got), np.array(facts.again.got)) >= _ALIKE
+    visits = [np.array(each) for each in zip(facts.torso.got, facts.again.got, facts.reverse, strict=True)]
+    follows = any(
+        _likeness(one, again) >= _ALIKE and _likeness(one, back) > _likeness(one, back[::-1])
+        for one, again, back in visits
+    )
+    if alike and follows:
+        return ""
+    return "a reading of the simulation: the function returns other numbers when the same state comes again"
+
+
+def _likeness(first: Array, again: Array) -> float:
+    """Return the correlation of two visits (…, k, 3) of the same states, each channel about its mean in units of its spread."""
+    known = np.isfinite(first) & np.isfinite(again)
+    if not known.any():
+        return 0.0
+    spread = np.maximum(np.nanstd(first, axis=-2, keepdims=True), 1e-12)
+    a, b = ((visit - np.nanmean(visit, axis=-2, keepdims=True)) / spread for visit in (first, again))
+    size = float(np.sqrt((a[known] ** 2).sum() * (b[known] ** 2).sum()))
+    return float((a[known] * b[known]).sum()) / size if size else 0.0
+
+
+# ---- the reasons
+
+
+_NAMED_VALUES = dict.fromkeys(name for name, _ in _changes())
+_NAMED_PLACES = dict.fromkeys(("swapped-sensors", *(name for name, _ in _PLACES if name)))
+
+
+def _lacks_numbers(found: Explained) -> bool:
+    return any(map(found.lacks_numbers, BOTH))
+
+
+REASONS: tuple[Reason[Explained], ...] = (
+    Reason(VALUES, 1, "wrong-length", lambda e: not e.facts.whole and (_lacks_numbers(e) or None in e.sensors)),
+    Reason(VALUES, 1, "wrong-return-type", lambda e: _lacks_numbers(e) and bool(e.facts.odd) and e.facts.whole),
+    Reason(VALUES, 1, "not-finite", lambda e: _lacks_numbers(e) and not e.facts.odd),
+    *(Reason(VALUES, 2 + n, told, lambda e, t=told: t in e.values) for n, told in enumerate(_NAMED_VALUES)),  # type: ignore[misc]
+    *(Reason(PLACE, 1 + n, told, lambda e, t=told: t in e.places) for n, told in enumerate(_NAMED_PLACES)),  # type: ignore[misc]
+    Reason(FORM, 1, "wrong-length", lambda e: not e.facts.whole),
+    Reason(FORM, 2, "wrong-return-type", lambda _: True),
+    Reason("parameters", 1, "global-for-parameter", lambda e: reads_global(e.facts.departs)),
+    Reason("parameters", 2, "other-parameters", lambda _: True),
+    Reason(COPY, 1, "view-not-copy", lambda _: True),
+    Reason(ALONE, 1, "disturbs-simulation", lambda _: True),
+)
+
+
+def _parameters(found: Explained) -> Deviation | None:
+    """Parameters that a reader does not have are its way to ignore the ids, where it does."""
+    ignores = PLACE in found.stopped or found.misplaced() is not None
+    return None if ignores else departure("get_imu_readings", found.facts.departs)
+
+
+PART: Part[Explained] = Part(
+    LAB,
+    "sensor_access",
+    measured,
+    REASONS,
+    {"parameters": _parameters},
+    together=frozenset((*_NAMED_VALUES, *_NAMED_PLACES)),
+)

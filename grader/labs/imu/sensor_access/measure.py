@@ -1,0 +1,171 @@
+"""Facts about `get_imu_readings`: what it returns for each IMU of two models, and what the simulator holds meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from grader.engine.findings import Fault, Raised, Unusable
+from grader.engine.traces import Scenario, Traces
+from grader.labs.imu.answers import Readings, if_nothing
+from grader.labs.imu.compare import Array
+from grader.labs.imu.student import Student
+
+ATOL = 1e-5
+"""m/s², rad/s. A reader copies numbers: single precision keeps 1e-6 of 10 m/s², rounding to four decimals breaks 5e-5."""
+NO_CHANGE = 1e-12
+"""Reading takes numbers out and puts none in: any change is a change. The margin is for a harmless mj_forward."""
+FORM = "a tuple of two arrays of shape (3,)"
+CHECKS = ("returns_two_vectors", "matches_truth", "follows_address", "reading_is_a_copy", "leaves_simulation_alone")
+BOTH = (0, 1)
+"""The accelerometer and the gyroscope."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the simulator holds while a reader is called with one IMU's ids in k states.
+
+    Attributes
+    ----------
+    sensordata : (k, n); address : (sensors,) first index of each sensor; pair : ids of the accelerometer and gyroscope
+    world_from_site : (k, 3, 3); qvel, qacc : (k, nv)
+    cvel, cacc : (k, 6) velocity and acceleration of the sensor's body as MuJoCo keeps them: rotation, then translation
+    """
+
+    sensordata: Array
+    address: np.ndarray
+    pair: tuple[int, int]
+    world_from_site: Array
+    qvel: Array
+    qacc: Array
+    cvel: Array
+    cacc: Array
+
+    @classmethod
+    def of(cls, scenario: Scenario, number: int = 0) -> Scene:
+        """Return the scene of one IMU of a scenario."""
+        accel, gyro = (int(sensor) for sensor in scenario["pairs"][number])
+        turn, cvel, cacc = (scenario[key][:, number] for key in ("site_xmat", "cvel", "cacc"))
+        of_robot = scenario["qvel"], scenario["qacc"]
+        return cls(scenario["sensordata"], scenario["sensor_adr"], (accel, gyro), turn, *of_robot, cvel, cacc)
+
+    def at(self, first: int) -> Array:
+        """Return ``sensordata[first:first+3]`` (k, 3), NaN beyond its ends: a robot may have few sensors."""
+        return three(self.sensordata, first)
+
+    def own(self, sensor: int) -> int:
+        """Return the address of the accelerometer (0) or the gyroscope (1)."""
+        return int(self.address[self.pair[sensor]])
+
+    def true(self, sensor: int) -> Array:
+        return self.at(self.own(sensor))
+
+
+def three(rows: Array, first: int) -> Array:
+    """Return columns ``first:first+3`` of (k, n), NaN where they run out of it."""
+    out = np.full((len(rows), 3), np.nan)
+    part = rows[:, first : first + 3] if first >= 0 else rows[:, :0]
+    out[:, : part.shape[1]] = part
+    return out
+
+
+@dataclass(frozen=True)
+class Visit:
+    """The (k, 3) accelerations and angular velocities that a reader returned in a scene, or the exception that it raised."""
+
+    scene: Scene
+    got: tuple[Array, Array]
+    fault: Fault | None = None
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The facts about one reader.
+
+    Attributes
+    ----------
+    torso, again : the robot's IMU in every state, and once more in the same order
+    others : the other IMUs of the robot, and those of a model with other names and another order
+    later : (2, 3) the first reading, looked at again after the simulation moved on
+    disturbance : largest changes of time, qpos, qvel and sensordata while reading
+    odd : in words, what is odd about the form; whole : whether each vector has three numbers
+    departs : the sheet's parameters that it could not be called with
+    reverse : the accelerations and angular velocities of another process that visits the states in reverse order
+    stopped : by check, what kept its property from being measured
+    """
+
+    torso: Visit
+    again: Visit
+    others: tuple[Visit, ...]
+    later: Array
+    disturbance: Array
+    odd: str = ""
+    whole: bool = True
+    departs: tuple[str, ...] = ()
+    reverse: tuple[Array, Array] | None = None
+    stopped: Mapping[str, Exception] = field(default_factory=dict)
+
+    @property
+    def visits(self) -> list[Visit]:
+        """The visits in which the reader returned something."""
+        return [visit for visit in (self.torso, *self.others) if visit.fault is None]
+
+
+def measure(student: Student, truth: Traces) -> Facts:
+    """Ask for the robot's IMU in every state twice, and for all other IMUs once."""
+    lab = truth["reading_lab"]
+    readings, k = _read(student, truth, lab, slice(0, 1), visits=2), len(lab["qpos"])
+    torso, again = (_visit(lab, 0, readings, 0, slice(start, start + k)) for start in (0, k))
+    return Facts(
+        torso,
+        again,
+        () if readings.fault else tuple(_others(student, truth)),
+        later=np.concatenate([readings.later_accel, readings.later_gyro]),
+        disturbance=readings.disturbance.max(axis=0, initial=0.0),
+        odd="; ".join(readings.oddities[:2]),
+        whole=readings.whole,
+        departs=readings.departs,
+        stopped=_stopped(readings),
+    )
+
+
+def in_reverse(student: Student, truth: Traces) -> tuple[Array, Array]:
+    """Return what another process reads of the robot's IMU in the reverse order of states, in the order of the states."""
+    lab = truth["reading_lab"]
+    states = {key: lab[key][::-1].copy() for key in ("qpos", "qvel")}
+    readings = student.read_in_new_process(model=truth.models[lab.model or "lab"], pairs=lab["pairs"][:1], **states)
+    return readings.accel[0, ::-1], readings.gyro[0, ::-1]
+
+
+def _others(student: Student, truth: Traces) -> Iterator[Visit]:
+    for name, first in (("reading_lab", 1), ("reading_shuffled", 0)):
+        scenario = truth[name]
+        if count := len(scenario["pairs"][first:]):
+            readings = _read(student, truth, scenario, slice(first, None))
+            yield from (_visit(scenario, first + i, readings, i, slice(None)) for i in range(count))
+
+
+def _read(student: Student, truth: Traces, scenario: Scenario, pairs: slice, visits: int = 1) -> Readings:
+    states = {key: np.tile(scenario[key], (visits, 1)) for key in ("qpos", "qvel")}
+    return student.read(model=truth.models[scenario.model or "lab"], pairs=scenario["pairs"][pairs], **states)
+
+
+def _visit(scenario: Scenario, number: int, readings: Readings, row: int, states: slice) -> Visit:
+    got = readings.accel[row, states], readings.gyro[row, states]
+    return Visit(Scene.of(scenario, number), got, readings.fault)
+
+
+def _stopped(readings: Readings) -> dict[str, Exception]:
+    if readings.fault is not None:
+        return dict.fromkeys(CHECKS, Raised(readings.fault, "reading the robot's IMU"))
+    if not readings.oddities or np.isfinite([readings.accel, readings.gyro]).any():
+        return {}
+    odd = "; ".join(readings.oddities[:2])
+    return dict.fromkeys(CHECKS, Unusable(FORM, odd, mistakes=["wrong-return-type"], hint=if_nothing(odd)))
+
+
+def with_stops(facts: Facts, stop: Exception, *names: str) -> Facts:
+    """Return the facts with a reason why these checks' properties could not be measured."""
+    return replace(facts, stopped={**facts.stopped, **dict.fromkeys(names, stop)})
