@@ -205,13 +205,32 @@ def sentences(text: str) -> int:
         ("IndexError", "whatever Python or NumPy says", "index-out-of-bounds"),
         ("NameError", "whatever Python says", "unknown-name"),
         ("UnboundLocalError", "whatever Python says", "unknown-name"),
-        ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "sensor-not-found"),
+        ("KeyError", "\"Invalid name 'imu'. Valid names: ['torso']\"", "raises"),
         ("ValueError", "whatever NumPy says", "raises"),
         ("NotImplementedError", "TODO", "not-written"),
     ],
 )
 def test_the_type_of_an_exception_shows_a_mistake(exception: str, message: str, key: str) -> None:
     assert mistake_of(Fault(exception, message, None, None, None), catalogue(LAB)) == key
+
+
+@pytest.mark.parametrize("message", ["Invalid name 'imu'. Valid names: ['torso']", "whatever another MuJoCo says"])
+@pytest.mark.parametrize(
+    ("line", "key"),
+    [
+        ("adr = model.sensor('imu').adr[0]", "sensor-not-found"),
+        ("return data.sensor (name).data", "sensor-not-found"),
+        ("settings['sensor']", "raises"),
+        ("body = model.body('imu')", "raises"),
+    ],
+)
+def test_a_line_that_looks_up_a_sensor_in_vain_shows_a_mistake(line: str, key: str, message: str) -> None:
+    assert mistake_of(Fault("KeyError", message, "imu_reader.py", 3, line), catalogue(LAB)) == key
+
+
+@pytest.mark.parametrize(("name", "key"), [("update", "name-missing"), ("read", "name-missing"), ("alpha", "raises")])
+def test_a_method_that_is_not_there_shows_a_mistake(name: str, key: str) -> None:
+    assert mistake_of(Fault("AttributeError", "in any words", None, None, None, name), catalogue(LAB)) == key
 
 
 # --- the file ---------------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import yaml
 
 from grader.base.errors import GraderError
+from grader.engine.findings import Fault
 from grader.engine.lab import Lab
 
 
@@ -28,7 +30,7 @@ class Mistake:
     formerly : ids of faults that are told by this row now; a rubric that names one is refused with this row's id
     takes : checks that have nothing to judge where this fault is found, and are lost with it
     expected, got : templates over the numbers of the deviation; those of the check where a row has none
-    raised : a pattern of the exceptions that show it, as ``Type: message``; empty where none does
+    raised : the exceptions that show it, see `shown_by`; empty where none does
     """
 
     id: str
@@ -39,12 +41,22 @@ class Mistake:
     step: int | None = None
     wrong: str = ""
     right: str = ""
-    raised: str = ""
+    raised: Mapping[str, Any] = field(default_factory=dict)
     expected: str = ""
     got: str = ""
     deducts: Mapping[str, float] = field(default_factory=dict)
     takes: tuple[str, ...] = ()
     formerly: tuple[str, ...] = ()
+
+    def shown_by(self, fault: Fault) -> bool:
+        """Return whether an exception shows this mistake: of ``types``, about ``names``, in a line that ``calls`` a method.
+
+        The text of the exception plays no part: it differs between versions of Python and of the libraries.
+        """
+        if fault.type not in self.raised.get("types", ()) or fault.name not in self.raised.get("names", (fault.name,)):
+            return False
+        calls = self.raised.get("calls")
+        return calls is None or re.search(rf"\.{calls}\s*\(", fault.text or "") is not None
 
 
 NEEDED = (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import builtins
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -170,16 +169,10 @@ def _exception_name(fault: Fault) -> str:
 
 
 def mistake_of(fault: Fault, mistakes: Mapping[str, Mistake]) -> str:
-    """The mistake that an exception shows: the first of the catalogue whose pattern it fits, else ``raises``."""
+    """The mistake that an exception shows: the first of the catalogue that it shows, else ``raises``."""
     if fault.type == "ModuleNotFoundError":
         return "missing-package"
-    said = f"{fault.type}: {fault.message}"
-    fitting = (id_ for id_, each in mistakes.items() if each.raised and _fits(each.raised, said))
-    return next(fitting, "raises")
-
-
-def _fits(pattern: str, said: str) -> bool:
-    return re.match(pattern, said, re.IGNORECASE | re.DOTALL) is not None
+    return next((id_ for id_, each in mistakes.items() if each.shown_by(fault)), "raises")
 
 
 def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:

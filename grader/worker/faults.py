@@ -43,7 +43,7 @@ def describe(error: BaseException) -> dict[str, Any]:
     -------
     dict
         ``type``, ``message`` (first 400 characters, memory addresses removed so that a regrade reads the same), ``file``,
-        ``line``, ``text`` (None where no student frame is on the stack), ``name`` (of a missing module or name).
+        ``line``, ``text`` (None where no student frame is on the stack), ``name`` (of a missing module, name or attribute).
     """
     found: dict[str, Any] = {
         "type": type_name(error),
@@ -72,7 +72,7 @@ def describe(error: BaseException) -> dict[str, Any]:
     found["text"] = str(found["text"])[:200] if found["text"] else None
     if not isinstance(found["line"], int) or abs(found["line"]) > _LAST_LINE:
         found["line"] = None
-    named = is_a(error, ImportError) or is_a(error, NameError)
+    named = is_a(error, ImportError) or is_a(error, NameError) or is_a(error, AttributeError)
     found["name"] = (held(error, "name", str) or "")[:100] or None if named else None
     return found
 
