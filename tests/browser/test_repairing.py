@@ -1,0 +1,60 @@
+"""The repair editor of the review desk in a real browser: open, edit, preview, save and undo."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, expect
+
+from tests.browser.conftest import CHROMIUM
+from tests.browser.test_desk import Visit
+from tests.class_commands import column
+from tests.desk import Desk
+from tests.test_desk_repairs import SENTENCE, desk, out  # noqa: F401 - fixtures
+
+if CHROMIUM is None:
+    pytest.skip("no Chromium on this machine: the pages are not looked at in a browser", allow_module_level=True)
+
+
+def test_a_file_is_opened_edited_previewed_saved_and_the_repair_undone(
+    browser: Browser,
+    desk: Desk,  # noqa: F811 - a fixture
+    out: Path,  # noqa: F811 - a fixture
+) -> None:
+    visit = Visit(browser, desk)
+    page = visit.open("/", bypass_csp=True)
+    page.get_by_role("link", name="Repair").first.click()
+    text = page.get_by_role("textbox", name="filters.py")
+    expect(text).to_have_value("stops\n")
+    expect(page.locator(".gutter .named")).to_have_text("1")
+    expect(page.locator(".stops")).to_contain_text(SENTENCE.replace("&#39;", "'"))
+    assert Axe().run(page).response["violations"] == []
+
+    text.fill("# 1\n\n")
+    expect(page.locator(".gutter li")).to_have_count(3)
+    page.get_by_role("button", name="Preview grade").click()
+    expect(page.locator(".compared .sum td")).to_have_text(["94", "100", "+6"])
+    expect(page.get_by_role("textbox", name="filters.py")).to_have_value("# 1\n\n")
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+
+    form = page.locator("form.editor")
+    form.get_by_label("Deduct").fill("5")
+    form.get_by_label("Comment", exact=True).fill("x was never set")
+    form.get_by_label("bob").uncheck()
+    form.get_by_role("button", name="Save repair").click()
+    expect(page.locator("main")).to_contain_text("94 points before, 95 points now")
+    desk.book.settled()
+    assert column(out / "gradebook.csv", "total") == {"ada": "95", "bob": "94", "cyd": "97", "dan": "94"}
+    (repair,) = json.loads((out / "submissions/ada/result.json").read_text())["repairs"]
+    assert repair["comment"] == "x was never set"
+
+    page.get_by_role("button", name="Undo repair").click()
+    expect(page.get_by_role("button", name="Undo repair")).to_have_count(0)
+    desk.book.settled()
+    assert column(out / "gradebook.csv", "total")["ada"] == "94"
+    assert "repairs" not in json.loads((out / "submissions/ada/result.json").read_text())
+    visit.close()
+    assert visit.troubles == []
