@@ -31,16 +31,30 @@ from grader.engine.traces import Traces
 from grader.labs.imu import bundles
 from tests import generated, sandboxes
 from tests.recordings import Marking, store
-from tests.recordings.marker import Counts, RecordedMarker, without_charts
+from tests.recordings.marker import COMPARED, Counts, RecordedMarker, without_charts
 from tests.sandboxes import Opened
 
+HERE = Path(__file__).parent
 SECRET = "a secret that must not leave 4711"
 FIRST = ("test_documented_commands", "test_examples", "test_durability", "test_cluster")
 """They wait more than they work, or take a minute in one test: at the end one core would wait for them."""
-SLOW = FIRST
-"""Files that `pytest` without arguments leaves out. `pytest -m full`, as in CI, and `pytest FILE` run them."""
+SLOW = (
+    *FIRST, "browser", "fuzz", "hostile", "labs", "mutants", "sandbox",
+    "test_adjusting", "test_batch", "test_breakpoints", "test_budgets", "test_capitals", "test_caps", "test_castings", "test_chance", "test_charts",
+    "test_claims", "test_class_analysis", "test_class_memory", "test_cli", "test_clock", "test_compat", "test_desk_repairs", "test_docs", "test_doubtful",
+    "test_drawing", "test_exports", "test_extensions", "test_first_screen", "test_handed_in", "test_kit", "test_marking", "test_module_level",
+    "test_namesakes", "test_nonsense", "test_not_running", "test_not_understood", "test_odd_data", "test_opening", "test_other_systems",
+    "test_own_checks", "test_own_robot", "test_pytest_plugin", "test_reading", "test_relative_paths", "test_remarking", "test_repairs",
+    "test_repair_suggestions", "test_repeatable", "test_replays", "test_repro", "test_savings", "test_secret_words", "test_session", "test_sight",
+    "test_stepping", "test_traces", "test_unforeseen_noise_filter", "test_unforeseen_plots", "test_unforeseen_reader_collect", "test_variants",
+    "test_wall_time", "test_withheld",
+)  # fmt: skip
+"""Files and folders that `pytest` without arguments leaves out: processes, sandboxes, browsers. `-m full`, as in CI, and `pytest FILE` run them."""
+LONGER = ("test_check_data_collection", "test_check_noise_model", "test_check_extensions", "test_recorder")
+"""Files that `pytest -m quick` leaves out, too: they judge hundreds of made-up students."""
+QUICK = "quick and not slow and not longer"
 ALL = "not delivered and not sweep"
-"""The marker expression of a run without `-m`."""
+"""The marker expressions of `-m quick`, and of a run without `-m`."""
 
 
 @pytest.hookimpl(optionalhook=True)  # mutants are tested without xdist
@@ -49,11 +63,20 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     return 2 if config.option.markexpr == "quick" else 3
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Do not import files without a quick test for `-m quick`."""
+    of_tests = config.option.markexpr == QUICK and collection_path.suffix == ".py"
+    return True if of_tests and "mark.quick" not in collection_path.read_text(encoding="utf-8") else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.stem not in FIRST)
     for item in items:
-        if item.path.stem in SLOW:
+        place = item.path.relative_to(HERE)
+        if item.path.stem in SLOW or place.parts[0] in SLOW:
             item.add_marker("slow")
+        if item.path.stem in LONGER:
+            item.add_marker("longer")
         if "player" in getattr(item, "fixturenames", ()):
             item.add_marker("recorded")
 
@@ -82,7 +105,7 @@ _FOUND = pytest.StashKey[Found]()
 def pytest_configure(config: pytest.Config) -> None:
     config.stash[_FOUND] = Found()
     _choose(config)
-    Counts.compare_all = config.option.markexpr == "recorded"
+    Counts.every = {"recorded": 1, QUICK: 0}.get(config.option.markexpr, COMPARED)
     if not hasattr(config, "workerinput"):
         store.tidy_up()
         _use_an_empty_cache(config)
@@ -92,6 +115,8 @@ def _choose(config: pytest.Config) -> None:
     """Run all tests for `-m full`; leave out the slow ones where neither tests nor markers are named."""
     if config.option.markexpr == "full":
         config.option.markexpr = ALL
+    elif config.option.markexpr == "quick":
+        config.option.markexpr = QUICK
     elif (
         config.option.markexpr == ALL
         and config.args_source is pytest.Config.ArgsSource.TESTPATHS
@@ -144,7 +169,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
             f"{counted['recorded']} submissions recorded in {store.FOLDER}, {counted['compared']} compared with a real sandbox: "
             f"{counted['seconds']:.0f} s of the test workers' time"
         )
-    if "not slow" in config.option.markexpr:
+    if config.option.markexpr == f"{ALL} and not slow":
         terminalreporter.write_line(f"{found.left_out} slow tests left out; all tests: python -m pytest -m full")
 
 

@@ -22,7 +22,7 @@ from tests.recordings.answers import RecordedSandbox, UnrecordedError
 from tests.scoreboard import Case, Verdict, as_written, graded_by
 
 COMPARED = 40
-"""Every so many submissions are also judged in a real sandbox; `compare_all` makes it every one."""
+"""Every so many submissions are also judged in a real sandbox; with `-m recorded` every one, with `-m quick` none."""
 _NOT_FROM_RECORDINGS = ("module level", "nothing")
 """Parts of the corpus that have tests of their own."""
 
@@ -32,7 +32,7 @@ class Counts:
 
     recorded = compared = 0
     seconds = 0.0
-    compare_all = False
+    every = COMPARED
 
 
 class RecordedMarker:
@@ -59,7 +59,7 @@ class RecordedMarker:
             store.write(key, recording)
             Counts.recorded += 1
             Counts.seconds += time.perf_counter() - begun
-        if self._records and (Counts.compare_all or int(key, 16) % COMPARED == 0):
+        if self._records and Counts.every and int(key, 16) % Counts.every == 0:
             self._compare(submission, only, result, key)
         return result
 

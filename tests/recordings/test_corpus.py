@@ -16,9 +16,15 @@ FAULTY = ("faulty", "lookalikes", "pairs")
 _MANY = 48
 BATCHES = [recorded_corpus()[first::_MANY] for first in range(_MANY)]
 """Every case once, spread so that each batch takes about as long as another."""
+_EVERYDAY = 12
+"""Each twelfth batch runs without `-m full`."""
 
 
-@pytest.mark.parametrize("cases", BATCHES, ids=range(len(BATCHES)))
+@pytest.mark.parametrize(
+    "cases",
+    [pytest.param(cases, marks=[pytest.mark.slow] if n % _EVERYDAY else []) for n, cases in enumerate(BATCHES)],
+    ids=range(len(BATCHES)),
+)
 def test_every_case_is_judged_as_the_corpus_says(cases: Sequence[Case]) -> None:
     assert [line for case in cases for line in disagreements(verdict(case))] == []
 

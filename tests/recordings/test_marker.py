@@ -107,8 +107,7 @@ def submission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Submission:
     monkeypatch.setattr(store, "FOLDER", tmp_path)
     for name in ("recorded", "compared", "seconds"):
         monkeypatch.setattr(Counts, name, 0)
-    monkeypatch.setattr(Counts, "compare_all", False)
-    monkeypatch.setattr("tests.recordings.marker.COMPARED", 1 << 300)
+    monkeypatch.setattr(Counts, "every", 0)
     return Submission("s", "s", {name: text.encode() for name, text in VERBATIM.items()}, (), "ready", "")
 
 
@@ -133,7 +132,7 @@ def test_a_wrong_answer_is_noticed_where_the_case_is_compared(
     recording = store.read(key)
     recording.answers = {history: _wrong(answer) for history, answer in recording.answers.items()}
     store.write(key, recording)
-    monkeypatch.setattr(Counts, "compare_all", True)
+    monkeypatch.setattr(Counts, "every", 1)
     with pytest.raises(AssertionError, match=f"the sandbox answers otherwise than .*{store.path_of(key).name}"):
         marker.mark(submission, only="filtering")
 
