@@ -121,7 +121,6 @@ def _choose(config: pytest.Config) -> None:
         config.option.markexpr == ALL
         and config.args_source is pytest.Config.ArgsSource.TESTPATHS
         and not config.option.keyword
-        and not hasattr(config, "workerinput")
     ):
         config.option.markexpr = f"{ALL} and not slow"
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import ast
-
 import pytest
 
-from tests.castings import CASTINGS, as_notebook, at_module_level, can_be_cast
+from tests.castings import CASTINGS, can_be_cast
 from tests.corpus.faulty import FAULTY
-from tests.corpus.pieces import lab
 from tests.recordings import Marking
 from tests.scoreboard import Case, graded_by, recast
 
@@ -29,17 +26,3 @@ def test_what_a_submission_defines_has_the_same_marks_in_every_layout(case: Case
 def test_nearly_all_of_the_single_faults_can_be_cast() -> None:
     assert sum(can_be_cast(fault.files) for fault in FAULTY) >= 0.9 * len(FAULTY)
     assert len(CASTINGS) == 2
-
-
-def test_what_a_main_guard_calls_is_done_at_module_level() -> None:
-    cast = at_module_level(lab())["filters.py"]
-    assert "__main__" not in str(cast)
-    assert "def compare" not in str(cast)
-    assert "\nn = 500\n" in str(cast)
-    ast.parse(str(cast))
-
-
-def test_a_notebook_imports_none_of_its_own_files() -> None:
-    (content,) = as_notebook(lab()).values()
-    assert "from imu_reader" not in str(content)
-    assert "class NoisyIMU" in str(content)

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import LONGER, SLOW
-
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 1_500_000
 """Most that a file may have; the largest today, the public traces, has 1.1 MB."""
@@ -21,11 +19,6 @@ def test_no_tracked_file_is_large() -> None:
         pytest.skip("not a git checkout")
     paths = [ROOT / name for name in listed.stdout.split("\0") if name]
     assert [str(path) for path in paths if path.is_file() and path.stat().st_size > MOST_BYTES] == []
-
-
-def test_files_that_are_left_out_by_default_exist() -> None:
-    there = {path.stem for path in (ROOT / "tests").rglob("*") if "__pycache__" not in path.parts}
-    assert set(SLOW) | set(LONGER) <= there
 
 
 @pytest.mark.skipif(shutil.which("git") is None or shutil.which("bash") is None, reason="needs git and bash")

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from grader.engine.results import CheckResult, Result
 from grader.intake import Submission
-from grader.labs.imu.answers import Collection
 from grader.labs.imu.compare import told
-from grader.labs.imu.diagnosis import collection
-from grader.labs.imu.diagnosis.collection import Story, Worlds
 from tests.corpus.unforeseen_reader_collect import FAULTY, SOUND, Sample
 from tests.recordings import Marking
 
@@ -76,70 +72,6 @@ def test_sound_work_in_an_unusual_style_loses_nothing(sample: Sample, marked: Ma
     result = marked(sample)
     assert [(check.id, check.message) for check in lost(result)] == []
     assert result.misconceptions == ()
-
-
-# --- diagnosis, on arrays alone ------------------------------------------------------------------------------------------
-
-ATOL = 1e-5
-RNG = np.random.default_rng(15)
-TRUE = RNG.normal(0, 4, (26, 3)), RNG.normal(0, 1, (26, 3))
-AXES = np.array([np.linalg.qr(RNG.normal(size=(3, 3)))[0] for _ in range(26)])
-AXES *= np.linalg.det(AXES)[:, None, None]
-MOUNTED = np.diag([1.0, -1.0, -1.0])
-
-
-STEPS, DT = 600, 0.002
-STAMPS = (np.arange(STEPS) + 1) * DT
-WORLD = 9.81 * np.sin(np.outer(STAMPS, [7.0, 11.0, 13.0])), np.cos(np.outer(STAMPS, [5.0, 17.0, 19.0]))
-WORLDS = Worlds({"truth": WORLD}, DT, STEPS * DT, STEPS)
-
-
-def recorded(rows: np.ndarray | slice, change: Callable[[np.ndarray], np.ndarray] = lambda x: x) -> Collection:
-    return Collection(STAMPS[rows], change(WORLD[0][rows]), change(WORLD[1][rows]))
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("stride", [2, 3, 6, 7, 8, 13, 25])
-@pytest.mark.parametrize("last", [False, True])
-def test_every_stride_of_a_thinned_recording_is_told(stride: int, last: bool) -> None:
-    series = recorded(slice(stride - 1 if last else 0, None, stride))
-    story = collection.explain(series, WORLDS)
-    assert story is not None
-    assert story.skip == stride
-    assert story.covers(len(series.time), STEPS)  # type: ignore[arg-type]
-    assert collection.time_error(series.time, DT, story).max() < 1e-9  # type: ignore[arg-type]
-
-
-@pytest.mark.quick
-def test_rows_at_a_rate_that_does_not_divide_the_steps_are_told_by_their_stamps() -> None:
-    rows = np.unique(np.ceil(np.arange(1, 240) * 2.5).astype(int) - 1)
-    story = collection.explain(recorded(rows), WORLDS)
-    assert story is not None
-    assert story.at == tuple(rows)
-    assert story.covers(len(rows), STEPS)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    "change", [np.negative, np.trunc, lambda x: x.round(1), lambda x: 0.9 * x, lambda x: x[:, ::-1] + 2]
-)
-def test_rows_that_one_treatment_makes_are_the_same_run(change: Callable[[np.ndarray], np.ndarray]) -> None:
-    assert collection.explain(recorded(slice(None), change), WORLDS) is None
-    assert collection.explain_altered(recorded(slice(None), change), WORLDS) == Story(altered=collection.SENSORS)
-
-
-@pytest.mark.quick
-def test_rows_of_chance_are_no_treatment_of_any_run() -> None:
-    series = recorded(slice(None), lambda x: RNG.normal(0, 9.81, x.shape))
-    assert collection.explain_altered(series, WORLDS) is None
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("shorter", collection.SENSORS)
-def test_a_sensor_with_fewer_rows_than_the_other_is_told_as_far_as_both_reach(shorter: str) -> None:
-    series = recorded(slice(None), np.negative)
-    series = replace(series, **{shorter: getattr(series, shorter)[:-3]})
-    assert collection.explain_altered(series, WORLDS) == Story(altered=collection.SENSORS)
 
 
 @pytest.mark.quick

@@ -42,10 +42,12 @@ from tests.scoreboard import Case, Verdict
 
 ROOT = Path(grader.__file__).parents[1]
 _PLACES = (
+    "grader/labs/imu/bonuses/*.py",
     "grader/labs/imu/checks/*.py",
     "grader/labs/imu/diagnosis/*.py",
     "grader/labs/imu/filtering/*.py",
     "grader/labs/imu/noise_model/*.py",
+    "grader/labs/imu/sensor_access/*.py",
     "grader/labs/imu/visualization/*.py",
     "grader/labs/imu/recordings.py",
     "grader/engine/charging.py",
