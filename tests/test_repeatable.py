@@ -54,6 +54,8 @@ ODD = {
     "addresses": "def draw():\n    return np.array([id(object()) % 1009, id([]) % 1009, id(draw) % 1009]) / 1009\n",
     "times of files": "def draw():\n    open('own.txt', 'w').close()\n    return np.array([os.path.getmtime('own.txt'), os.stat('filters.py').st_ctime_ns, os.lstat('filters.py').st_ino]) % 1009 / 1009\n",
     "a folder in words": "def draw():\n    raise ValueError(f\"{[(e.name, e.inode(), e.stat().st_mtime) for e in os.scandir()]} {os.stat('filters.py')}\")\n",
+    "clocks of the system": "def draw():\n    return np.array([time.clock_gettime(0) * 1e6 % 1, time.clock_gettime_ns(1) % 1009, time.clock_gettime(2) * 1e6 % 1])\n",
+    "random bytes of OpenSSL": "def draw():\n    import ssl\n    return np.frombuffer(ssl.RAND_bytes(3), np.uint8) / 255.0\n",
     "an address in words": "def draw():\n    raise ValueError(f'{id(draw)} {draw!r} {uuid.uuid4()}')\n",
     "a date in words": "def draw():\n    raise ValueError(f'{datetime.datetime.now()} {datetime.date.today()} {time.strftime(\"%X\")} {time.ctime()}')\n",
 }

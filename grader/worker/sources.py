@@ -15,6 +15,7 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import uuid
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -121,6 +122,13 @@ def _let_time_pass_with_the_work() -> None:
 
     really = time.monotonic
     vars(time).update(sleep=sleep, monotonic=monotonic, monotonic_ns=monotonic_ns)
+    if hasattr(time, "clock_gettime"):  # not on Windows
+        real_time = getattr(time, "CLOCK_REALTIME", 0)
+
+        def clock(number: int) -> float:
+            return time.time() if number == real_time else time.perf_counter()
+
+        vars(time).update(clock_gettime=clock, clock_gettime_ns=lambda number: round(clock(number) * 1e9))
     for name, start_s in _CLOCKS.items():
         vars(time).update({name: reading(start_s), f"{name}_ns": reading_ns(start_s)})
     if "timeit" in sys.modules:
@@ -287,6 +295,7 @@ def _draw_from_the_stream() -> None:
 
     vars(os).update(urandom=_BYTES, getrandom=_BYTES)
     vars(random)["_urandom"] = _BYTES
+    vars(sys.modules.get("_ssl", types.ModuleType("_ssl")))["RAND_bytes"] = _BYTES
     setattr(random.Random, "seed", seeded)  # noqa: B010
     vars(random)["seed"] = vars(random)["_inst"].seed
     vars(uuid).update(getnode=lambda: _NODE, _generate_time_safe=None, _UuidCreate=None)
