@@ -81,14 +81,13 @@ _RATE_NAME = re.compile(r"gyr|ang|omega|rate|rot", re.IGNORECASE)
 class Reading:
     """One call of a reader: two vectors, as far as they can be made out, and what is odd about their form.
 
-    `whole` is whether each vector that there is has three numbers; `alone`, whether one vector came in the place of two.
+    `whole` is whether each vector that there is has three numbers.
     """
 
     accel: Array | None
     gyro: Array | None
     oddity: str | None
     whole: bool = True
-    alone: bool = False
 
 
 def as_reading(node: Node | None, arrays: Arrays) -> Reading:
@@ -104,7 +103,7 @@ def as_reading(node: Node | None, arrays: Arrays) -> Reading:
     right_count = node is not None and ("items" not in node or len(node["items"]) == 2)
     odd = None if right_form and right_shape and right_count else shape_in_words(node, arrays)
     whole = all(part is None or part.size == 3 for part in (accel, gyro))
-    return Reading(accel, gyro, odd, whole, alone=six is not None and six.shape == (3,))
+    return Reading(accel, gyro, odd, whole)
 
 
 def _pair(node: Node | None, arrays: Arrays) -> tuple[Array | None, Array | None] | None:
@@ -146,7 +145,7 @@ class Readings:
     accel, gyro : (p, k, 3) ndarray, per pair of sensors and state; NaN where nothing usable came
     later_accel, later_gyro : (p, 3) ndarray, the first state's readings looked at again after the simulation moved on
     oddities : what was odd about the form, in words, each once
-    whole, alone : of every call, as of `Reading`
+    whole : whether each vector that came has three numbers
     disturbance : (calls, 4) ndarray, largest change of time, qpos, qvel, sensordata while reading
     fault : what the reader raised, if it did
     departs : the sheet's names of the parameters by which it could not be called as the sheet does
@@ -161,16 +160,6 @@ class Readings:
     fault: Fault | None
     departs: tuple[str, ...] = ()
     whole: bool = True
-    alone: bool = False
-
-    def between(self, start: int, end: int) -> Readings:
-        """The calls in some of the states."""
-        return replace(self, accel=self.accel[:, start:end], gyro=self.gyro[:, start:end])
-
-    def of_pair(self, number: int) -> Readings:
-        """The calls with one pair of sensors."""
-        only = slice(number, number + 1)
-        return replace(self, accel=self.accel[only], gyro=self.gyro[only])
 
 
 # --- a collected time series ---------------------------------------------------------------------------------------------

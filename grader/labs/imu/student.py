@@ -159,7 +159,6 @@ def _readings(frame: Frame, shape: tuple[int, int]) -> Readings:
         fault=Fault.of(frame.fields.get("error")),
         departs=tuple(frame.fields["departs"]),
         whole=all(call.whole for call in calls),
-        alone=all(call.alone for call in calls),
     )
 
 

@@ -7,16 +7,18 @@ from dataclasses import replace
 import numpy as np
 
 from grader.engine.check_runner import check
+from grader.engine.faults import rows
 from grader.engine.findings import CheckFailed, Ours, Size, Skipped
 from grader.engine.traces import Traces
-from grader.labs.imu.answers import KEYS, Collection
+from grader.labs.imu.answers import KEYS, Collection, if_nothing
 from grader.labs.imu.checks import row_faults, run_starts
-from grader.labs.imu.checks.fitting import fits_in, if_nothing
 from grader.labs.imu.checks.run_starts import PUSH
 from grader.labs.imu.compare import Array, vector
 from grader.labs.imu.diagnosis import collection as diagnosis
 from grader.labs.imu.diagnosis.collection import TIME_ATOL, TRUE_WORLD, Story, Worlds
+from grader.labs.imu.lab import LAB
 from grader.labs.imu.lab_copies import learnt_timestep
+from grader.labs.imu.parameters import departure, reads_global
 from grader.labs.imu.recordings import (
     FOLLOWING,
     after_dirt,
@@ -70,7 +72,10 @@ def check_returns_named_arrays(student: Student, truth: Traces) -> None:
     if len(set(sizes.values())) > 1:
         got = ", ".join(f"{key} has {n} rows" for key, n in sizes.items())
         raise CheckFailed("arrays of the same length", got, mistakes=["wrong-return-type"])
-    fits_in("simulate_and_collect", series.departs, keeps=0.0)
+    if departs := departure("simulate_and_collect", series.departs):
+        fault = rows(LAB)["global-for-parameter" if reads_global(series.departs) else "other-parameters"]
+        expected, got = (text.format_map(departs.numbers) for text in (fault.expected, fault.got))
+        raise CheckFailed(expected, got, off=departs.size, mistakes=[fault.id])
 
 
 _SHAPES = "a dictionary with 'time' (n,), 'acceleration' (n, 3), 'angular_velocity' (n, 3)"
