@@ -214,6 +214,22 @@ def test_an_override_that_is_refused_keeps_what_was_typed(desk: Desk) -> None:
     assert page.count('class="error"') == 1
 
 
+def test_a_group_decision_that_is_refused_keeps_what_was_typed(desk: Desk) -> None:
+    group = "/groups/mistake/sensor-id-as-address"
+    fields = {"target": ADDRESS, "points": "7", "comment": "", "seen": "0"}
+    answer = desk.post(group, fields)
+    assert answer.status == 400
+    for field, line in {"id": "Select at least one submission.", "comment": "Enter a comment."}.items():
+        assert f'<span class="error" id="error-{field}">{line}</span>' in answer.text
+    answer = desk.post(group, fields | {"id": "bob", "comment": "kept <b>"})
+    assert answer.status == 400
+    assert '<span class="error" id="error-points">Enter points from 0 to 6, not 7.</span>' in answer.text
+    assert 'value="7" aria-invalid="true" aria-describedby="error-points"' in answer.text
+    assert "kept &lt;b&gt;</textarea>" in answer.text
+    assert re.findall(r'name="id" value="([^"]+)"[^>]* checked', answer.text) == ["bob"]
+    assert desk.book.on_thread(desk.book.store.history) == []
+
+
 def test_a_regrade_request_that_is_refused_keeps_what_was_typed_and_people_are_picked(desk: Desk) -> None:
     page = desk.get("/regrade-requests").text
     assert '<option value="bob">Bob Bird</option>' in page
@@ -250,7 +266,11 @@ def test_an_export_that_leaves_somebody_blank_is_told_first(tmp_path: Path) -> N
 def test_an_export_that_is_refused_says_why_beside_the_field(desk: Desk) -> None:
     page = desk.post("/export", {"format": "canvas", "do": "grades"})
     assert page.status == 400
-    assert 'id="error-template"' in page.text
+    assert 'id="error-template">Canvas needs the file that it exports<' in page.text
+    assert "--template" not in page.text
+    sheet = "Student,ID,Section,One (1),Two (2)\nBob Bird,1,A,,\n"
+    page = desk.post("/export", {"format": "canvas", "template": sheet, "do": "grades"})
+    assert 'id="error-column">name the assignment; columns found: One (1), Two (2)<' in page.text
     page = desk.post("/export", {"format": "canvas", "template": "a,b\n1,2\n", "do": "grades"})
     assert 'id="error-' in page.text
     assert "/tmp" not in words(page.text)

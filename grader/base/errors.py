@@ -8,7 +8,20 @@ from __future__ import annotations
 
 
 class RequestError(Exception):
-    """The request was wrong: a bad path, a bad rubric. One line that names it; exit code 2."""
+    """The request was wrong: a bad path, a bad rubric. One line that names it; exit code 2.
+
+    Attributes
+    ----------
+    option
+        The option of the command that is wrong or missing, without its dashes; "" if no single one is.
+    why
+        The problem in words that fit beside a form's field, too: the message, unless it speaks of options.
+    """
+
+    def __init__(self, message: str, *, option: str = "", why: str = "") -> None:
+        super().__init__(message)
+        self.option = option
+        self.why = why or message
 
 
 class GraderError(Exception):

@@ -19,6 +19,7 @@ from grader.people.identity import Directory
 from grader.platforms.filled import directory
 from grader.platforms.gradebook import NO_SUBMISSION
 from grader.platforms.platform import Fill, Platform
+from grader.report import words
 
 UNREADABLE = ("blank", "0")
 MAX_TEMPLATE = 64_000_000
@@ -153,7 +154,10 @@ def _way(order: Export) -> Make:
     if fill is None and write is None:
         raise RequestError(f"--format {order.platform.name}: {order.platform.title} cannot import grades")
     needs = "needs --template with the file that it exports" if template is None else "takes no --template"
-    raise RequestError(f"--format {order.platform.name} {needs}")
+    why = "needs the file that it exports" if template is None else "takes no template"
+    raise RequestError(
+        f"--format {order.platform.name} {needs}", option="template", why=f"{order.platform.title} {why}"
+    )
 
 
 def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> Iterator[str]:
@@ -162,8 +166,10 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
         if final_grade.final is None:
             empty = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
             why = empty if final_grade.unseen else "not judged, through a fault of the grader"
-            yield f"{final_grade.name or final_grade.id}: {why}"
-    yield from (f"{person.name}: {NO_SUBMISSION}" for person in absent)
+            yield f"{words.distinct(final_grade)}: {why}"
+    for person in absent:
+        id_ = person.sid or person.key or person.email
+        yield f"{person.name}{f' ({id_})' if id_ else ''}: {NO_SUBMISSION}"
 
 
 def _filled(

@@ -33,8 +33,7 @@ def send(book: Classbook, ask: Ask) -> Response:
                 plan.write()
                 return _download((Path(folder) / "reports.zip").read_bytes(), "reports.zip", "application/zip")
     except RequestError as problem:
-        told = _in_words(str(problem))
-        return _page(book, ask, {_field(told): _without_folder(told)}, code=400)
+        return _page(book, ask, _beside(problem), code=400)
     if plan.draft.blank and not ask.text("allow_blank"):
         return _page(book, ask, plan=plan, code=400)
     return _download(plan.draft.data, plan.order.platform.gradebook, "text/csv; charset=utf-8")
@@ -62,28 +61,12 @@ def _roster(book: Classbook) -> str:
     return settings.roster if settings else ""
 
 
-def _field(problem: str) -> str:
-    return "column" if "column" in problem else "template" if "template" in problem else "format"
-
-
-_WORDS = {
-    "--template with": "a template:",
-    "--format ": "",
-    "with --column": "in the field for its column",
-    "--scale": "the box for scaling",
-}
-
-
-def _in_words(problem: str) -> str:
-    """Return a message of the command in the words of the form."""
-    for option, said in _WORDS.items():
-        problem = problem.replace(option, said)
-    return problem
-
-
-def _without_folder(problem: str) -> str:
-    place, found, rest = problem.partition(f"/{_TEMPLATE}")
-    return f"the template{rest}" if found and " " not in place else problem
+def _beside(problem: RequestError) -> dict[str, str]:
+    """Return the problem by the field that it stands beside. What names the template's file is about that."""
+    place, found, rest = problem.why.partition(f"/{_TEMPLATE}")
+    if found and " " not in place:
+        return {"template": f"the template{rest}"}
+    return {problem.option or "format": problem.why}
 
 
 def _download(data: bytes, name: str, kind: str) -> Response:

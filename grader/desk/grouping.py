@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 
 from starlette.responses import RedirectResponse, Response
 
@@ -14,7 +15,8 @@ from grader.desk.asking import Ask
 from grader.desk.classbook import Classbook
 from grader.desk.overviews import framed, queue
 from grader.desk.review_queue import address
-from grader.people.final_grade import BONUS, TOTAL
+from grader.desk.submissions import refused
+from grader.people.final_grade import BONUS, TOTAL, worth
 
 
 def show_all(book: Classbook, ask: Ask) -> Response:
@@ -32,7 +34,11 @@ def show_all(book: Classbook, ask: Ask) -> Response:
 
 
 def show(book: Classbook, ask: Ask) -> Response:
-    group = _one(book, ask)
+    return _page(book, ask, _one(book, ask))
+
+
+def _page(book: Classbook, ask: Ask, group: Group, errors: Mapping[str, str] | None = None) -> Response:
+    """Show a group; after a form that was refused with its errors, by field, and what was typed."""
     final_grades = book.final_grades()
     members = [final_grades[id_] for id_ in group.ids]
     criteria = dict.fromkeys(c.id for s in members for c in s.result.criteria)
@@ -41,7 +47,11 @@ def show(book: Classbook, ask: Ask) -> Response:
         book,
         ask,
         "group.html.j2",
+        400 if errors else 200,
         group=group,
+        errors=errors or {},
+        typed=ask.text,
+        selected=set(ask.all("id")) if errors else None,
         address=address,
         members=members,
         targets=targets,
@@ -56,10 +66,15 @@ def decide(book: Classbook, ask: Ask) -> Response:
     """Record one decision for the selected submissions of a group."""
     group = _one(book, ask)
     chosen = [id_ for id_ in group.ids if id_ in set(ask.all("id"))]
-    points, comment = ask.text("points").replace(",", "."), ask.text("comment")
-    if not chosen or not comment:
-        raise RequestError("Select at least one submission and enter a comment. Nothing was saved")
-    wishes = [Wish(id_, ask.text("target"), points, comment, place=id_, alone=not points) for id_ in chosen]
+    target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
+    final_grades = book.final_grades()
+    results = [final_grades[id_].result for id_ in chosen]
+    errors = refused([worth(result, target) for result in results], points, comment)
+    if not chosen:
+        errors["id"] = "Select at least one submission."
+    if errors:
+        return _page(book, ask, group, errors)
+    wishes = [Wish(id_, target, points, comment, place=id_, alone=not points) for id_ in chosen]
     book.decide(wishes, ask.author, ask.number("seen"), group.what)
     return RedirectResponse(f"{address(group)}#decisions", 303)
 

@@ -177,7 +177,7 @@ def override(book: Classbook, ask: Ask) -> Response:
     """Record an override or a comment, or undo the last one."""
     final_grade = one(book, ask)
     target, points, comment = ask.text("target"), ask.text("points").replace(",", "."), ask.text("comment")
-    if ask.text("do") in ("", "give") and (wrong := _refused(final_grade, target, points, comment)):
+    if ask.text("do") in ("", "give") and (wrong := refused([worth(final_grade.result, target)], points, comment)):
         return _page(book, ask, final_grade, None, 400, Typed(target, ask.text("points"), comment, wrong))
     if ask.text("do") in ("undo", "undo-comment"):
         wish = adjusting.undone(book.store, final_grade.id, target, alone=ask.text("do") == "undo-comment")
@@ -193,9 +193,9 @@ def override(book: Classbook, ask: Ask) -> Response:
     return RedirectResponse(f"/submission/{quote(final_grade.id, safe='')}#override-{target.replace('.', '-')}", 303)
 
 
-def _refused(final_grade: FinalGrade, target: str, points: str, comment: str) -> dict[str, str]:
-    """Return what is wrong with the fields of an override, by field."""
-    most = worth(final_grade.result, target)
+def refused(worths: Sequence[float | None], points: str, comment: str) -> dict[str, str]:
+    """Return what is wrong with the fields of an override of targets that are worth so much, by field."""
+    most = min((worth for worth in worths if worth is not None), default=None)
     errors = {}
     if points and most is not None and not _is_from_0_to(points, most):
         errors["points"] = f"Enter points from 0 to {words.number(most)}, not {printable(points, 40)}."

@@ -61,12 +61,11 @@ def _assignment(titles: list[str], section: int, wanted: str | None, source: str
     if wanted is not None:
         found = [i for i in found if wanted in (titles[i], *_ASSIGNMENT.findall(titles[i])[0])]
     if len(found) != 1:
-        ask = (
-            "name the assignment with --column"
-            if wanted is None
-            else f"--column {printable(wanted)} means none or several"
+        ask = "name the assignment" if wanted is None else f"{printable(wanted)} means none or several"
+        how = "name the assignment with --column" if wanted is None else f"--column {ask}"
+        raise RequestError(
+            f"{source}: {how}; columns found: {told}", option="column", why=f"{ask}; columns found: {told}"
         )
-        raise RequestError(f"{source}: {ask}; columns found: {told}")
     return found[0]
 
 

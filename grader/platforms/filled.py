@@ -138,10 +138,9 @@ def _scale(form: Form, row: Row, final_grade: FinalGrade, *, scaled: bool) -> fl
     if most is None or most == ours:
         return 1.0  # no number there: the platform knows
     if not scaled:
-        raise RequestError(
-            f"{form.source}: the assignment is out of {words.number(most)}, and the rubric out of {words.number(ours)}; "
-            "add --scale to have the points scaled, or make them equal on the platform or in rubric.yaml"
-        )
+        differ = f"the assignment is out of {words.number(most)}, and the rubric out of {words.number(ours)}"
+        rest = "have the points scaled, or make them equal on the platform or in rubric.yaml"
+        raise RequestError(f"{form.source}: {differ}; add --scale to {rest}", option="scale", why=f"{differ}; {rest}")
     return most / ours
 
 

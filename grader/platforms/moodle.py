@@ -46,8 +46,11 @@ def fill(
     sheet = read_sheet(template, source)
     grade = sheet.column(column or "Grade")
     if grade is None or len(sheet.titles) < 3:
+        why = f"no column {column or 'Grade'} in the template; download the grading worksheet, or name the column"
         raise RequestError(
-            f"{source}: has no column {column or 'Grade'}; download the grading worksheet, or name the column with --column"
+            f"{source}: has no column {column or 'Grade'}; download the grading worksheet, or name the column with --column",
+            option="column",
+            why=why,
         )
     form = _form(sheet, grade, source)
     teams = _teams(final_grades)

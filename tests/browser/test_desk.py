@@ -135,6 +135,27 @@ def test_a_key_that_comes_before_the_page_is_whole_waits_for_it(visit: Visit, de
     expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
 
 
+def test_points_typed_right_after_the_key_of_a_form_go_into_it(visit: Visit) -> None:
+    page = visit.open("/submission/bob")
+    typed = "for (const key of 'b5') document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true}))"
+    page.evaluate(typed)
+    expect(page.locator(f"#override-{ADDRESS.replace('.', '-')} input[name=points]")).to_be_focused()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Bob Bird")
+
+
+def test_keys_that_come_before_the_page_is_whole_are_typed_into_the_form_that_they_open(
+    visit: Visit, desk: Desk
+) -> None:
+    page = visit.open("/submission/ada")
+    page.add_init_script(
+        "if (location.pathname === '/submission/bob') new MutationObserver((_, own) => { if (document.body) { own.disconnect();"
+        " for (const key of 'b5') document.body.dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true})); } })"
+        ".observe(document, {childList: true, subtree: true});"
+    )
+    page.goto(f"{desk.origin}/submission/bob")
+    expect(page.locator(f"#override-{ADDRESS.replace('.', '-')} input[name=points]")).to_have_value("5")
+
+
 def test_the_list_is_worked_off_by_keys_and_a_form_is_recorded_and_left_by_keys(visit: Visit, desk: Desk) -> None:
     page = visit.open("/?kind=empty")
     page.keyboard.press("l")

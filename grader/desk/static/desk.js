@@ -1,14 +1,20 @@
 "use strict";
 
 // A key follows the link, or presses the button, that carries it; never while somebody writes. One that comes before the whole
-// page is there waits for it.
+// page is there waits for it. A form that a key opens takes the next key at once.
 const carrier = (key) => document.querySelector(`[data-key~="${CSS.escape(key)}"]`);
+const typing = () => document.activeElement.closest("input, textarea, select");
 function follow(key) {
   const wanted = carrier(key);
-  if (wanted) {
+  if (typing()) document.execCommand("insertText", false, key.length === 1 ? key : "");
+  else if (wanted) {
     wanted.focus();
     wanted.click();
+    write(wanted.closest("details"));
   }
+}
+function write(details) {
+  if (details && !typing() && details.matches(".override > details[open]")) details.querySelector("input:not([type=hidden])").focus();
 }
 // The button of a field: that of its group, else the first of the form that stands in no group.
 function chief(field) {
@@ -27,7 +33,7 @@ document.addEventListener("keydown", (event) => {
 
 // What is opened is written into.
 document.addEventListener("toggle", (event) => {
-  if (event.target.matches(".override > details[open]")) event.target.querySelector("input:not([type=hidden])").focus();
+  write(event.target);
 }, true);
 
 // An earlier comment is copied into the form.
