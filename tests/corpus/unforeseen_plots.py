@@ -172,6 +172,17 @@ _PARTLY = [
     Unforeseen("one-curve-in-hair-dashes", _late("top.lines[0].set_linestyle((0, (0.01, 300)))"), (CURVES,), 1.0, NOT_SEEN),
 ]  # fmt: skip
 
+# --- other numbers in every curve: the words about them are right ---------------------------------------------------------------
+
+_NOISY = [
+    Unforeseen(
+        f"noise-of-{size}-added-while-plotting",
+        _late(f"for line in (*top.lines, *bottom.lines): line.set_ydata(line.get_ydata() + np.random.normal(0, {size}, len(t)))"),
+        (CURVES,), 5.0, ("wrong-data-plotted",),
+    )
+    for size in (0.5, 2)
+]  # fmt: skip
+
 # --- what stands in the file at the end -------------------------------------------------------------------------------------
 
 _TWO_FIGURES = '''\
@@ -234,7 +245,7 @@ _WITHOUT_NOISE = {
 
 FAULTY = [
     *_HIDDEN,
-    *_PARTLY,
+    *_PARTLY, *_NOISY,
     *_FILES,
     *(
         Unforeseen(name, files, (COMPARISON,), 4.0, ("comparison-missing", "comparison-wrong-data", *NOT_SEEN))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.engine.figures import Axes, Curve, Entry, Figure, Picture, Placed, Sight, Stray
-from grader.engine.findings import Charged, Fault
+from grader.engine.findings import Fault
 from grader.engine.load_report import Loaded, SteppedOver
 from grader.labs.imu.answers import KEYS, Array, Collection, Drawing
 from grader.labs.imu.student import Student
@@ -676,36 +676,3 @@ def test_a_figure_that_is_not_meant_to_compare_is_not_described() -> None:
     for path, meant in (("a.png", (0, "")), ("b/filtered_imu.png", (1, "a plot with only one curve"))):
         student = Plotted(Drawing(()), (Drawing((replace(other, path=path),)),))
         assert measure(student, truth()).comparison.meant == meant
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("content", "unreadable", "unknown"),
-    [
-        (b"plt.savefig('filtered_imu.png'", True, True),
-        (b"class LowPassFilter", True, False),
-        (b"plt.savefig('filtered_imu.png'); raise SyntaxError", False, False),
-    ],
-)
-def test_a_comparison_in_a_file_that_does_not_parse_is_not_known(
-    content: bytes, unreadable: bool, unknown: bool
-) -> None:
-    class Filtered(Plotted):
-        def load(self, path: str) -> Loaded:
-            return replace(super().load(path), unreadable=fault if unreadable else None)
-
-    fault = Fault("SyntaxError", "broken", "filters.py", 7, None)
-    student = Filtered(Drawing(()), (Drawing((), fault),))
-    student.files = {"filters.py": content}
-    found = measure(student, truth())
-    assert found.comparison.unknown is unknown
-    assert (check_comparison(student) is None) is unknown
-
-
-def check_comparison(student: Made) -> Exception | None:
-    """Return what the check of the comparison says."""
-    try:
-        COMPARISON(student, truth())
-    except Charged as found:
-        return found
-    return None
