@@ -108,6 +108,31 @@ def test_a_number_with_and_without_its_letter_is_one_person_of_a_name(run: Run) 
     )
 
 
+def test_people_of_one_name_are_told_apart_by_their_ids_wherever_one_is_named(run: Run) -> None:
+    hand_in(Path("class"), ann1=1, ann2=None, ann3=None)
+    Path("roster.csv").write_text(
+        "id,name\nann1,Ann Lee\nann2,Ann Lee\nann3,Ann Lee\nann4,Ann Lee\nann5,Ann Lee\ncy,Cy Moe\n"
+    )
+    code, _, err = run("grade", "class", "-o", "out", "--roster", "roster.csv")
+    assert (code, "in the roster, no submission: Ann Lee (ann4); Ann Lee (ann5); Cy Moe\n" in err) == (0, True)
+    names = [
+        ("ann1", "Ann Lee", "graded"),
+        ("ann2", "Ann Lee", "empty"),
+        ("ann3", "Ann Lee", "empty"),
+        ("", "Ann Lee (ann4)", "no submission"),
+        ("", "Ann Lee (ann5)", "no submission"),
+        ("", "Cy Moe", "no submission"),
+    ]
+    assert [(row["id"], row["name"], row["status"]) for row in rows("out/gradebook.csv")] == names
+    code, _, err = run("export", "out", "-f", "csv", "-o", "marks.csv", "--allow-blank")
+    assert [(row["id"], row["name"], row["status"]) for row in rows("marks.csv")] == names
+    why = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
+    assert (
+        f"imugrade: blank: 5 (Ann Lee (ann2): {why}; Ann Lee (ann3): {why}; Ann Lee (ann4): no submission;"
+        " Ann Lee (ann5): no submission; Cy Moe: no submission)\n" in err
+    )
+
+
 def test_who_handed_in_nothing_or_an_empty_folder_stands_in_every_file(run: Run) -> None:
     hand_in(Path("class"), ann=1, bob=None)
     Path("roster.csv").write_text("id,name,section\nann,Ann Lee,A\nbob,Bob Roe,A\ncy,Cy Moe,B\n")

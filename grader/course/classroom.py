@@ -38,6 +38,7 @@ from grader.people.final_grade import FinalGrade, HandIn, Person
 from grader.people.identity import Meant
 from grader.people.roster import NO_ROSTER, Roster
 from grader.platforms.classes import Entry, read_class
+from grader.report import words
 from grader.report.pages import drawn
 from grader.sandbox.isolation_levels import LEVELS
 
@@ -150,7 +151,9 @@ def find(order: Order) -> Class:
     unknown = placed.unknown if listed else ()
     others = {id_: each for id_, each in _recorded(order.out).items() if id_ not in {entry.id for entry in submissions}}
     rest = roster.place(placed.absent, others)
-    absent = tuple(each.person.name for each in rest.absent)
+    absent = tuple(
+        words.absentees([each.person for each in rest.absent], (*placed.hand_ins.values(), *rest.hand_ins.values()))
+    )
     doubtful = (*placed.doubtful, *_contradicted(entries, placed))
     named = {id_: each for id_, each in rest.hand_ins.items() if each != others[id_]}
     return Class(dated, found.leftovers, found.told, absent, unknown, doubtful, named)

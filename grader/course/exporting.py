@@ -167,9 +167,8 @@ def _blank(final_grades: Mapping[str, FinalGrade], absent: Sequence[Person]) -> 
             empty = "empty or unreadable; mark it as reviewed, or give --unreadable 0"
             why = empty if final_grade.unseen else "not judged, through a fault of the grader"
             yield f"{words.distinct(final_grade)}: {why}"
-    for person in absent:
-        id_ = person.sid or person.key or person.email
-        yield f"{person.name}{f' ({id_})' if id_ else ''}: {NO_SUBMISSION}"
+    for name in words.absentees(absent, (each.hand_in for each in final_grades.values())):
+        yield f"{name}: {NO_SUBMISSION}"
 
 
 def _filled(
@@ -181,7 +180,7 @@ def _filled(
     without = Directory({f"{number}": (person,) for number, person in enumerate(absent)})
     strangers = [(name, known.why_not(who)) for who, name in filled.unmatched if without.find(who) is None]
     missing = (
-        f"{person.name or final_grade.id}: not in the file"
+        f"{_one_of(final_grade, person)}: not in the file"
         for final_grade in final_grades.values()
         if final_grade.final is not None
         for person in filled.without_row(final_grade)
@@ -194,6 +193,12 @@ def _filled(
         tuple(filled.kept),
         tuple(f"{name}: {why}" if why else name for name, why in strangers),
     )
+
+
+def _one_of(final_grade: FinalGrade, person: Person) -> str:
+    """Return the name of one of those who submitted, with the id if somebody else of the class has the name."""
+    name = person.name or final_grade.id
+    return f"{name} ({final_grade.id})" if final_grade.namesake and name != final_grade.id else name
 
 
 def _bytes(path: Path, source: str) -> bytes:

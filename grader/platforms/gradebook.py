@@ -45,8 +45,9 @@ def _written(columns: Mapping[str, Cell], final_grades: Mapping[str, FinalGrade]
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows([cell(final_grade) for cell in columns.values()] for final_grade in final_grades.values())
-    for person in absent:
-        known = {"name": _text(person.name), "section": _text(person.section), "status": NO_SUBMISSION}
+    names = words.absentees(absent, (each.hand_in for each in final_grades.values()))
+    for person, name in zip(absent, names, strict=True):
+        known = {"name": _text(name), "section": _text(person.section), "status": NO_SUBMISSION}
         table.writerow([known.get(column, "") for column in columns])
     return text.getvalue()
 

@@ -5,7 +5,8 @@ Nothing here renders. Every text that may come from a submission is made `printa
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from grader.base.text import printable
 
 if TYPE_CHECKING:  # `imugrade explain` needs a word of these, and no result
     from grader.engine.results import CheckResult, CriterionResult, ExtensionResult, LabName, Outcome, Result, Status
-    from grader.people.final_grade import FinalGrade
+    from grader.people.final_grade import FinalGrade, HandIn, Person
 
 TEXT_LIMIT = 2000
 NAME_LIMIT = 120
@@ -154,6 +155,17 @@ def distinct(final_grade: FinalGrade) -> str:
     """Return the same with the id behind it where somebody else of the class has the same name."""
     name = person(final_grade)
     return f"{name} ({printable(final_grade.id, 80)})" if final_grade.namesake and name != final_grade.id else name
+
+
+def absentees(absent: Sequence[Person], hand_ins: Iterable[HandIn]) -> list[str]:
+    """Return the names of people without a submission, each with an identifier if another person of the class has the name."""
+    listed = [person.name for person in absent]
+    names = Counter(name.casefold() for name in [*listed, *(p.name for each in hand_ins for p in each.people)])
+    known = [person.sid or person.key or person.email for person in absent]
+    return [
+        f"{name} ({id_})" if id_ and id_ != name and names[name.casefold()] > 1 else name
+        for name, id_ in zip(listed, known, strict=True)
+    ]
 
 
 def late(final_grade: FinalGrade) -> str:
