@@ -1,1 +1,1 @@
-"""One submission, without a lab in it: marking, examination, conversation, findings, words, rubric, results, traces."""
+"""Lab-independent grading of one submission: sessions, checks, findings, feedback, rubric, results and traces."""

@@ -1,4 +1,4 @@
-"""Break points that a submission still holds: the sandbox passes over them, and a note says so."""
+"""Breakpoints left in a submission. The sandbox skips them, and a note says so."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _CALL = re.compile(
     r"|\b(breakpoint|(?:\w{1,40}\.)?set_trace)[ \t]*\(",
     re.DOTALL,
 )
-"""Comments and strings are matched so that what stands in them is not."""
+"""Matches comments and strings first, so that a breakpoint inside one is not counted."""
 
 
 def breakpoints(source: bytes) -> Iterator[tuple[str, int]]:
-    """What a program calls, and the line: ``pdb.set_trace``, 12. Its text alone is looked at."""
+    """Yield each breakpoint call in a program's text with its line number: ``pdb.set_trace``, 12. No code is run."""
     text = source[:_MOST_BYTES].decode("utf-8", "replace")
     for found in _CALL.finditer(text):
         if found[1]:

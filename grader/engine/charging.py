@@ -1,7 +1,7 @@
-"""Facts to explanation to deductions: which fault accounts for which deviation, and what each check is charged.
+"""Diagnosis and deductions of one criterion: find the fault behind each deviation, and charge it to a check once.
 
-A check returns how its measured property deviates, or None. Every property is explained by the cheapest reason of its own that
-fits; one without a reason of its own may be predicted by a reason that was found for another. What nothing explains is charged to
+A check returns how its measured property deviates, or None. Each property is explained by its own cheapest reason that fits. A
+property without one may be predicted by the reason found for another property. A deviation that nothing explains is charged to
 its check with that check's own row. A fault deducts once, however many checks see it.
 """
 
@@ -25,25 +25,25 @@ class Measurement(Protocol):
 
     @property
     def stopped(self) -> Mapping[str, Exception]:
-        """By check, the finding that kept its property from being measured."""
+        """The findings that kept a property from being measured, by check."""
 
 
 Facts = TypeVar("Facts", bound=Measurement)
 Measure = Callable[[Facts], Deviation | None]
-"""How a property deviates; None where it is as it should be."""
+"""Returns how a property deviates from what its check asks, or None if it does not."""
 
 
 @dataclass(frozen=True)
 class Part(Generic[Facts]):
-    """How one criterion is judged.
+    """Judging rules of one criterion: its measurement, its checks and its known faults.
 
     Attributes
     ----------
-    measure : asks a student and returns the facts; it judges nothing
-    reasons : every known fault, each with the property that it is a reason for; those of one property stand together
+    measure : runs the student's code and returns the facts; it judges nothing
+    reasons : the known faults, each with the property that it explains; the reasons of one property are adjacent
     others : properties that no check measures, by name
-    together : faults that do not exclude each other: all that fit are named, and the cheapest one alone deducts
-    only_names : whether a fault deducts nothing by itself: each check loses its own share, and says through which fault
+    together : ids of faults that do not exclude each other: all that fit are named, and only the cheapest deducts
+    only_names : if True, a fault deducts nothing by itself: each check loses its own share and names the fault
     """
 
     lab: Lab
@@ -56,7 +56,7 @@ class Part(Generic[Facts]):
     only_names: bool = False
 
     def check(self, check_id: str, *, lab_step: int | None = None) -> Callable[[Measure[Facts]], Callable[..., None]]:
-        """Make a function of the facts a check that pytest runs; its docstring is the sentence that the student reads."""
+        """Turn a function of the facts into a check that pytest runs; students read its docstring."""
 
         def mark(function: Measure[Facts]) -> Callable[..., None]:
             known = Check(check_id, title_of(function.__doc__ or ""), lab_step)
@@ -78,7 +78,7 @@ class Part(Generic[Facts]):
         return self.judge(self.measure(student, truth), rows(self.lab))
 
     def judge(self, facts: Facts, table: Mapping[str, Mistake]) -> Mapping[str, Charge | Exception]:
-        """What each check that is not passed is charged, or why it could not be asked."""
+        """Return the charge of each check that is not passed, or the exception that kept it from being judged."""
         stopped = {self._full(name): finding for name, finding in facts.stopped.items()}
         off: dict[str, Deviation] = {}
         for name, measure in {**{name: measure for name, (_, measure) in self.checks.items()}, **self.others}.items():
@@ -93,7 +93,7 @@ class Part(Generic[Facts]):
         return {**stopped, **{name: self._with_others(charge, facts) for name, charge in charges.items()}}
 
     def _with_others(self, charge: Charge, facts: Facts) -> Charge:
-        """A charge for one of the faults that go together, with all others that fit as well; they deduct nothing more."""
+        """Add the other faults of `together` that fit to a charge for one of them; they deduct nothing more."""
         named = {row for row, _ in charge.found}
         if self.together.isdisjoint(named):
             return charge
@@ -103,9 +103,10 @@ class Part(Generic[Facts]):
         return charge
 
     def _reasons(self, off: Mapping[str, Deviation], facts: Facts) -> dict[str, Reason[Facts]]:
-        """Return the reason for each property that has one of its own: where two that cost the same disagree, the general one.
+        """Return the reason for each deviating property that has reasons of its own.
 
-        A fault is charged at the property whose reasons stand first in the list.
+        If the reasons that fit best disagree, or none fits, the general reason (the one named as the property) is returned.
+        Properties are in the order of `reasons`: a fault is charged to the first of them that shows it.
         """
         found: dict[str, Reason[Facts]] = {}
         order = list(dict.fromkeys(self._full(reason.of) for reason in self.reasons))
@@ -123,7 +124,7 @@ class Part(Generic[Facts]):
         table: Mapping[str, Mistake],
         stopped: Collection[str],
     ) -> Mapping[str, Charge]:
-        at: dict[str, str] = {}  # where each fault is charged
+        at: dict[str, str] = {}  # fault -> the check that charges it
         charges: dict[str, Charge] = {}
         taken: dict[str, str] = {}
         for name, reason in reasons.items():
@@ -146,18 +147,18 @@ class Part(Generic[Facts]):
         return charges
 
     def _seen_elsewhere(self, name: str, reasons: Mapping[str, Reason[Facts]], at: Mapping[str, str]) -> str:
-        """The check that is charged what this one sees as well; empty where none is."""
+        """Return the check that is already charged for the deviation that this check sees too; "" if there is none."""
         predicted = (at[reason.told] for reason in reasons.values() if name in map(self._full, reason.predicts))
         return at[reasons[name].told] if name in reasons else next(predicted, "")
 
     def _deducts(self, row: Mistake) -> Mapping[str, float]:
-        """What a fault deducts in this criterion, by check."""
+        """Return the share of points that a fault deducts from each check of this criterion."""
         group = row.group if row.group == self.id else ""
         shares = {name if "." in name else f"{group}.{name}": share for name, share in row.deducts.items()}
         return {name: share for name, share in shares.items() if name in self.checks}
 
     def _full(self, name: str) -> str:
-        """The id of a check from its name in the criterion; the name of a property that no check measures."""
+        """Return the full id of a check from its name in the criterion; the names in `others` stay as they are."""
         return name if name in self.others else f"{self.id}.{name}"
 
     def _title(self, check_id: str) -> str:

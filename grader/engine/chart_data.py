@@ -1,6 +1,6 @@
-"""What a report shows beside its words: charts of what the student's code answered, and the submission's fingerprint.
+"""Chart data of a report (curves of what the student's code returned), and the submission's code fingerprint.
 
-Charts decide nothing and are no part of `result.json`. They travel with a `Result` and are recorded beside it.
+Charts do not affect the grade and are not part of `result.json`. They are attached to a `Result` and recorded beside it.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ from typing import Any, Literal
 Role = Literal[
     "x", "y", "z", "true-x", "true-y", "true-z", "own", "wanted", "model", "raw", "bars", "drawn", "not-seen"
 ]
-"""How a curve is set: an axis, the truth beneath it, the student's own, the sheet's, a law, an input, bars, as it was drawn, or as
-it was drawn where nobody sees it."""
+"""Drawing style of a curve. ``x``, ``y``, ``z``: an axis; ``true-…``: the ground truth below it; ``own``: the student's;
+``wanted``: the sheet's; ``model``: a law; ``raw``: an input; ``bars``: bars; ``drawn``: as in the student's figure;
+``not-seen``: the same, but not visible there."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Points of one curve. `name` may be the student's; `colour` (``#rrggbb``) is theirs in what they drew, else empty."""
+    """Points of one curve. `name` may be the student's label; `colour` (``#rrggbb``) is set only for curves that they drew."""
 
     name: str
     role: Role
@@ -33,7 +34,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves over one pair of axes, both logarithmic with `log`; `spread` is the smallest range of y that is shown."""
+    """Curves on one pair of axes. With `log` both axes are logarithmic; `spread` is the smallest y range that is shown."""
 
     title: str
     x_label: str
@@ -45,9 +46,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels below one heading, with the sentence that says what they show; stands with the criterion `part`.
+    """Panels below one heading, with a caption; shown with the criterion `part`.
 
-    `png` is a picture in their place, in base 64.
+    `png` is a picture (base64) that is shown instead of panels.
     """
 
     part: str
@@ -59,9 +60,9 @@ class Chart:
 
 @dataclass(frozen=True)
 class Evidence:
-    """Of one submission: its charts, packed, and hashes of its code (see `fingerprint`).
+    """Packed charts of one submission, and the hashes of its code (see `fingerprint`).
 
-    `figures` are the charts of each part as they stand in a page, where somebody has drawn them already; they are on no record.
+    `figures` holds the charts of each part as rendered for a page, if they were rendered already; it is not recorded.
     """
 
     charts: bytes = b""
@@ -70,13 +71,13 @@ class Evidence:
 
 
 def packed(charts: tuple[Chart, ...]) -> bytes:
-    """For the record and the way to it: JSON, compressed; points in single precision, finer than any pixel."""
+    """Return the charts as compressed JSON for recording and transfer; points have single precision, finer than a pixel."""
     text = json.dumps(charts, default=_plain, separators=(",", ":"), allow_nan=False)
     return zlib.compress(text.encode(), 1) if charts else b""
 
 
 def unpacked(record: bytes) -> tuple[Chart, ...]:
-    """The inverse of `packed`."""
+    """Return the charts from the bytes that `packed` made."""
     return tuple(_chart(chart) for chart in json.loads(zlib.decompress(record))) if record else ()
 
 

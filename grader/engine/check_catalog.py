@@ -1,4 +1,4 @@
-"""What the checks are called and say, as their source has it: to read that, no check and nothing that it needs is imported."""
+"""Catalogue of a lab's checks (ids, titles, lab steps), parsed from their source without importing it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class Check:
-    """What a check is: its id, the sentence that a student reads, and the step of the sheet that it belongs to."""
+    """Identity of a check: its id, its title (the sentence that a student reads) and its step in the lab sheet."""
 
     id: str
     title: str
@@ -25,18 +25,18 @@ class Check:
 
 
 def title_of(docstring: str) -> str:
-    """The sentence that a student reads."""
+    """Return the title of a check: the first paragraph of its docstring, on one line, without the final full stop."""
     return " ".join(docstring.strip().split("\n\n")[0].split()).rstrip(".")
 
 
 def checks_of(lab: Lab) -> Mapping[str, Check]:
-    """Every check of a lab, by id."""
+    """Return the checks of a lab by id."""
     sources = [*sorted((lab.folder / "checks").glob("check_*.py")), *check_files(lab)]
     return {check.id: check for path in sources for check in _checks_in(path.read_text(encoding="utf-8"))}
 
 
 def check_files(lab: Lab) -> list[Path]:
-    """The checks of each criterion that has a folder of its own."""
+    """Return the files with the checks of the criteria that have a folder of their own."""
     return sorted(lab.folder.glob("*/checks.py"))
 
 

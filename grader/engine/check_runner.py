@@ -1,7 +1,7 @@
-"""pytest meets the rubric: how a function becomes a check, and how its end becomes a result.
+"""Run the checks with pytest: the decorator that makes a function a check, and the session that judges a submission.
 
-A check is a function that returns when all is earned and raises a finding otherwise (`findings`). Any other exception is a
-fault of the grader: the check is then not judged, and never counted as zero.
+A check is a function that returns if all its points are earned and raises a finding otherwise (`findings`). Any other exception
+is a fault of the grader: the check is then not judged, and never counted as zero.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from grader.engine.traces import Traces
 
 @dataclass(frozen=True)
 class Judgement:
-    """How one check ended; `told` is None where the grader failed to judge.
+    """Outcome of one check; `told` is its feedback, or None if the grader failed to judge.
 
-    `ours` tells whether it failed for a reason that no answer can have: the sandbox or the request; `belongs_to` are the checks
-    of which one may charge the same fault.
+    `ours` is True if the sandbox or the request failed, which no answer can cause. `belongs_to` lists the checks that may already
+    charge the same fault.
     """
 
     check: Check
@@ -59,17 +59,17 @@ class Judgement:
 
 
 Need = Callable[[Any, Any], None]
-"""What a check needs of the student and the truth before it can ask anything: it raises `Skipped` with the reason."""
+"""Precondition of a check, called with the student and the truth; it raises `Skipped` with the reason if it does not hold."""
 
 
 def check(
     check_id: str, *, lab_step: int | None = None, needs: Need | None = None
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Make a function the check `check_id`; its docstring is the sentence that the student reads.
+    """Turn a function into the check `check_id`; students read its docstring.
 
     Parameters
     ----------
-    needs : the thing itself, where the check asks for its form: points for form alone are for nobody
+    needs : precondition; a check of form needs the thing whose form it judges, because form alone earns no points
     """
 
     def mark(function: Callable[..., None]) -> Callable[..., None]:
@@ -88,7 +88,7 @@ def check(
 
 
 class Examination:
-    """One submission under examination: which checks it gets, and how each of them ended."""
+    """Examination of one submission: selects its checks and records how each of them ended."""
 
     def __init__(
         self, lab: Lab, student: Conversation, truth: Traces, only: str | None, look: PublicLook | None = None
@@ -103,12 +103,12 @@ class Examination:
         self.judgements: dict[str, Judgement] = {}
 
     def wants(self, this: Check) -> bool:
-        """Return whether the check is asked for; nothing is asked about an extension that was not attempted."""
+        """Return whether the check is to be run; the checks of an extension that was not attempted are not."""
         asked_about = this.criterion in self._attempted or this.criterion in self._lab.examined
         return asked_about and self._only in (None, this.criterion)
 
     def begin(self, this: Check) -> None:
-        """Put stand-ins in the place of parts whose own checks are over and lost."""
+        """Prepare a check: account its time to its part, and replace earlier parts that lost points by sound stand-ins."""
         self.student.turn_to(this.criterion if this.criterion in self._lab.examined else "bonuses")
         if self._alone:
             return
@@ -117,7 +117,7 @@ class Examination:
         self.student.replace_broken([name for part in before if part.id in self._lost for name in part.names])
 
     def end(self, this: Check, ended: BaseException | None, duration_s: float) -> None:
-        """Write down how a check ended; one that was interrupted is as if it had not begun."""
+        """Record how a check ended; an interrupted check is discarded."""
         if isinstance(ended, KeyboardInterrupt):
             return
         verdict, trouble = None, ""
@@ -139,7 +139,7 @@ class Examination:
         self.judgements[this.id] = Judgement(this, verdict, trouble, duration_s, ours, belongs_to)
 
     def _without_secrets(self, finding: BaseException) -> BaseException:
-        """Replace what a process with hidden data said of a missing name by what one with public data says."""
+        """Replace a missing-name finding of a process with hidden data by that of a process with public data."""
         if not (self._secret and isinstance(finding, Missing)):
             return finding
         return hidden_feedback.missing(finding, self._look.missing(finding.name) if self._look else None)
@@ -154,7 +154,7 @@ class Examination:
         return told(finding, earlier, self._mistakes)
 
     def settle(self) -> None:
-        """Charge each fault once: a check that is lost by the fault of another lost one keeps its points, and says so."""
+        """Charge each fault once: a check that lost points by the fault of another such check keeps them and says so."""
         self.judgements |= {
             id_: replace(each, told=charged_with(charging.check.title))
             for id_, each in self.judgements.items()
@@ -162,14 +162,16 @@ class Examination:
         }
 
     def lost_beside_standins(self, criterion: str) -> bool:
-        """Return whether a part lost points beside stand-ins: they follow the sheet, and it may fit what else was handed in."""
+        """Return whether a part lost points while stand-ins were in use.
+
+        Stand-ins follow the sheet; the part may work with the student's own version of the replaced names."""
         part = self._lab.part(criterion)
         needed = part is not None and part.needed and criterion in self._lab.examined
         return bool(needed and self.student.broken) and criterion in self._lost
 
     @contextmanager
     def alone(self, criterion: str) -> Iterator[None]:
-        """Examine a part once more, beside the submission's own; that counts if a check ends better and none worse."""
+        """Examine a part again without stand-ins; the new outcomes count if at least one check ends better and none worse."""
         beside = {id_: each for id_, each in self.judgements.items() if each.check.criterion == criterion}
         stories, titles = self._stories, {each.check.title for each in beside.values()}
         self._stories = {same: title for same, title in stories.items() if title not in titles}
@@ -190,13 +192,13 @@ class Examination:
 
 
 def _charging(judgement: Judgement, among: Mapping[str, Judgement]) -> Judgement | None:
-    """The lost one of these that charges the fault of another lost one; None where that is charged for itself."""
+    """Return the check in `among` that charges the fault by which this check lost points; None if there is none."""
     others = (among[other] for other in judgement.belongs_to if judgement.lost and other in among)
     return next((other for other in others if other.lost), None)
 
 
 def _kept(judgement: Judgement, among: Mapping[str, Judgement]) -> float:
-    """Which share it keeps once each fault is charged once."""
+    """Return the share of points that a check keeps once each fault is charged once; -1 if it was not judged."""
     if judgement.told is None:
         return -1.0
     return judgement.told.keeps if _charging(judgement, among) is None else 1.0
@@ -216,9 +218,9 @@ def _run(items: list[pytest.Item]) -> None:
 
 
 class Session:
-    """The pytest plugin: one session over the checks, collected once, whose items every submission runs through.
+    """Internal pytest plugin: collects the checks once and runs them for each submission.
 
-    As pytest-xdist does, items are run by calling `pytest_runtest_protocol`; fixtures are made anew each time.
+    Like pytest-xdist, it runs items by calling `pytest_runtest_protocol`; fixtures are made anew each time.
     """
 
     def __init__(self, lab: Lab) -> None:
@@ -230,11 +232,11 @@ class Session:
 
     @property
     def checks(self) -> dict[str, Check]:
-        """Every check that there is, by id."""
+        """The collected checks by id."""
         return {_check(item).id: _check(item) for item in self._items}
 
     def run(self, examination: Examination) -> None:
-        """Run the checks that a submission gets, part by part in the lab's order."""
+        """Run the checks of a submission, part by part in the lab's order."""
         self._examination = examination
         wanted = [item for item in self._items if examination.wants(_check(item))]
         for criterion, items in itertools.groupby(wanted, lambda item: _check(item).criterion):
@@ -281,7 +283,7 @@ class Session:
         ended: BaseException | None = None
         try:
             with np.errstate(all="ignore"), warnings.catch_warnings():
-                # a student's numbers may overflow in a check; that is no news to anyone
+                # a student's numbers may overflow in a check: such warnings are expected
                 warnings.simplefilter("ignore")
                 yield
         except BaseException as error:
@@ -292,7 +294,7 @@ class Session:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> pytest.TestReport:
-        """Only whether it failed: pytest's own report quotes source for every frame, half a second for each lost check."""
+        """Report only whether the check failed; pytest's own report quotes source per frame, 0.5 s per failed check."""
         failed = call.excinfo is not None
         told = repr(call.excinfo.value)[:300] if call.excinfo is not None else None
         outcome: Literal["passed", "failed"] = "failed" if failed else "passed"
@@ -300,18 +302,18 @@ class Session:
 
 
 def _last_line(text: str) -> str:
-    """What was raised, of pytest's account of it."""
+    """Return the last line of pytest's failure report, which names the exception."""
     lines = [line.removeprefix("E").strip() for line in text.splitlines() if line.strip()]
     return printable(lines[-1] if lines else "it cannot be read", 300)
 
 
 @functools.cache
 def session(lab: Lab, own: OwnChecks = ()) -> Session:
-    """The process's one quiet pytest session over a lab's checks, free of whatever configuration or plugins the machine has.
+    """Return this process's only pytest session over a lab's checks, without the machine's pytest configuration and plugins.
 
     Parameters
     ----------
-    own : the instructor's checks: they are trusted as the rubric is, and run here
+    own : the instructor's own checks; they are trusted like the rubric and run in this process
 
     Raises
     ------
@@ -322,11 +324,11 @@ def session(lab: Lab, own: OwnChecks = ()) -> Session:
     """
     collected = Session(lab)
     if own:
-        collected.private = tempfile.TemporaryDirectory(prefix="imugrade-")  # pytest looks there again when they run
+        collected.private = tempfile.TemporaryDirectory(prefix="imugrade-")  # pytest rereads it when checks run
         atexit.register(collected.private.cleanup)
     code = _collect(collected, lab, [str(_write(own, Path(collected.private.name)))] if collected.private else [])
     if code == pytest.ExitCode.INTERRUPTED and not collected.troubles:
-        raise KeyboardInterrupt  # pytest has swallowed it
+        raise KeyboardInterrupt  # pytest has caught it
     if own and collected.troubles:
         raise RequestError("\n".join(f"own checks: {trouble}" for trouble in collected.troubles))
     if code != 0 or collected.troubles:
@@ -335,7 +337,7 @@ def session(lab: Lab, own: OwnChecks = ()) -> Session:
 
 
 def _write(own: OwnChecks, private: Path) -> Path:
-    """The instructor's checks as a package whose name no other module has."""
+    """Write the instructor's checks as a package with a unique name, and return its folder."""
     folder = private / f"own_checks_{secrets.token_hex(8)}"
     folder.mkdir()
     for name, content in {"__init__.py": b"", **dict(own)}.items():
@@ -359,13 +361,13 @@ def _collect(collected: Session, lab: Lab, more: Sequence[str]) -> int:
     ]
     options += [word for name in switched_off for word in ("-p", f"no:{name}")]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "path", list(sys.path))  # pytest adds folders, of which one is about to go
-        patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # one that shuffles tests is common
-        for ours in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):  # of the pytest that somebody runs, perhaps around this one
+        patch.setattr(sys, "path", list(sys.path))  # pytest adds folders, and one of them will be deleted
+        patch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # plugins that shuffle tests are common
+        for ours in ("PYTEST_ADDOPTS", "PYTEST_PLUGINS"):  # set for another pytest, perhaps one that runs this process
             patch.delenv(ours, raising=False)
         return int(pytest.main([*options, str(folder), *map(str, check_files(lab)), *more], plugins=[collected]))
 
 
 def known_checks(lab: Lab, own: OwnChecks = ()) -> dict[str, Check]:
-    """Every check of a lab that exists as a pytest check, by id, with the instructor's own."""
+    """Return the collected checks of a lab by id, including the instructor's own."""
     return session(lab, own).checks

@@ -1,6 +1,6 @@
-"""The table of faults: what each deducts, and every word about it.
+"""Fault table of a lab (``faults.yaml``): the deduction, title, hint and explanation of each fault.
 
-`imugrade explain` reads it, too, so nothing slow is imported here.
+`imugrade explain` uses it too, so this module imports nothing slow.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from grader.engine.lab import Lab
 
 @dataclass(frozen=True)
 class Mistake:
-    """One row of the table.
+    """One row of the fault table.
 
     Attributes
     ----------
     title, hint : what the code does, and what to do next
     explanation, wrong, right : for `imugrade explain`; a row without an explanation has no public name
-    deducts : the share of its points that each check loses where this fault is found through it, by name
-    formerly : ids of faults that are told by this row now; a rubric that names one is refused with this row's id
-    takes : checks that have nothing to judge where this fault is found, and are lost with it
-    expected, got : templates over the numbers of the deviation; those of the check where a row has none
-    raised : the exceptions that show it, see `shown_by`; empty where none does
+    deducts : the share of its points that each check loses if it shows this fault, by check name
+    formerly : ids of faults that this row replaces; a rubric that names one is refused with this row's id
+    takes : checks that cannot be judged if this fault is found, and lose their points with it
+    expected, got : templates for the numbers of the deviation; a row without them uses those of the check
+    raised : the exceptions that show this fault, see `shown_by`; empty if none does
     """
 
     id: str
@@ -63,17 +63,17 @@ NEEDED = (
     "file-missing", "name-missing", "does-not-import", "missing-package", "raises", "never-returns", "kills-its-process",
     "tampering",
 )  # fmt: skip
-"""What the engine itself finds out, whatever the lab is: each catalogue has the words for it."""
+"""Ids of the faults that the engine itself finds in any lab; each lab's table must have a row for them."""
 
 
 @functools.cache
 def rows(lab: Lab) -> Mapping[str, Mistake]:
-    """Every row of a lab's table, by id: faults, and under the id of each check what it says where no fault is known.
+    """Return the rows of a lab's table by id: one for each fault, and one for each check, used if no fault is known.
 
     Raises
     ------
     GraderError
-        If one is missing that the engine finds out by itself.
+        If a row of `NEEDED` is missing.
     """
     loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     text = (lab.folder / "faults.yaml").read_text(encoding="utf-8")
@@ -86,5 +86,5 @@ def rows(lab: Lab) -> Mapping[str, Mistake]:
 
 @functools.cache
 def catalogue(lab: Lab) -> Mapping[str, Mistake]:
-    """The rows that have a public name and an explanation."""
+    """Return the rows that have an explanation, and so a public name."""
     return {id_: row for id_, row in rows(lab).items() if row.explanation}

@@ -1,4 +1,4 @@
-"""The words: from a finding to the message, the hint and the mistakes that a student reads."""
+"""Feedback texts: turn a finding into the message, the hint and the mistakes that a student reads."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from grader.engine.submission_session import THERE
 
 @dataclass(frozen=True)
 class Feedback:
-    """What one check tells: `keeps` is the share of its points that is earned; the others are as in `CheckResult`."""
+    """Feedback of one check. `keeps` is the share of its points that is earned; the other fields are as in `CheckResult`."""
 
     outcome: Outcome
     keeps: float
@@ -30,18 +30,18 @@ class Feedback:
 
     @property
     def message(self) -> str:
-        """All that it says, as one text."""
+        """The sentence, the expected and the actual value, as one text."""
         return message_of(self.said, self.expected, self.got)
 
 
 def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mistake]) -> Feedback:
-    """Words for what stopped a check.
+    """Return the feedback for the finding that ended a check.
 
     Parameters
     ----------
     finding : `Charged`, `CheckFailed`, `Skipped`, `Raised`, `Missing` or a `NoAnswer`
-    earlier : title of the check that has told the same story already, or None
-    mistakes : every row of the lab's table
+    earlier : title of an earlier check whose feedback reports the same cause (see `story`), or None
+    mistakes : the rows of the lab's fault table
     """
     if isinstance(finding, Charged):
         return _charged(finding.charge, mistakes)
@@ -68,9 +68,9 @@ def told(finding: BaseException, earlier: str | None, mistakes: Mapping[str, Mis
 
 
 def story(finding: BaseException, part: str) -> str | None:
-    """What makes two findings the same story, told once; None for findings that always speak for themselves.
+    """Return a key that is equal for findings with the same cause, which is reported once; None for a finding always reported.
 
-    A part's calls that do not end are one story, though each has less time than the one before.
+    Timeouts within one part share a key, although each call has less time than the one before.
     """
     if isinstance(finding, Unusable):
         return f"Unusable: {part}"
@@ -88,17 +88,17 @@ STEP_BY_STEP = "Compare this part of your code line by line with the step in the
 
 
 def charged_with(title: str) -> Feedback:
-    """Words for a check that is lost by the fault of another one."""
+    """Return the feedback of a check that lost points by a fault that another check already charges."""
     return Feedback("passed", 1.0, f"No further deduction: the same fault was deducted under “{title}”.")
 
 
 def not_reached(title: str) -> Feedback:
-    """Words for a check that had nothing to judge because of what another one tells."""
+    """Return the feedback of a check that could not be judged because of the problem that another check reports."""
     return Feedback("skipped", 0.0, f"Not graded until “{title}” is fixed.")
 
 
 def seen_elsewhere(charge: Charge) -> Feedback | None:
-    """Words for a check that is not charged itself; None for one that is."""
+    """Return the feedback of a check that refers to another check; None if it is charged itself."""
     if not charge.see:
         return None
     return charged_with(charge.see) if charge.keeps else not_reached(charge.see)
@@ -121,12 +121,12 @@ def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
 
 
 def hint_of(charge: Charge, rows: Mapping[str, Mistake]) -> str:
-    """What to do next, for each fault that a charge is for."""
+    """Return the hints of the faults in a charge, as one text."""
     return " ".join(rows[id_].hint for id_, _ in charge.found)
 
 
 def public(charge: Charge, rows: Mapping[str, Mistake]) -> tuple[str, ...]:
-    """The faults with a name that a charge is for."""
+    """Return the ids of the faults in a charge that have a public name."""
     return tuple(id_ for id_, _ in charge.found if rows[id_].explanation)
 
 
@@ -163,13 +163,13 @@ def _raised(finding: Raised, mistakes: Mapping[str, Mistake]) -> Feedback:
 
 
 def _exception_name(fault: Fault) -> str:
-    """The exception's type, if it is one that Python has; a type of the student's own could be named anything."""
+    """Return the name of a built-in exception type; a student's own type could have any name and is "an exception"."""
     known = getattr(builtins, fault.type, None)
     return fault.type if isinstance(known, type) and issubclass(known, BaseException) else "an exception"
 
 
 def mistake_of(fault: Fault, mistakes: Mapping[str, Mistake]) -> str:
-    """The mistake that an exception shows: the first of the catalogue that it shows, else ``raises``."""
+    """Return the id of the first row of the table that an exception shows, else ``raises``."""
     if fault.type == "ModuleNotFoundError":
         return "missing-package"
     return next((id_ for id_, each in mistakes.items() if each.shown_by(fault)), "raises")
@@ -188,7 +188,7 @@ def _no_answer(finding: NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
 
 
 def no_answer(outcome: Outcome, why: str, named: tuple[str, ...], mistakes: Mapping[str, Mistake]) -> Feedback:
-    """Words for an answer that did not come."""
+    """Return the feedback for an answer that did not come."""
     expected = "an answer within the time limit" if outcome == "timeout" else "an answer"
     hint = " ".join(mistakes[id_].hint for id_ in named) or NOT_UNDERSTOOD.hint
     return Feedback(outcome, 0.0, expected=expected, got=f"none{why}", hint=hint, mistakes=named)
@@ -202,4 +202,4 @@ NOT_UNDERSTOOD = Feedback(
     hint="Return plain arrays and numbers with the sheet's shapes. A note asks your instructor to look at it.",
     not_understood=True,
 )
-"""Words for an answer that the judging stumbles over, although it takes those of sound code."""
+"""Feedback for an answer on which a check raised an unexpected exception, although it can judge sound code."""

@@ -1,6 +1,6 @@
-"""Records of what was drawn: figures with their axes and curves, made once of a reply that keeps the rule for drawings.
+"""Records of drawn figures with their axes and curves, made from a worker's reply that passed the rule for drawings.
 
-Words, limits and curves are what the sandbox claims; the pixels are the witness, and a curve's `sight` is what these show of it.
+Texts, limits and curves are what the worker claims. The pixels are the evidence: a curve's `sight` is what they show of it.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 FEWEST_SEEN = 0.12
-"""Least share of the parts of a curve that must be seen.
+"""Smallest share of a curve's parts that must be visible; a curve with less counts as hidden.
 
-Of 30,000 curves of 5,000 random sound figures one has less, 0.07, and leaving it out changes hardly any column of the whole
-picture; the next has 0.13. Of 500 that are claimed and not drawn, among five that are, 426 have less; the others take the place of
-curves of their colour, or of mixtures of it (`python -m tests.benchmarks.pictures`).
+Of 30,000 curves in 5,000 random sound figures, one has less (0.07), and removing it changes hardly any column of the picture; the
+next has 0.13. Of 500 curves that are claimed but not drawn, each among five drawn ones, 426 have less; the others coincide with
+curves of their colour or of mixtures of it (`python -m tests.benchmarks.pictures`).
 """
 PARTS = 100
-"""Parts of a curve along its abscissa: dashes and thinned points leave gaps, and are seen from part to part."""
+"""Number of parts along a curve's abscissa. Visibility is judged per part, because dashes and thinned points leave gaps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Sight:
 
     @property
     def is_hidden(self) -> bool:
-        """True if hardly anything can be seen of what lies within the limits."""
+        """True if less than `FEWEST_SEEN` of the parts within the axis limits is visible."""
         return bool(self.inside.any()) and float(self.seen.sum() / self.inside.sum()) < FEWEST_SEEN
 
 
@@ -54,7 +54,7 @@ _NOT_LOOKED_AT = Sight(np.ones(PARTS, bool), np.zeros(PARTS, bool))
 
 @dataclass(frozen=True)
 class Entry:
-    """An entry of a legend: its words, and colour (``#rrggbb``), style, marker and stroke of the sample beside them."""
+    """A legend entry: its text, and the colour (``#rrggbb``), style, marker and stroke of its sample."""
 
     text: str
     colour: str
@@ -65,7 +65,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Placed:
-    """A text on a panel: where it stands, in the units of the panel's axes, and its colour (``#rrggbb``)."""
+    """A text in a panel: its position in the units of the panel's axes, and its colour (``#rrggbb``)."""
 
     text: str
     place: tuple[float, float]
@@ -78,15 +78,15 @@ class Curve:
 
     Attributes
     ----------
-    label, colour : the name that the code gives it, and ``#rrggbb``
-    kind : ``line`` or ``points``; ``nothing`` where it has neither stroke nor marker
-    n : how many points it has
-    x, y : (k,) ndarray, these points or every so many-th of them, in the units of the axes; not finite where nothing is drawn
-    style, marker, stroke : as matplotlib calls them; in the last one dashes, width and opacity
+    label, colour : the label that the code gives it, and ``#rrggbb``
+    kind : ``line`` or ``points``; ``nothing`` if it has neither stroke nor marker
+    n : number of its points
+    x, y : (k,) ndarray, all points or every n-th one, in the units of the axes; not finite where nothing is drawn
+    style, marker, stroke : matplotlib's names for them; `stroke` holds dashes, width and opacity
     alpha : opacity, 0 to 1
-    inks : the colours that it leaves in the picture, ``#rrggbbaa``; none where there are too many to tell
-    width : of the stroke, or of the marker, in points (1/72 inch)
-    sight : what a reader sees of it; nothing until it was looked at
+    inks : the colours that it leaves in the picture, ``#rrggbbaa``; empty if there are too many to tell
+    width : width of the stroke or of the marker, in points (1/72 inch)
+    sight : its visible parts; none until the pixels were examined
     """
 
     label: str
@@ -109,7 +109,7 @@ class Curve:
 
     @cached_property
     def points(self) -> tuple[Array, Array]:
-        """The finite points: while a filter warms up there is nothing to show."""
+        """The finite points; the output of a filter may be NaN while it warms up."""
         known = np.isfinite(self.x) & np.isfinite(self.y)
         return self.x[known], self.y[known]
 
@@ -121,13 +121,13 @@ class Axes:
     Attributes
     ----------
     visible : whether it is switched on
-    position : its left, lower, right and upper border in parts of the figure's width and height
-    title, xlabel, ylabel : as they can be read; empty where they cannot
-    legend, texts : the entries of its legend, none without one, and what is written between the curves
+    position : its left, lower, right and upper border as fractions of the figure's width and height
+    title, xlabel, ylabel : the visible text; empty if it cannot be read
+    legend, texts : the entries of its legend (empty without one), and the texts among the curves
     x_limits, y_limits : the values at its left and right, lower and upper border
-    scales : of x and y, ``linear``, ``log`` or another
-    own_ticks : whether the numbers along x are written by the code, and may be others than those that are drawn
-    own_height : whether the limits of y are set by the code, for whatever it draws
+    scales : the scales of x and y: ``linear``, ``log`` or another
+    own_ticks : whether the code sets the tick labels along x, which may then differ from the drawn values
+    own_height : whether the code sets the limits of y itself
     """
 
     visible: bool
@@ -147,16 +147,16 @@ class Axes:
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """A figure as it was when it was saved, shown or left behind; one that cannot be read has no axes.
+    """A figure at the time when it was saved, shown or left open; an unreadable one has no axes.
 
     Attributes
     ----------
-    event : ``saved`` where a file holds it at the end, ``overwritten`` or ``forgotten`` where one did; else how it was met
-    path, format : of the file, as the call named them
-    size_px : width and height that it was saved in, or would be
-    title, xlabel, ylabel, texts, legend : what is said of all its panels
-    extent, dots : width and height of `pixels`, not rounded, and how many of them there are to an inch
-    pixels : (h, w, 3) ndarray of uint8, what was drawn, in red, green and blue
+    event : ``saved`` if a file holds it at the end, ``overwritten`` or ``forgotten`` if one did; else how it was found
+    path, format : path and format of the file, as in the call that saved it
+    size_px : width and height in pixels in which it was saved, or would be
+    title, xlabel, ylabel, texts, legend : the texts and legend entries that apply to all its panels
+    extent, dots : width and height of `pixels` before rounding, and its resolution in dots per inch
+    pixels : (h, w, 3) ndarray of uint8, the drawn picture in red, green and blue
     """
 
     event: str
@@ -189,7 +189,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Stray:
-    """A picture file that shows none of the figures, and why it cannot be read; without a reason where it can."""
+    """A picture file that shows none of the figures; `reason` says why it cannot be read, and is empty if it can."""
 
     path: str
     reason: str
@@ -202,8 +202,8 @@ class Picture:
     Attributes
     ----------
     size_px : its width and height
-    ink : share of it that is of none of its commonest colours
-    preview : (h, w) ndarray of uint8, the picture in fewer pixels, by the rows of `palette`
+    ink : share of its pixels that have none of its most frequent colours
+    preview : (h, w) ndarray of uint8, the picture in fewer pixels, as row numbers of `palette`
     palette : (256, 3) ndarray of uint8, red, green and blue
     """
 
@@ -213,16 +213,16 @@ class Picture:
     palette: NDArray[np.uint8]
 
 
-# --- made of what a rule of `engine.replies` has let pass ----------------------------------------------------------------
+# --- records from a reply that passed the rules of `engine.replies` ------------------------------------------------------
 
 
 def figures_of(frame: Frame) -> list[Figure]:
-    """Return the figures of an answer that tells of drawings, as they were saved or shown."""
+    """Return the figures of a reply that describes drawings, except those that it marks as finished."""
     return [_figure(facts, frame.arrays) for facts in frame.fields["figures"] if facts["event"] != "finished"]
 
 
 def strays_of(frame: Frame) -> tuple[Stray, ...]:
-    """The pictures of such an answer that show none of its figures."""
+    """Return the picture files of a reply that show none of its figures."""
     return tuple(_record(Stray, facts) for facts in frame.fields["strange"])
 
 
@@ -232,7 +232,7 @@ def picture_of(frame: Frame) -> Picture | None:
 
 
 def _record(kind: type[T], facts: Mapping[str, Any], **resolved: Any) -> T:
-    """A record of the facts that are called as its fields are, but for what was resolved already."""
+    """Make a record: its fields come from `resolved`, else from the facts of the same name."""
     told = {name: _frozen(facts[name]) for name in kind.__annotations__ if name not in resolved}
     return kind(**told, **resolved)
 

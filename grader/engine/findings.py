@@ -1,4 +1,4 @@
-"""What a check says: nothing when all is earned, otherwise a finding with numbers in it. Words are made in `feedback`."""
+"""Findings of a check: records and exceptions with the measured numbers. `feedback` turns them into text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ A_PERSON_MAY = "an instructor may give more points"
 
 @dataclass(frozen=True)
 class Where:
-    """A place in a student's files, by the name that they gave the file; no line in a notebook, whose cells count their own."""
+    """A place in a student's file. `line` is None in a notebook, where each cell counts its own lines."""
 
     file: str
     line: int | None = None
@@ -23,7 +23,7 @@ class Where:
 
 @dataclass(frozen=True)
 class Fault:
-    """An exception of the student's: what, and where in their own file."""
+    """An exception raised by the student's code, with its place in their file."""
 
     type: str
     message: str
@@ -42,7 +42,7 @@ class Fault:
 
     @property
     def where(self) -> str:
-        """``imu_reader.py, line 12``, as it can be shown; empty where no line of the student's was running."""
+        """The place as printable text: ``imu_reader.py, line 12``; "" if no line of the student's was running."""
         if not self.file:
             return ""
         file = printable(self.file.replace(":cell ", ", cell "), 120)
@@ -50,25 +50,25 @@ class Fault:
 
     @property
     def at(self) -> Where | None:
-        """The same as a place; None where no line of the student's was running."""
+        """The place as a `Where`; None if no line of the student's was running."""
         named = self.file or ""
         file = named.partition(":cell ")[0]
         return Where(printable(file, 120), self.line if file == named else None) if file else None
 
     @property
     def lines(self) -> list[str]:
-        """The line itself, as it can be shown; below one that is no Python, a caret."""
+        """The source line as printable text; a second line with a caret follows a syntax error."""
         return [printable(line, 160) for line in (self.text or "").split("\n")[:2] if line.strip()]
 
 
 @dataclass(frozen=True)
 class Size:
-    """What is wrong and by how much, for where the data itself is hidden.
+    """Kind and order of magnitude of an error, for feedback on hidden scenarios.
 
     Attributes
     ----------
-    what : a sentence's beginning that stands in our code: never text or a name of the student's
-    value, unit : how large the error is; a message holds only its power of ten, as code could put more into a number
+    what : beginning of a sentence, a constant of the grader's code: never text or a name of the student's
+    value, unit : size of the error; a message shows only its power of ten, because code could encode hidden data in the digits
     """
 
     what: str
@@ -78,7 +78,7 @@ class Size:
     def __str__(self) -> str:
         if self.value is None:
             return self.what
-        if not 1e-12 < abs(self.value) < 1e12:  # NaN is not, either
+        if not 1e-12 < abs(self.value) < 1e12:  # NaN fails this comparison, too
             return f"{self.what}, beyond all measure"
         power = math.floor(math.log10(abs(self.value)))
         return f"{self.what} by {_power(power)} to {_power(power + 1)} {self.unit}".rstrip()
@@ -89,22 +89,22 @@ def _power(exponent: int) -> str:
 
 
 class Ours(str):
-    """Words that stand in our code just so. Put together with any others they are a plain `str`: those may be a student's."""
+    """Text that is a constant of the grader's code. Joined with other text it is a plain `str`, which may hold a student's text."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """How a measured property misses what its check asks.
+    """Deviation of a measured property from what its check asks.
 
     Attributes
     ----------
-    numbers : what the templates of rows may name
-    share : of the check's points, lost where no fault explains it
-    affected : how much of the property is off, such as one of two sensors; what a fault deducts is multiplied by it
-    size : what is said of a hidden scenario
-    fault : the exception that it came of
+    numbers : values for the templates of the fault table's rows
+    share : share of the check's points that is lost if no fault explains the deviation
+    affected : affected fraction of the property, such as one of two sensors; the deduction of a fault is multiplied by it
+    size : size of the error, shown in place of the numbers for a hidden scenario
+    fault : the exception that caused it
     """
 
     numbers: Mapping[str, object] = field(default_factory=dict)
@@ -116,13 +116,14 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Charge:
-    """What one check is charged.
+    """Charge of one check: the share of points that it keeps, and the faults that cost the rest.
 
     Attributes
     ----------
     keeps : the share of its points that is earned
-    found : the id of each row that tells why, with the deviation that it explains
-    see : title of the check that tells it; with nothing kept, this one could not be reached, else it is not charged again
+    found : the id of each row of the fault table that gives the reason, with the deviation that it explains
+    see : title of the check that reports the fault instead; if `keeps` is 0, this check could not be judged, else the fault is
+        charged there
     """
 
     check: str
@@ -131,17 +132,17 @@ class Charge:
     see: str = ""
 
     def plus(self, row: str, share: float, deviation: Deviation) -> Charge:
-        """With another fault: what they deduct adds up."""
+        """Return the charge with one more fault; the deductions add up."""
         return replace(self, keeps=max(0.0, self.keeps - share), found=(*self.found, (row, deviation)))
 
     @classmethod
     def of(cls, check: str, deviation: Deviation) -> Charge:
-        """What no fault explains, charged to the check that measures it."""
+        """Return the charge for a deviation that no fault explains, to the check that measures it."""
         return cls(check, 1.0 - deviation.share * deviation.affected, ((check, deviation),))
 
 
 class Charged(AssertionError):  # noqa: N818 - an outcome
-    """How pytest hears of a charge."""
+    """Exception that carries a charge through pytest."""
 
     def __init__(self, charge: Charge) -> None:
         super().__init__(f"{charge.check} keeps {charge.keeps:g}")
@@ -149,18 +150,17 @@ class Charged(AssertionError):  # noqa: N818 - an outcome
 
 
 class CheckFailed(AssertionError):  # noqa: N818 - an outcome
-    """Points are lost, all of them or a part.
+    """A check loses all of its points or a part.
 
     Parameters
     ----------
-    expected, got : what was expected and what came: number, unit and place
-    mistakes : ids of the mistakes that the measurement shows; empty where it shows none
-    keeps : share of the points that is earned all the same, 0 to 1
-    hint : words for `Try` where the measurement says more than the names of the mistakes, or names none; told of a hidden scenario
-        where they are `Ours`
-    off : the size of the error, which is said in place of the data where the scenario is hidden
-    belongs_to : id of the check that charges the same fault, or of several: where one is lost, this one keeps its points
-    fault : the exception that it came of, which says where
+    expected, got : the expected and the actual result: number, unit and place
+    mistakes : ids of the mistakes that the measurement shows; empty if it shows none
+    keeps : share of the points that is still earned, 0 to 1
+    hint : hint to show instead of those of the mistakes; for a hidden scenario it is shown only if it is `Ours`
+    off : size of the error, shown in place of the data for a hidden scenario
+    belongs_to : id or ids of checks that may charge the same fault: if one of them lost points, this check keeps its own
+    fault : the exception that caused it; gives the place
     """
 
     def __init__(
@@ -183,11 +183,11 @@ class CheckFailed(AssertionError):  # noqa: N818 - an outcome
 
 
 class Unusable(CheckFailed):
-    """No check of the part can judge what came: one says so, and the others are not reached."""
+    """No check of the part can judge the answer: one check reports it, and the others are skipped."""
 
 
 class Skipped(Exception):  # noqa: N818 - an outcome
-    """Cannot be judged because something that it needs is missing; `reason` completes "Needs …"."""
+    """The check cannot be judged because something that it needs is missing; the message completes "Needs …"."""
 
 
 class Raised(Exception):  # noqa: N818 - an outcome
@@ -204,8 +204,8 @@ def raised(fault: Fault | None, doing: str) -> None:
         raise Raised(fault, doing)
 
 
-class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not an error of ours
-    """A required name is not there: the file is missing, does not import, or does not define it."""
+class Missing(Exception):  # noqa: N818 - it is a finding about the submission, not a grader error
+    """A required name is not defined: its file is missing, does not import, or does not define it."""
 
     def __init__(self, name: str, mistake: str, message: str, where: Where | None = None) -> None:
         super().__init__(message)

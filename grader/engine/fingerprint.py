@@ -1,4 +1,4 @@
-"""The fingerprint of a submission's code: hashes that stay the same where names, layout and comments were changed.
+"""Code fingerprint of a submission: hashes that do not change with names, layout and comments.
 
 References
 ----------
@@ -19,18 +19,19 @@ import numpy as np
 from grader.engine.lab import Lab
 
 GRAM, WINDOW = 20, 12
-"""Tokens. A run of GRAM + WINDOW - 1 = 31 equal tokens, some three lines, leaves a common hash; one of fewer than 20 none."""
+"""Lengths in tokens. A run of GRAM + WINDOW - 1 = 31 equal tokens (about three lines) always yields a common hash, a run of
+fewer than GRAM = 20 never."""
 _MOST_BYTES = 400_000
 _TOKEN = re.compile(
     r"#[^\n]*|[rRbBfFuU]{0,2}(?:\"\"\".*?(?:\"\"\"|\Z)|'''.*?(?:'''|\Z)|\"(?:\\.|[^\"\\\n])*\"?|'(?:\\.|[^'\\\n])*'?)"
     r"|\.?\w+|[^\w\s]",
     re.DOTALL,
 )
-"""A string that does not end is one, too: if it were none, each quotation mark in it would be tried as the start of another."""
+"""An unterminated string matches too; otherwise each quotation mark in it would be tried as the start of another string."""
 
 
 def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
-    """Hashes of all Python files and notebook cells, sorted, each once.
+    """Return the distinct hashes of all Python files and notebook cells, sorted.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def fingerprint(files: Mapping[str, bytes]) -> tuple[int, ...]:
 
 @functools.cache
 def of_the_sheet(lab: Lab) -> frozenset[int]:
-    """The fingerprint of the sheet's own code and of the kit's, which anyone may hand in."""
+    """Return the fingerprint of the code in the lab sheet and the starter kit, which anyone may hand in."""
     given = [lab.folder / "sheet.txt", *sorted((lab.folder / "starter").glob("*.py.txt"))]
     return frozenset(fingerprint({f"{path.name}.py": path.read_bytes() for path in given}))
 
@@ -60,7 +61,7 @@ def _sources(files: Mapping[str, bytes]) -> Iterator[str]:
 
 
 def cells(text: str) -> str:
-    """The code of a notebook's cells."""
+    """Return the source of a notebook's code cells; "" if the text is not a notebook."""
     try:
         sources = [cell["source"] for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
         return "\n".join("".join(source) for source in sources)
@@ -69,7 +70,7 @@ def cells(text: str) -> str:
 
 
 def _winnowed(source: str) -> set[int]:
-    """The smallest hash of every window of WINDOW neighbouring grams of GRAM tokens."""
+    """Return the smallest hash of each window of WINDOW neighbouring grams of GRAM tokens."""
     hashes = _hashes([_normal(token) for token in _TOKEN.findall(source) if not token.startswith("#")])
     if not len(hashes):
         return set()
@@ -78,7 +79,7 @@ def _winnowed(source: str) -> set[int]:
 
 
 def lines_with(source: str, wanted: Set[int]) -> set[int]:
-    """The lines, from 1 on, of the grams that have one of these hashes."""
+    """Return the line numbers, from 1, of the grams whose hash is in `wanted`."""
     tokens = [found for found in _TOKEN.finditer(source) if not found[0].startswith("#")]
     hashes = _hashes([_normal(found[0]) for found in tokens])
     starts = np.cumsum([0, *(len(line) + 1 for line in source.split("\n"))])
@@ -89,7 +90,7 @@ def lines_with(source: str, wanted: Set[int]) -> set[int]:
 
 
 def _hashes(tokens: list[str]) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
-    """One of each gram."""
+    """Return the hash of each gram."""
     if len(tokens) < GRAM:
         return np.empty(0, dtype=np.uint64)
     codes = np.array([zlib.crc32(token.encode("utf-8", "replace")) for token in tokens], dtype=np.uint64)
@@ -100,7 +101,7 @@ def _hashes(tokens: list[str]) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
 
 
 def _normal(token: str) -> str:
-    """Names are alike and strings are alike; attributes, numbers, keywords and operators count."""
+    """Return a token with all names made equal and all strings made equal; other tokens stay as they are."""
     if '"' in token or "'" in token:
         return "'"
     return "n" if token.isidentifier() and not keyword.iskeyword(token) else token

@@ -1,4 +1,4 @@
-"""One submission: a conversation with the sandbox and a pytest session make a `Result`."""
+"""Grade one submission: run the checks in pytest on the answers from the sandbox, and make a `Result`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from grader.sandbox.sandbox import Sandbox
 
 
 class Stopped(KeyboardInterrupt):
-    """An interrupt in the midst of a submission, with what was judged until then; the points of the rest are open."""
+    """Interrupt while a submission is graded, with the result so far; checks that were not reached have no points."""
 
     def __init__(self, result: Result) -> None:
         super().__init__()
@@ -41,20 +41,20 @@ class Stopped(KeyboardInterrupt):
 
 
 class Marker:
-    """A warm marker: one zygote, the rubric and the truth. One per process.
+    """Grader of a process: holds a warm sandbox (zygote), the rubric and the ground truth, and grades many submissions.
 
     Parameters
     ----------
-    rubric, traces : what is asked, and what is true
-    isolation_level : of the sandbox; the best that this machine allows if None
-    sandbox : one that was opened before, and is closed with the marker
+    rubric, traces : the rubric, and the ground truth to grade with
+    isolation_level : isolation level of the sandbox; the best that this machine allows if None
+    sandbox : a sandbox that is already open; it is closed with the marker
 
     Raises
     ------
     RubricError
-        Where rubric and checks do not match, or the traces are of something else than the rubric names.
+        If rubric and checks do not match, or the traces do not belong to the rubric's settings.
     GraderError
-        Where no sandbox can be opened.
+        If no sandbox can be opened.
     """
 
     def __init__(
@@ -100,15 +100,15 @@ class Marker:
 
         Parameters
         ----------
-        cpu_s : CPU seconds for the student's code, where the rubric gives it more
-        only : the one criterion or extension to examine
-        waiting : is called with what is waited for, where that takes long
-        listen : hears what the student's code prints, on public scenarios alone: hidden data could be printed
+        cpu_s : upper limit of the CPU seconds of the student's code, if less than the rubric's
+        only : the only criterion or extension to examine; None examines all
+        waiting : called with a description of a question that takes long
+        listen : receives what the student's code prints; public scenarios only, because code could print hidden data
 
         Raises
         ------
         Stopped
-            When it is interrupted; it tells what was judged until then.
+            On an interrupt; it holds the result so far.
         """
         started, began_cpu = time.perf_counter(), time.process_time()
         if submission.status != "ready":
@@ -122,7 +122,7 @@ class Marker:
             judgements = self._understood(examination.judgements, student)
             notes = [*(look.notes(self._lab.homes) if look and student.withheld_note else ()), *student.notes]
         except KeyboardInterrupt:
-            session.cache_clear()  # pytest goes on with no session that was interrupted: the next one is collected anew
+            session.cache_clear()  # pytest cannot continue an interrupted session: the next one is collected anew
             so_far = self._result(submission, "graded", examination.judgements, student.notes, started, only)
             raise Stopped(_as_far_as_it_came(so_far)) from None
         finally:
@@ -134,11 +134,11 @@ class Marker:
 
     @property
     def _secret(self) -> bool:
-        """Whether the traces are hidden ones."""
+        """True if the traces are hidden ones."""
         return self._traces.name != "public"
 
     def _public_student(self, submission: Submission) -> Conversation:
-        """A session over a submission's files that is given public data alone, with the time of one call."""
+        """Open a session over a submission's files with public data only; each part has the time of one call."""
         return self._lab.student(
             self._sandbox,
             self._lab,
@@ -179,7 +179,10 @@ class Marker:
             examination.student.close()
 
     def _understood(self, judgements: Mapping[str, Judgement], student: Conversation) -> Mapping[str, Judgement]:
-        """Where judging stumbled, ask whether it stumbles over sound code, too: if not, that check alone is lost, and told."""
+        """Fail the checks that raised an unexpected exception on this submission but can judge the sheet's own code.
+
+        A check that also raises on the sheet's code stays unjudged. The sheet's code has no extensions: their checks are failed.
+        """
         odd = {id_: each for id_, each in judgements.items() if each.told is None and not each.ours}
         bonuses = {bonus.id for bonus in self._lab.bonuses}
         lost = {}
@@ -192,17 +195,17 @@ class Marker:
 
     @cached_property
     def _control(self) -> Mapping[str, Judgement]:
-        """How the checks end for the sheet's own code."""
+        """Outcomes of the checks for the sheet's own code."""
         sheet = {self._lab.files[0]: (self._lab.folder / "sheet.txt").read_bytes()}
         examination = Examination(self._lab, self._student(sheet, {}), self._traces, None)
         self._run(examination)
         return examination.judgements
 
     def _evidence(self, student: Conversation) -> Evidence:
-        """It decides nothing: where it cannot be gathered, the marks stand without it."""
+        """Return the charts and the fingerprint, or none if they cannot be made: they do not affect the grade."""
         try:
             return Evidence(packed(self._lab.charts(student, self._traces)), fingerprint(student.files))
-        except Exception:  # numbers of a student's that nobody has thought of
+        except Exception:  # a student's numbers may break a chart in any way
             return Evidence()
 
     def _result(
@@ -221,7 +224,7 @@ class Marker:
             lab=LabName(self._lab.label, self._lab.title),
             notes=(*submission.notes, *notes),
             provenance=self._provenance(submission),
-            # code can take as long as it likes for what it has seen
+            # rounded to seconds for hidden data: code could encode what it has seen in its run time
             duration_s=round(time.perf_counter() - started, 0 if self._secret else 4),
         )
         unjudged = any(check.outcome == "not_judged" for part in found.parts for check in part.checks)
@@ -234,7 +237,7 @@ class Marker:
     def _extension(
         self, extension: Extension, submission: Submission, judgements: Mapping[str, Judgement], status: Status
     ) -> ExtensionResult:
-        """An extension that was not attempted has no rows: nothing was asked about it."""
+        """Make an extension's result; one that was not attempted has no rows, because its checks did not run."""
         bonus = self._lab.part(extension.id)
         attempted = status not in _NOTHING and bonus is not None and bonus.attempted_in(submission.files)
         weights = extension.checks if attempted else ()
@@ -242,7 +245,7 @@ class Marker:
         return ExtensionResult(extension.id, attempted, extension.points, rows)
 
     def _row(self, weight: CheckWeight, judgement: Judgement | None, status: Status) -> CheckResult:
-        """What one check found out; its points are `marks`'s to say."""
+        """Make a check's row without its points, which `marks` computes."""
         check = self._checks[weight.id]
         found = partial(
             CheckResult, id=weight.id, title=check.title, lab_step=check.lab_step, points=None, max_points=0.0
@@ -281,7 +284,7 @@ class Marker:
 
 
 def _as_far_as_it_came(result: Result) -> Result:
-    """What was not judged for being stopped is no fault of the grader."""
+    """Reword the rows of unjudged checks: they were stopped by an interrupt, not by a fault of the grader."""
 
     def reached(check: CheckResult) -> CheckResult:
         return check.saying("the check was stopped before them") if check.outcome == "not_judged" else check
@@ -293,7 +296,7 @@ def _as_far_as_it_came(result: Result) -> Result:
 
 @cache
 def _version(package: str) -> str:
-    """Of what the workers import; this process does without most of it."""
+    """Return the installed version of a package; the package is not imported."""
     return version(package)
 
 

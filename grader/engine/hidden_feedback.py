@@ -1,8 +1,8 @@
-"""Feedback on hidden scenarios: kind and size of an error, and nothing that code could have chosen after it had seen hidden data.
+"""Feedback on hidden scenarios: kind and size of an error, but nothing that code could choose after it has seen hidden data.
 
-Under a secret a process has seen hidden data from `submit` on. So feedback consists of our own sentences: those of this module, of
-the catalogue and those marked as `Ours`, and a power of ten. No text, name, number, shape, line, file or exit code of the student's
-gets here. Words about loading come from a process with the public robot, see `public_look`.
+With a secret, a worker holds hidden data from `submit` on. So feedback consists of constants of the grader's code (those of this
+module, of the fault table and those marked as `Ours`) and a power of ten. It holds no text, name, number, shape, line, file or exit
+code of the student's. Messages about loading come from a process with the public robot, see `public_look`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _PUBLIC = "`imugrade check` shows the numbers of the public scenarios."
 
 
 def told(finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes: Mapping[str, Mistake]) -> Feedback:
-    """Words for what stopped a check."""
+    """Return the feedback for the finding that ended a check."""
     if isinstance(finding, Charged):
         return _charged(finding.charge, mistakes)
     if isinstance(finding, CheckFailed):
@@ -51,7 +51,7 @@ def told(finding: Charged | CheckFailed | Skipped | Raised | NoAnswer, mistakes:
 
 
 def story(finding: BaseException, part: str) -> str | None:
-    """Return what makes two findings the same story, told once. No text of the student's takes part in it."""
+    """Return a key that is equal for findings with the same cause, like `feedback.story`; it holds no text of the student's."""
     if isinstance(finding, Raised):
         return f"Raised: {part}: {_kind(finding)}"
     if isinstance(finding, NoAnswer):
@@ -60,7 +60,7 @@ def story(finding: BaseException, part: str) -> str | None:
 
 
 def missing(finding: Missing, public: Missing | None) -> Missing:
-    """Return the finding to tell in place of one from a process with hidden data: the same one from public data, or our words."""
+    """Replace a finding of a process with hidden data by the one from public data, or by a constant message."""
     if public is not None:
         return public
     return Missing(finding.name, finding.mistake, f"no definition of {finding.name} beside hidden data; {_PUBLIC_LOAD}")
@@ -86,7 +86,7 @@ def _lost(finding: CheckFailed, mistakes: Mapping[str, Mistake]) -> Feedback:
 
 
 def _charged(charge: Charge, rows: Mapping[str, Mistake]) -> Feedback:
-    """The words of the same rows, without their templates: a number appears as its power of ten alone."""
+    """Return the feedback from the rows' titles and hints; a number appears only as its power of ten."""
     if (elsewhere := seen_elsewhere(charge)) is not None:
         return elsewhere
     sizes = [str(deviation.size) for _, deviation in charge.found if deviation.size]

@@ -1,7 +1,7 @@
-"""From what was seen to the mistake that predicts it: one way for every criterion.
+"""Diagnosis by hypotheses: find the fault that predicts the observations, in the same way for each criterion.
 
-A diagnosis is a list of hypotheses. Each says whether it predicts what was seen, and what it asks to be believed; the cheapest
-that fits is told, and nothing is where others that ask no more fit as well.
+A diagnosis is a list of hypotheses. Each has a cost (prior implausibility) and tells whether it predicts the observations. The
+cheapest that fits is reported. If several of the same cost fit and name different faults, none is.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ Seen = TypeVar("Seen")
 
 
 class Hypothesis(Protocol):
-    """One way in which what was seen may have come about."""
+    """A possible cause of the observations."""
 
     @property
     def told(self) -> Hashable:
-        """What it is told as: hypotheses of one cost that are told as the same do not contradict each other."""
+        """The reported cause; hypotheses of equal cost with an equal one do not contradict each other."""
 
     @property
     def cost(self) -> int:
-        """How much it asks to be believed."""
+        """Cost of the hypothesis (prior implausibility)."""
 
     def fits(self, seen: Any, /) -> bool:
-        """Return whether it predicts what was seen."""
+        """Return whether it predicts the observations."""
 
 
 @dataclass(frozen=True)
 class Named(Generic[Seen]):
-    """A hypothesis that is no more than its name, which is None for what is known and has none."""
+    """A hypothesis with a cost, a name and a predicate; the name is None for a known cause without a name."""
 
     cost: int
     told: str | None
@@ -47,10 +47,11 @@ class Reason(Generic[Seen]):
 
     Attributes
     ----------
-    of : the property; told : the id of the fault's row
-    holds : whether the fault predicts the facts
-    predicts : other properties that deviate through it, where they have no reason of their own
-    takes : checks that have nothing to judge where the fault shows in this way, beside those of its row
+    of : the property that it explains
+    told : the id of the fault's row
+    holds : tells whether the fault predicts the facts
+    predicts : other properties that deviate through it, unless they have a reason of their own
+    takes : checks that cannot be judged if the fault shows in this property, in addition to those of its row
     """
 
     of: str
@@ -61,7 +62,7 @@ class Reason(Generic[Seen]):
     takes: frozenset[str] = frozenset()
 
     def fits(self, seen: Seen, /) -> bool:
-        """Return whether the fault predicts the facts; numbers that it cannot compute with are none that it predicts."""
+        """Return whether the fault predicts the facts; False if computing with them raises an arithmetic or value error."""
         try:
             return self.holds(seen)
         except (ArithmeticError, ValueError):  # NumPy's LinAlgError is a ValueError
@@ -72,17 +73,17 @@ Candidate = TypeVar("Candidate", bound=Hypothesis)
 
 
 def explain(hypotheses: Iterable[Candidate], seen: object) -> Candidate | None:
-    """The cheapest that fits; None where none does, or where another of its cost does that is told as something else."""
+    """Return the cheapest hypothesis that fits; None if none fits, or if others of its cost fit and report another cause."""
     return first_that_fits(by_cost(hypotheses), seen)
 
 
 def by_cost(hypotheses: Iterable[Candidate]) -> tuple[tuple[Candidate, ...], ...]:
-    """Those of equal cost together, the cheapest first."""
+    """Group the hypotheses by cost, the cheapest first."""
     return tuple(tuple(equals) for _, equals in itertools.groupby(sorted(hypotheses, key=_cost), key=_cost))
 
 
 def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Candidate | None:
-    """`explain` of hypotheses that are sorted already: those of a level are not made before all cheaper ones have failed."""
+    """Do the same as `explain` for hypotheses grouped by cost; a group is read only after all cheaper ones have failed."""
     for equals in levels:
         if fitting := [each for each in equals if each.fits(seen)]:
             return fitting[0] if len({each.told for each in fitting}) == 1 else None
@@ -90,7 +91,7 @@ def first_that_fits(levels: Iterable[Iterable[Candidate]], seen: object) -> Cand
 
 
 def mistakes_of(hypotheses: Iterable[Named[Seen]], seen: Seen) -> list[str]:
-    """The name of what explains it, or nothing."""
+    """Return the name of the explanation in a list; an empty list if there is none or it has no name."""
     found = explain(hypotheses, seen)
     return [found.told] if found is not None and found.told is not None else []
 

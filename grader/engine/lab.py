@@ -1,6 +1,6 @@
-"""What a lab is to an engine that knows none: its parts, names and files, and the few functions that only a lab can give.
+"""Definition of a lab for the lab-independent engine: its parts, required names and files, and the lab's own functions.
 
-Everything that lists parts, names, files or pictures derives it from one `Lab`; a rubric holds the lab that it is for.
+Any code that lists parts, names, files or pictures derives the list from one `Lab`. A rubric holds its lab.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ _FURNITURE = re.compile(r"\bFURNITURE_([A-Z]+)\b")
 
 @dataclass(frozen=True)
 class Part:
-    """What is graded as one: a criterion, or a bonus.
+    """A graded part of a lab: a criterion, or a bonus.
 
     Attributes
     ----------
     id, title
-        As the rubric and every page call it.
+        Its id and title in the rubric and on all pages.
     names
-        What a submission must define for it; a finding points to the first where it has no line of its own.
+        The names that a submission must define for it; a finding without a line of its own points to the first.
     home
-        The file that the lab expects the names in.
+        The file in which the lab expects the names.
     needed
-        Whether other parts build on its names: it is then examined before those that nothing builds on, and sound stand-ins
-        take the place of its names once its own checks are over and lost.
+        Whether other parts build on its names. Such a part is examined before the others, and if it lost points, sound
+        stand-ins replace its names for the parts that follow.
     pictures
         The pictures that are handed in for it.
     """
@@ -52,7 +52,7 @@ class Part:
     pictures: tuple[str, ...] = ()
 
     def attempted_in(self, files: Mapping[str, bytes]) -> bool:
-        """Whether a submission hands in its file, or defines one of its names elsewhere, as far as its text tells; nothing runs."""
+        """Return whether the submission holds the part's file or defines one of its names; only text is searched, no code runs."""
         names = "|".join(self.names)
         pattern = rf"\b(?:class|def)[ \t]+(?:{names})\b|%%writefile[ \t]+{self.home}"
         defines = re.compile(pattern.encode())
@@ -63,9 +63,9 @@ class Part:
 
 @dataclass(frozen=True)
 class Brought:
-    """A file that a rubric names in the place of one of the lab's, and the public traces that were recorded of it.
+    """A file that a rubric names in place of one of the lab's, with the public traces recorded from it.
 
-    `keys` lead to the line of the rubric that names it.
+    `keys` is the path of rubric keys to the line that names it.
     """
 
     traces: Traces
@@ -76,14 +76,14 @@ class Brought:
 
 @dataclass(frozen=True)
 class Handout:
-    """What students get beside the starter files, by path, and the names that stand there in the place of the sheet's."""
+    """Extra files for students beside the starter files, by path, and the names in them that replace the sheet's names."""
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
 
 
 def _brings_nothing(settings: Mapping[str, Any]) -> None:
-    """Of a lab whose rubric names nothing."""
+    """Supply no files: the default of `Lab.brought`."""
 
 
 def _nothing_more(own: Brought | None) -> Handout:
@@ -91,50 +91,50 @@ def _nothing_more(own: Brought | None) -> Handout:
 
 
 def _any_will_do(settings: Mapping[str, Any], traces: Traces) -> None:
-    """Of a lab that is about one thing alone."""
+    """Accept any traces: the default of `Lab.match`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lab:
-    """One lab, as one value.
+    """Definition of one lab.
 
     Attributes
     ----------
     module
-        The module that holds this value as `LAB`: how another process finds it.
+        The module that holds this value as `LAB`; another process imports it from there.
     id, label, title
         ``imu``, ``Lab 04-01``, ``Reading IMU data in MuJoCo``.
     parts, bonuses
-        What earns points, in the sheet's order, and what advanced students may add.
+        The criteria in the sheet's order, and the extensions for advanced students.
     model
-        The file that the sheet loads, if it loads one, by the path that it names.
+        The path of the file that the sheet loads; empty if it loads none.
     points_to
-        Checks whose findings point to another name than the first of their part.
+        Checks whose findings point to another name than the first of their part, with that name.
     calls
-        How each name is called, in a line, where `imugrade repro` can write the call down.
+        The source line that calls each name, if `imugrade repro` can write the call.
     waits_for
-        What is waited for while a question takes long, in a word, by the question's operation.
+        Description of a question that takes long, by the question's operation.
     settings
-        The keys of a rubric that are this lab's own, and how each is read: from the file's reader, its node (None where it is left
-        out) and the folder that paths in it start from.
+        The rubric keys of this lab, each with the function that reads it from the file's reader, the key's node (None if the key
+        is left out) and the folder that relative paths start from.
     libraries
-        What some submissions import and what takes longer to import than the rest of their work: a class shares it.
+        Libraries that only some submissions import and that take long to import: a class imports each once.
     recorder
-        The program that records ground truth, as ``python -m`` names it; it may be missing where only public truth is used.
+        The program that records ground truth, as ``python -m`` names it; not needed for public ground truth.
     depends_on
-        Packages whose versions may change a number: of the recorder's, or of a submission's.
+        Packages whose versions may change a number of the recorder or of a submission.
     same_for_all
         Scenarios in which no secret changes a number.
     student, charts, checked
-        Makes the proxy that the checks talk to; draws what a report shows of its answers; holds an answer against its question.
+        Make the session that the checks ask; make the charts of a report; check a reply against its question.
     truth
-        Gives the traces to grade with, from a secret (None: the public ones) and the settings of a rubric.
+        Returns the traces to grade with, from a secret (None: the public traces) and the settings of a rubric.
     match
-        Refuses traces, by a RubricError, that are of something else than the settings name.
+        Raises RubricError for traces that do not belong to the settings.
     brought
-        Finds what the settings name in the place of something of the lab's: a kit has to carry it.
+        Returns the file that the settings name in place of one of the lab's, which a kit must include; None if there is none.
     handout
-        Makes what students get of that; None stands for the lab's own.
+        Makes the extra files for students from that file; None stands for the lab's own.
     """
 
     module: str
@@ -161,22 +161,22 @@ class Lab:
     same_for_all: frozenset[str] = frozenset()
 
     def __reduce__(self) -> tuple[Callable[[str], Lab], tuple[str]]:
-        """It travels by its name: another process, on another machine perhaps, has it in another folder."""
+        """Pickle the lab by its module's name: in another process or on another machine its folder may differ."""
         return lab_of, (self.module,)
 
     @cached_property
     def folder(self) -> Path:
-        """Where its checks, mistakes, stand-ins and starter files lie."""
+        """The folder with its checks, fault table, stand-ins and starter files."""
         return Path(str(importlib.import_module(self.module).__file__)).parent
 
     @cached_property
     def homes(self) -> Mapping[str, str]:
-        """Every name that the lab asks for, with the file that it is expected in."""
+        """The required names, each with the file in which it is expected."""
         return {name: part.home for part in (*self.parts, *self.bonuses) for name in part.names}
 
     @cached_property
     def files(self) -> tuple[str, ...]:
-        """The files that are asked for, in the sheet's order."""
+        """The required files, in the sheet's order."""
         return tuple(dict.fromkeys(part.home for part in self.parts))
 
     @cached_property
@@ -185,7 +185,7 @@ class Lab:
 
     @cached_property
     def examined(self) -> tuple[str, ...]:
-        """The parts in the order in which they are examined; bonuses come after them."""
+        """The ids of the parts in the order of examination; bonuses come after them."""
         return tuple(part.id for part in sorted(self.parts, key=lambda part: not part.needed))
 
     @cached_property
@@ -193,26 +193,26 @@ class Lab:
         return {part.id: part.title for part in (*self.parts, *self.bonuses)}
 
     def part(self, id_: str) -> Part | None:
-        """The part or bonus with this id, if there is one."""
+        """Return the part or bonus with this id; None if there is none."""
         return next((part for part in (*self.parts, *self.bonuses) if part.id == id_), None)
 
     def name_of(self, check_id: str) -> str:
-        """The name that the lab asks for and that this check is about."""
+        """Return the required name that a check is about; "" if its part has none."""
         part = self.part(check_id.partition(".")[0])
         return self.points_to.get(check_id) or (part.names[0] if part and part.names else "")
 
     def call_of(self, check_id: str) -> str:
-        """The line that calls what this check is about; empty where there is none."""
+        """Return the source line that calls the name that a check is about; "" if there is none."""
         part, name = self.part(check_id.partition(".")[0]), self.name_of(check_id)
         return self.calls.get(name, "") if part and name in part.names else ""
 
     def standin(self, name: str, lab_configuration: Mapping[str, Any]) -> str:
-        """The text of the sound stand-in for a name, where the sandbox is furnished so: ``FURNITURE_IMU`` is its ``imu``."""
+        """Return the source of the sound stand-in for a name; ``FURNITURE_IMU`` in it becomes the configuration's ``imu``."""
         text = (self.folder / "standins" / f"{name}.txt").read_text(encoding="utf-8")
         return _FURNITURE.sub(lambda found: repr(lab_configuration[found[1].lower()]), text)
 
 
 def lab_of(module: str) -> Lab:
-    """The lab that a module holds."""
+    """Return the `LAB` of a module."""
     lab: Lab = importlib.import_module(module).LAB
     return lab

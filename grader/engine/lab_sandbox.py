@@ -1,4 +1,4 @@
-"""The sandbox that a lab's questions are asked in: a sandbox with the worker code, and the libraries that all submissions share."""
+"""Open the sandbox of a lab: it holds the worker code, the lab's own worker code and the libraries imported in advance."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ WORKER_CODE = Path(__file__).parent.parent / "worker"
 
 
 def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
-    """Those of a lab's libraries that the code of one submission can mean: it holds the first and the last part of the name."""
+    """Return the lab's libraries that a submission may import: its code holds the first and the last part of their name."""
     code = b"\n".join(content for path, content in files.items() if path.endswith((".py", ".ipynb")))
     return tuple(name for name in lab.libraries if all(name.split(".")[end].encode() in code for end in (0, -1)))
 
@@ -21,14 +21,14 @@ def libraries_of(lab: Lab, files: Mapping[str, bytes]) -> tuple[str, ...]:
 def open_sandbox(
     lab: Lab, isolation_level: str | None = None, *, libraries: Sequence[str] = (), thorough: bool = True
 ) -> Sandbox:
-    """A sandbox for many submissions, which warms up while the caller goes on.
+    """Open a sandbox for many submissions; it warms up in the background.
 
     Parameters
     ----------
     isolation_level : the best that this machine allows if None
-    libraries : imported beforehand; a marker has those that a submission can mean imported with the first that does, for all that
-        follow, and any other is imported by the submission that wants it, with the same marks
-    thorough : also use each part once beforehand, so that no submission pays for a first time
+    libraries : imported in advance. A marker later adds those of `Lab.libraries` that a submission may import, for it and all that
+        follow. Any other library is imported by the submission that uses it, with the same marks.
+    thorough : also run each part of the worker code once in advance, so that no submission is charged for a first use
     """
     return Sandbox(
         Contents(WORKER_CODE, lab.folder / "worker", warm=tuple(libraries), thorough=thorough),
@@ -37,5 +37,5 @@ def open_sandbox(
 
 
 def open_sandbox_for(lab: Lab, files: Mapping[str, bytes], isolation_level: str | None = None) -> Sandbox:
-    """A sandbox for one submission, ready sooner: nothing is done beforehand that it can do without."""
+    """Open a sandbox for one submission; it is ready sooner, because only what this submission may need is prepared."""
     return open_sandbox(lab, isolation_level, libraries=libraries_of(lab, files), thorough=False)

@@ -1,7 +1,8 @@
-"""What loading a file told: the names that it defines, and the statements at module level that were stepped over.
+"""Report of loading a file: the names that it defines, and the module-level statements that failed and were skipped.
 
-A statement that ends its process, or has to be ended with it, is known by the place that the process wrote down; the next process
-is told not to run it. What such a process says is believed about the submission itself alone, and only before it has seen data.
+If a statement ends its process, or the process must be killed during it, the statement is known from the place that the process
+wrote down, and the next process skips it. The place is used only for the submission itself, and only if the process has not
+seen data.
 """
 
 from __future__ import annotations
@@ -18,22 +19,23 @@ from grader.sandbox.wire import Frame
 
 _OVERRAN = "it had not ended when its time was up"
 _ENDED = "it ends the process"
-_MOST = 24  # statements of a submission that are found to end their process
+_MOST = 24  # most statements to record per submission as ending their process
 
 
 @dataclass(frozen=True)
 class SteppedOver:
-    """A statement at module level that did not end well; what follows it was run.
+    """A module-level statement that failed; the statements after it were run.
 
     Attributes
     ----------
     path : the file, or the notebook and its cell
-    number, line : which statement of it, and where it begins
-    how : ``raised``; ``hints``: it is a definition, whose type hints raised and were left out; ``less``: so was another part of it;
-        ``overran`` its time; ``ended`` the process, or could not be interrupted, and was not run again; ``unread``: it is no Python
-    defines : of the names that are asked for, those that it would have defined
-    within : of these names, those whose code was running when it was interrupted
-    fault : what it raised, or the reason
+    number, line : its number in the file, and the line on which it begins
+    how : ``raised``: it raised; ``hints``: a definition that was run without its type hints, which raised; ``less``: a definition
+        that was run without another part that raised; ``overran``: it exceeded its time; ``ended``: it ended the process or could
+        not be interrupted, and was not run again; ``unread``: it is not valid Python
+    defines : the required names that it would have defined
+    within : the required names whose code was running when it was interrupted
+    fault : the exception that it raised, or the reason
     """
 
     path: str
@@ -53,7 +55,7 @@ class SteppedOver:
 
     @property
     def where(self) -> str:
-        """``imu_reader.py, line 12``, as it can be shown."""
+        """The place as printable text: ``imu_reader.py, line 12``."""
         return f"{printable(self.path.replace(':cell ', ', cell '), 120)}, line {self.line}"
 
     @property
@@ -69,16 +71,16 @@ class SteppedOver:
 
 @dataclass(frozen=True)
 class Loaded:
-    """What one file told.
+    """Report of loading one file.
 
     Attributes
     ----------
     names : the required names that it defines
-    unreadable : why it is no Python, if it is not
-    stepped_over : its statements that did not end well
-    supplied : names that the file uses and forgot to import, which it was given
-    misspelled : which of these names, or methods of these classes, are spelled differently, and how
-    frame : the whole answer, for what else a lab reads in it
+    unreadable : the syntax error if it is not valid Python, else None
+    stepped_over : its statements that failed
+    supplied : names that the file uses but did not import, and that the grader supplied
+    misspelled : pairs of a required name, or a method of a required class, and the student's spelling of it
+    frame : the whole reply, for a lab that reads more from it
     """
 
     names: frozenset[str]
@@ -90,12 +92,12 @@ class Loaded:
 
     @property
     def is_clean(self) -> bool:
-        """Whether it was imported as it is: nothing stepped over, supplied or called by another name."""
+        """True if the file was imported unchanged: no statement skipped, no name supplied or misspelled."""
         return self.unreadable is None and not (self.stepped_over or self.supplied or self.misspelled)
 
 
 def loaded_from(frame: Frame, path: str) -> Loaded:
-    """The answer to `load`, of which other files' statements are left out."""
+    """Return the report from a reply to `load`, without the statements of other files."""
     own = tuple(each for each in _stepped_over(frame) if each.path == path or each.path.startswith(f"{path}:"))
     misspelled = tuple((name, other) for name, other in frame.fields["misspelled"])
     names, unreadable = frozenset(frame.fields["names"]), Fault.of(frame.fields["unreadable"])
@@ -103,7 +105,7 @@ def loaded_from(frame: Frame, path: str) -> Loaded:
 
 
 def overran(frame: Frame) -> list[SteppedOver]:
-    """The statements, in whichever file, that had to be interrupted."""
+    """Return the statements of all files that exceeded their time and were interrupted."""
     return [each for each in _stepped_over(frame) if each.how == "overran"]
 
 
@@ -112,7 +114,7 @@ def _stepped_over(frame: Frame) -> list[SteppedOver]:
 
 
 def mistake_of(each: SteppedOver) -> str:
-    """The mistake that a statement shows which was to define something."""
+    """Return the id of the mistake shown by a failed statement that should have defined a required name."""
     if each.fault.type == "ModuleNotFoundError":
         return "missing-package"
     if each.how == "overran" or each.fault.message == _OVERRAN:
@@ -125,7 +127,10 @@ def mistake_of(each: SteppedOver) -> str:
 
 @dataclass(frozen=True)
 class _Ending:
-    """A statement that ended its process, or had to be ended, beside these stand-ins; `within`: what was running, if known."""
+    """A statement that ended its process or exceeded its time.
+
+    `beside` is the set of stand-ins in use at that time; `within` the required names whose code was running, if known.
+    """
 
     path: str
     number: int
@@ -134,12 +139,12 @@ class _Ending:
     within: frozenset[str] | None = None
 
     def still(self, beside: Collection[str]) -> bool:
-        """Return whether it would do so beside other stand-ins, too: not if they may take the place of what it was about."""
+        """Return whether to skip it with these stand-ins: they are the same, or replace no name whose code was running."""
         return self.beside == frozenset(beside) or (self.within is not None and self.within.isdisjoint(beside))
 
 
 class Endings:
-    """What is known of one submission's statements that end their process or overrun."""
+    """Record of one submission's statements that end their process or exceed their time."""
 
     def __init__(self) -> None:
         self._known: list[_Ending] = []
@@ -147,15 +152,15 @@ class Endings:
 
     @property
     def found_out(self) -> int:
-        """Grows with what is known."""
+        """Number of entries; it grows with each new finding."""
         return len(self._suspects) + len(self._known)
 
     def beside(self, standins: Collection[str]) -> list[tuple[str, int, str]]:
-        """File, number and reason of the statements that are not run again beside these stand-ins."""
+        """Return file, number and reason of each statement to skip with these stand-ins."""
         return [(each.path, each.number, each.why) for each in self._known if each.still(standins)]
 
     def learn_place(self, written: str, nothing: NoAnswer, standins: Collection[str]) -> None:
-        """A statement that ends its process, twice, or has to be ended with it, once, is not run again."""
+        """Record the statement in whose run the process ended: it is skipped after one timeout, or after two other ends."""
         place = _place(written)
         if place is None or len(self._known) >= _MOST:
             return
@@ -166,14 +171,14 @@ class Endings:
         self._suspects.add(suspect)
 
     def learn_overrun(self, frame: Frame, standins: Collection[str]) -> None:
-        """What has had its time once is not run again."""
+        """Record the statements that exceeded their time; one time is enough to skip them."""
         beside = frozenset(standins)
         new = [_Ending(each.path, each.number, _OVERRAN, beside, each.within) for each in overran(frame)]
-        self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may claim any number of them
+        self._known = list(dict.fromkeys([*self._known, *new]))[:_MOST]  # a process may report any number of them
 
 
 def _place(written: str) -> tuple[str, int] | None:
-    """The statement that was running when the process ended, as far as it wrote that down; it may have written anything."""
+    """Return file and number of the statement that a process wrote down last; None for any other text."""
     try:
         ((path, number),) = json.loads(written)
     except (ValueError, TypeError, RecursionError):

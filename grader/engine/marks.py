@@ -1,4 +1,4 @@
-"""Points from outcomes: what was found out is a fact, what it is worth is arithmetic, and another rubric needs no sandbox."""
+"""Compute the points from the outcomes of the checks; marking by another rubric needs no sandbox."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from grader.engine.rubric import CheckWeight, Rubric
 
 
 def marked(found: Result, rubric: Rubric) -> Result:
-    """What was found out, in the points of a rubric: the parts that were examined, in the rubric's order.
+    """Return a result with the points of a rubric; it holds the examined parts in the rubric's order.
 
     Parameters
     ----------
     found
-        With `keeps` in every check that was judged. Its own points count for nothing.
+        The outcomes, with `keeps` in each check that was judged. Its own points are ignored.
     rubric
-        One that asks the same (`fits`).
+        A rubric for which `fits` holds.
     """
     rows = {check.id: check for part in found.parts for check in part.checks}
     before = _score_before(found, rubric) if found.repairs else 0.0
@@ -45,7 +45,7 @@ def marked(found: Result, rubric: Rubric) -> Result:
 
 
 def fits(found: Result, rubric: Rubric) -> bool:
-    """Return whether a result on record can be marked by this rubric: it was asked the same, about the checks that stand there."""
+    """Return whether a recorded result can be marked by this rubric: same questions, and the same checks in each part."""
     if found.asked_sha256 != rubric.asked_sha256:
         return False
     asked = {part.id: {check.id for check in part.checks} for part in found.parts if part.checks}
@@ -56,18 +56,18 @@ def fits(found: Result, rubric: Rubric) -> bool:
 
 def _row(found: CheckResult, weight: CheckWeight, prices: Mapping[str, float]) -> CheckResult:
     worth = {"points": _points(found, weight.max_points, prices), "max_points": weight.max_points}
-    return CheckResult(**{**vars(found), **worth})  # half the time of `replace`, which a class of thousands waits for
+    return CheckResult(**{**vars(found), **worth})  # half the time of `replace`; matters for thousands of submissions
 
 
 def _score_before(found: Result, rubric: Rubric) -> float:
-    """Return the score of the submission as it was handed in, before its repairs; checks that were not judged count nothing."""
+    """Return the score of the submission before its repairs; a check that was not judged counts as 0."""
     weights = {check.id: check.max_points for criterion in rubric.criteria for check in criterion.checks}
     known = {id_: each for id_, each in found.unrepaired.items() if id_ in weights}
     return round(sum(_points(each, weights[id_], rubric.mistakes) or 0.0 for id_, each in known.items()), 2)
 
 
 def _points(found: CheckResult | Unrepaired, most: float, prices: Mapping[str, float]) -> float | None:
-    """The share that is kept; where all mistakes that are named have a price, what their prices leave."""
+    """Return a check's points: its share, or its maximum less the rubric's deductions if all its mistakes have one."""
     if found.keeps is None:
         return None
     named = found.misconceptions

@@ -1,4 +1,4 @@
-"""Processes of our own beside this one: how they are started, and that they end with the run that started them."""
+"""Start further processes of the grader, and make them end with the run that started them."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ def starting_ours() -> Iterator[Callable[[], None]]:
     in_main = threading.current_thread() is threading.main_thread()
     begin = partial(_begin_process, os.getcwd(), in_main)
     with _interrupts_ignored(), _beside_no_student(), _though_a_daemon(), warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of idle threads of numpy's, which nothing here waits for
+        warnings.simplefilter("ignore", DeprecationWarning)  # about NumPy's idle threads; nothing waits for them
         yield begin
 
 
 def context() -> Any:
-    """How a process of ours starts: as a copy of this one, which takes milliseconds, where no other thread could be at work."""
+    """Return how to start the grader's processes: ``fork`` (milliseconds) on Linux without other threads, else ``spawn``."""
     alone = sys.platform == "linux" and threading.active_count() == 1
     return multiprocessing.get_context("fork" if alone else "spawn")
 
 
 @contextmanager
 def _interrupts_ignored() -> Iterator[None]:
-    """A process started in here is deaf to Ctrl-C: the terminal sends it to all, and one process is to answer it."""
+    """Make processes started here ignore Ctrl-C: the terminal sends it to all of them, and only one should react."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -49,7 +49,7 @@ def _interrupts_ignored() -> Iterator[None]:
 
 @contextmanager
 def _beside_no_student() -> Iterator[None]:
-    """A new Python first looks for its modules in the folder that it is started in: not for a `signal.py` of a student's."""
+    """Work in the standard library's folder, so that a new Python process does not import a student's `signal.py`."""
     before = os.getcwd()
     os.chdir(os.path.dirname(os.__file__))
     try:
@@ -60,8 +60,10 @@ def _beside_no_student() -> Iterator[None]:
 
 @contextmanager
 def _though_a_daemon() -> Iterator[None]:
-    """A daemon, as Dask's nanny starts its workers, may have no children, for they might outlive it: ours do not."""
-    own = multiprocessing.current_process()._config  # type: ignore[attr-defined] # there is no other way: python/cpython#82408
+    """Let a daemon process, such as a Dask worker, start children.
+
+    Python forbids it because children could outlive the daemon; the grader's processes do not."""
+    own = multiprocessing.current_process()._config  # type: ignore[attr-defined] # no public way exists: python/cpython#82408
     daemon = own.pop("daemon", None)
     try:
         yield
@@ -77,10 +79,10 @@ def _begin_process(folder: str, in_main: bool) -> None:
 
 
 def leave_with_parent(in_main: bool) -> None:
-    """From its first moment: a worker whose run was killed would wait for work for ever, with both ends of its own queue.
+    """End this process when its parent ends. Otherwise it would wait forever for work: it holds both ends of its own queue.
 
-    A thread cannot see to it while a long operation in C is going on, so the kernel is asked where it can be. What it waits for
-    is the end of the thread that started this process, so only the main one will do.
+    A watching thread cannot act during a long operation in C, so on Linux the kernel is asked to end the process as well. The
+    kernel acts when the thread that started this process ends, so it is asked only if that was the main thread.
     """
     parent = multiprocessing.parent_process()
 
@@ -90,9 +92,9 @@ def leave_with_parent(in_main: bool) -> None:
             os._exit(1)
 
     if sys.platform == "linux" and in_main:
-        from grader.sandbox.namespaces import die_with_parent  # noqa: PLC0415 - of Linux only
+        from grader.sandbox.namespaces import die_with_parent  # noqa: PLC0415 - Linux only
 
         die_with_parent()
         if parent is not None and os.getppid() != parent.pid:
-            os._exit(1)  # it ended before it could take this process along
+            os._exit(1)  # the parent ended before the kernel was asked
     threading.Thread(target=wait, daemon=True).start()

@@ -1,7 +1,7 @@
-"""Words about loading a submission that hold no hidden data: they come from processes that were given public data alone.
+"""Messages about loading a submission without hidden data: it is loaded again in a process with public data only.
 
-Under a secret the hidden robot lies in a worker's folder before any of the student's code runs. So whatever that code can choose
-(messages, type names, file names, lines, counts) may hold hidden numbers from the first import on, and is never told. A student
+With a secret, the hidden robot is in a worker's folder before any of the student's code runs. So text that this code can choose
+(messages, type names, file names, lines, counts) may hold hidden numbers from the first import on, and is never shown. A student
 still has to learn why a file does not import. For that the submission is loaded once more, with the public robot.
 """
 
@@ -15,11 +15,11 @@ from grader.engine.submission_session import Conversation
 
 
 class PublicLook:
-    """A session over the same files that never saw hidden data; it starts when it is asked for the first time.
+    """Session over the same files with public data only; it starts at its first use.
 
     Parameters
     ----------
-    start : starts the session; it may raise RequestError or GraderError where no public data can be had here
+    start : starts the session; may raise RequestError or GraderError if there is no public data
     """
 
     def __init__(self, start: Callable[[], Conversation]) -> None:
@@ -28,7 +28,7 @@ class PublicLook:
         self._failed = False
 
     def missing(self, name: str) -> Missing | None:
-        """Return why `name` is missing beside public data as well; None where it is there, or where that cannot be told."""
+        """Return why `name` is missing with public data too; None if it is defined, or if no answer came."""
         student = self._session()
         if student is None:
             return None

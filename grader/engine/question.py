@@ -1,4 +1,4 @@
-"""A question to the code that was handed in, as one record. What it asks is what it is known by: equal questions are one."""
+"""Record of a question to the submitted code. Its key is a digest of its content, so that equal questions are asked once."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class Question(Generic[T]):
-    """What is asked, and the record that the answer becomes.
+    """A question to the submitted code, and the conversion of its answer.
 
     Attributes
     ----------
-    op : which handler of the worker code runs it, and which of the lab's rules its answer must obey
-    about : the name that it is asked about, wherever the submission defines it
-    becomes : makes the record of an answer that obeys the rule
-    fields, arrays : what the handler is given
+    op : operation; selects the handler in the worker and the rule for the reply
+    about : the required name that it is about, in whichever file the submission defines it
+    becomes : makes a record from a reply that passed the rule
+    fields, arrays : input of the handler
     """
 
     op: str
@@ -36,7 +36,7 @@ class Question(Generic[T]):
 
     @property
     def key(self) -> str:
-        """The same for two questions that ask the same."""
+        """Digest of the question; equal for equal questions."""
         return key_of(self.op, {"": self.about, **self.fields}, self.arrays)
 
 
@@ -45,7 +45,7 @@ _LONG = 1000
 
 
 def key_of(op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
-    """A digest of all that is asked: every field, and the type, shape and numbers of every array."""
+    """Return a digest of a question: its fields, and the type, shape and numbers of its arrays."""
     short = {name: _digested(value) if _is_long(value) else value for name, value in fields.items()}
     digest = hashlib.sha256(_SORTED.encode([op, short]).encode("utf-8", "surrogatepass"))
     for name, array in sorted(arrays.items()):
@@ -61,5 +61,5 @@ def _is_long(value: object) -> bool:
 
 @lru_cache(maxsize=64)
 def _digested(text: str) -> dict[str, str]:
-    """What stands for a long text, no text itself: nearly every question has the model, which is the longest part of it by far."""
+    """Return the digest that replaces a long text; cached, because nearly all questions repeat the model."""
     return {"sha256": hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()}

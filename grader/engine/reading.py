@@ -1,4 +1,4 @@
-"""Reading what was handed in, in a process that can be ended: what is read is hostile, and who asked for it must go on."""
+"""Read submissions in a separate process that can be killed: they may be hostile, and the caller must go on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from grader.intake.names import safe_id
 from grader.intake.submission import original_name, unread
 
 WITHIN_S = 60.0
-"""Twenty times what the largest archive takes that is opened at all."""
+"""Time limit for reading one submission; 20 times what the largest accepted archive takes."""
 _ATTEMPTS = 2
 MEMORY_BYTES = 4 << 30
 _LEAVES_WITHIN_S = 0.2
@@ -27,7 +27,7 @@ _ENDED_WITHIN_S = 5.0
 
 
 class Readable(Protocol):
-    """A submission that is still to be read: it travels to the process that reads it."""
+    """An unread submission; it is pickled and sent to the reading process."""
 
     @property
     def id(self) -> str: ...
@@ -43,7 +43,7 @@ Entry = TypeVar("Entry", bound=Readable)
 
 @dataclass(frozen=True)
 class Alone:
-    """A submission that is in no class."""
+    """A single submission, outside a class."""
 
     path: Path
     required: tuple[str, ...]
@@ -61,9 +61,10 @@ class Alone:
 
 
 def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
-    """`read_submission` in a process that can be ended.
+    """Read a submission in a process that can be killed.
 
-    Where there is no Linux a new process imports everything anew, there is no sandbox, and who asks is the author: it is read here.
+    Outside Linux it is read in this process: a new one would import all modules again, and without a sandbox people grade only
+    their own code there.
     """
     if sys.platform != "linux":
         return Alone(path, required).read()
@@ -72,11 +73,11 @@ def read_apart(path: Path, required: tuple[str, ...]) -> Submission:
 
 
 class Reader:
-    """A process that reads one submission after the other; a new one where it had to be ended.
+    """Process that reads one submission after the other; it is replaced if it had to be killed.
 
     Parameters
     ----------
-    within_s, memory_bytes : what one submission may take
+    within_s, memory_bytes : limits of time for one submission and of the process's memory
     """
 
     def __init__(self, within_s: float = WITHIN_S, memory_bytes: int = MEMORY_BYTES) -> None:
@@ -93,17 +94,17 @@ class Reader:
         self._end()
 
     def read(self, entry: Readable) -> Submission:
-        """Read a submission; where that comes to no end twice, it is one that cannot be read.
+        """Read a submission; after two attempts without an answer it counts as unreadable.
 
         Raises
         ------
         RequestError
-            If it has gone meanwhile.
+            If its file has disappeared.
         """
         return next(self.each([entry]))[1]
 
     def each(self, entries: Iterable[Entry]) -> Iterator[tuple[Entry, Submission]]:
-        """The same of several, in turn: the next one is read while whoever asked is busy with one."""
+        """Yield each entry with its submission; the next one is read while the caller works on the current one."""
         following = iter(entries)
         entry = next(following, None)
         if entry is not None:
@@ -116,7 +117,7 @@ class Reader:
             yield read, submission
 
     def _submission(self, entry: Readable) -> Submission:
-        """What comes of a submission that the process was asked for."""
+        """Return the submission that the process was asked for, with a second attempt if no answer came."""
         answer = self._answer()
         for _ in range(_ATTEMPTS - 1):
             if answer is None:
@@ -132,11 +133,11 @@ class Reader:
 
     def _ask(self, entry: Readable) -> None:
         line = self._line or self._start()
-        with suppress(OSError):  # it has ended: there is no answer then
+        with suppress(OSError):  # the process has ended: `_answer` finds no answer
             line.send(entry)
 
     def _answer(self) -> Submission | RequestError | str | None:
-        """What the process says; None where it did not come to an end with it, or something killed it."""
+        """Return the process's answer; None if it exceeded its time or was killed."""
         with suppress(EOFError, OSError):
             if self._line is not None and self._line.poll(self._within_s):
                 answer: Submission | RequestError | str = self._line.recv()
@@ -158,7 +159,7 @@ class Reader:
         if self._line is not None:
             self._line.close()
         if self._process is not None:
-            self._process.join(_LEAVES_WITHIN_S)  # it reads that the line is closed; one that is busy does not
+            self._process.join(_LEAVES_WITHIN_S)  # it sees that the pipe is closed, unless it is busy
             if self._process.is_alive():
                 self._process.kill()
                 self._process.join(_ENDED_WITHIN_S)
@@ -166,7 +167,7 @@ class Reader:
 
 
 def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, begin: Callable[[], None]) -> None:
-    for end in copied:  # a copy of this process's other end: while it is open, nobody has hung up
+    for end in copied:  # a copy of the parent's end: while it is open, the pipe does not close
         end.close()
     begin()
     _bound_memory(memory_bytes)
@@ -176,7 +177,7 @@ def _serve(line: Connection, copied: Iterable[Connection], memory_bytes: int, be
 
 
 def _read(entry: Readable) -> Submission | RequestError | str:
-    """A submission, or why there is none."""
+    """Return the submission, or the reason why there is none."""
     try:
         return entry.read()
     except RequestError as error:
@@ -185,12 +186,12 @@ def _read(entry: Readable) -> Submission | RequestError | str:
         return "What was handed in takes too much memory to be read."
     except (
         Exception
-    ) as error:  # a fault of ours, and the class goes on: the instructor finds it among the unreadable ones
+    ) as error:  # a fault of the grader; the class goes on, and the instructor finds it among the unreadable ones
         return f"What was handed in could not be read ({type(error).__name__})."
 
 
 def _bound_memory(most: int) -> None:
-    with suppress(ImportError, OSError, ValueError):  # Windows has none of it, macOS refuses
-        import resource  # noqa: PLC0415 - of POSIX only
+    with suppress(ImportError, OSError, ValueError):  # Windows has no limits, macOS refuses them
+        import resource  # noqa: PLC0415 - POSIX only
 
         resource.setrlimit(resource.RLIMIT_AS, (most, most))

@@ -1,7 +1,7 @@
-"""Bundles that are recorded where the grading happens, by the lab's own program, and kept for the next time.
+"""Record ground truth (trace bundles) on this machine with the lab's recorder, and cache it.
 
-A simulator's last digits differ between versions and processors, so a bundle holds for one machine and is always compared with a
-tolerance.
+A simulator's last digits differ between versions and processors, so a bundle is valid for one machine only and is always compared
+with a tolerance.
 """
 
 from __future__ import annotations
@@ -31,27 +31,27 @@ _SOURCES = beside("grader", "").parent
 
 
 class Subject(Protocol):
-    """What the recorder is told to record in the place of what it records by itself."""
+    """Subject of a recording, given to the recorder in place of its own."""
 
     @property
     def identity(self) -> Sequence[str]:
-        """Everything that a recording of this subject depends on; part of the cache key."""
+        """Values that a recording of this subject depends on; part of the cache key."""
         ...
 
     def options(self, folder: Path) -> list[str]:
-        """Of the recorder's command; files that they name are written into this new folder."""
+        """Return the options of the recorder's command; the files that they name are written into this new folder."""
         ...
 
 
 def folder_of(lab: Lab) -> Path | None:
-    """The recorder's folder beside this package. Not looked up by name: a student's folder could be called that."""
+    """Return the recorder's folder beside this package; None without it. An import could find a student's folder of that name."""
     package, _, module = lab.recorder.partition(".")
     folder = _SOURCES / package
     return folder if (folder / f"{module}.py").is_file() else None
 
 
 def default_cache_dir() -> Path:
-    """`$IMUGRADE_CACHE`, or the place where this platform keeps what can be made again."""
+    """Return `$IMUGRADE_CACHE`, or the platform's folder for caches."""
     if given := os.environ.get(CACHE_VARIABLE):
         return Path(given)
     if sys.platform == "win32":
@@ -62,7 +62,7 @@ def default_cache_dir() -> Path:
 
 
 def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject | None = None) -> Traces:
-    """From the cache, or recorded and put there. A damaged entry is made again; a cache is not needed.
+    """Return traces from the cache, or record and cache them. A damaged entry is recorded again; an unwritable cache is no error.
 
     Raises
     ------
@@ -82,12 +82,12 @@ def recorded(lab: Lab, name: str, seed: str, cache_dir: Path, subject: Subject |
 
 
 def rehearse(lab: Lab) -> Traces | None:
-    """Hidden traces from a secret that is thrown away, to see whether they can be had here; None without the recorder.
+    """Record hidden traces from a random secret, to test whether this machine can; return None without the recorder.
 
     Raises
     ------
     GraderError, RequestError
-        If they cannot be recorded, or not read.
+        If they cannot be recorded or read.
     """
     if folder_of(lab) is None:
         return None
@@ -96,12 +96,12 @@ def rehearse(lab: Lab) -> Traces | None:
 
 
 def run(module: Sequence[str], what: str, text: str = "") -> subprocess.CompletedProcess[str]:
-    """Run a module that lies beside this package with its arguments, in a process of its own.
+    """Run a module from the folder of this package in a new process; `module` is its name and arguments.
 
     Raises
     ------
     GraderError
-        If it cannot be started or does not end; whether it failed is the caller's to see.
+        If it cannot be started or exceeds its time; the caller checks the exit code.
     """
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONSAFEPATH"} | {"MPLBACKEND": "Agg"}
     try:
@@ -123,7 +123,7 @@ def run(module: Sequence[str], what: str, text: str = "") -> subprocess.Complete
 
 
 def last_line(done: subprocess.CompletedProcess[str]) -> str:
-    """What a program that failed said last."""
+    """Return the last line of a failed program's stderr, or its exit code if there is none."""
     return (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
 
 
@@ -133,7 +133,7 @@ def _fresh(lab: Lab, name: str, seed: str, folder: Path, subject: Subject | None
 
 
 def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) -> None:
-    """Run the recorder. The seed goes by a pipe: a command line can be read by other users."""
+    """Run the recorder. The seed is passed through a pipe, because other users can read a command line."""
     command = [lab.recorder, "--out", str(out), "--name", name, "--seed", "-"]
     if subject is not None:
         beside_it = out.parent / "subject"
@@ -146,7 +146,7 @@ def _record(lab: Lab, name: str, seed: str, out: Path, subject: Subject | None) 
 
 
 def _keep(fresh: Path, entry: Path) -> None:
-    """Put a bundle into the cache in one move, so that nobody sees half of it. Failing to is no harm."""
+    """Move a bundle into the cache in one step, so that no process reads half of it; a failure is ignored."""
     try:
         entry.parent.mkdir(parents=True, exist_ok=True)
         staging = Path(tempfile.mkdtemp(prefix=".staging-", dir=entry.parent))  # mode 0700: hidden traces are secret
@@ -161,7 +161,7 @@ def _keep(fresh: Path, entry: Path) -> None:
 
 
 def _cache_key(lab: Lab, name: str, seed: str, subject: Subject | None = None) -> str:
-    """What the numbers depend on: name, seed, subject, versions, processor and the recorder's own files."""
+    """Return a digest of what the numbers depend on: name, seed, subject, versions, processor and the recorder's own files."""
     digest = hashlib.sha256()
     parts = [SCHEMA, name, seed, *map(version, lab.depends_on), platform.machine(), platform.system()]
     parts += [] if subject is None else subject.identity

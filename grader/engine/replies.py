@@ -1,8 +1,8 @@
-"""Rules for a worker's reply to a question. Any other reply is `Malformed`: the student loses it, and the grader goes on.
+"""Rules for a worker's reply to a question. Any other reply is `Malformed`: the check fails, and the grader goes on.
 
-The frame around an answer was checked already (`sandbox.wire`). Here its content is held against what was asked: which
-fields there are, of which kind and size, and whether the arrays that they name are there in the shape that the question
-calls for. So no check ever meets a value that the worker code could not have sent, whoever sent it.
+`sandbox.wire` has already checked the frame around a reply. This module checks its content against the question: which fields
+it has, their type and size, and whether the arrays that they name exist in the shape that the question requires. So no check
+gets a value that the worker code could not have sent, even if student code wrote the reply.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from grader.base.errors import Malformed
 from grader.sandbox.wire import Frame
 
 MAX_NUMBERS = 600_000
-"""Of one array that a student's function returned: a hundred times what the lab asks for."""
+"""Largest number of elements in an array that a student's function returned; 100 times what the lab asks for."""
 MAX_CURVES = 240
-"""Of all figures of one answer."""
+"""Largest number of curves in all figures of one reply."""
 _TEXT = 2000
 _SHORT = 200
-_NAMES = 64  # that the grader asks for
-_STATEMENTS = 40  # that are told to have been stepped over
+_NAMES = 64  # most names in a list
+_STATEMENTS = 40  # most skipped statements in a report
 _DEPTH = 6
 _WHOLE = 1_000_000_000
 _COORDINATE = 1e12
@@ -32,7 +32,7 @@ _LONGEST_SIDE = 640
 
 
 class Wrong(Exception):  # noqa: N818 - it never leaves this module
-    """Where an answer is not what it should be."""
+    """A reply breaks a rule; the message says where."""
 
 
 Asked = Mapping[str, np.ndarray]
@@ -40,9 +40,9 @@ Asked = Mapping[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Answer:
-    """An answer with the question's fields and arrays.
+    """A reply, with the question's fields and arrays.
 
-    Each array is named once, as the worker code does: what is made of the arrays of an answer is then no larger than what was sent.
+    A reply may name each array only once, as the worker code does; so records made from it are no larger than what was sent.
     """
 
     frame: Frame
@@ -51,7 +51,7 @@ class Answer:
     named: set[str] = field(default_factory=set)
 
     def array(self, name: Any, *shape: int | None) -> np.ndarray:
-        """The array of that name, of numbers, in that shape (None: any length; no shape: any)."""
+        """Return the float64 array of that name if it has that shape (None: any length; no shape: any)."""
         if not isinstance(name, str) or name not in self.frame.arrays:
             raise Wrong("an array that is not there")
         if name in self.named:
@@ -65,12 +65,12 @@ class Answer:
         return array
 
     def part(self, name: str, kind: Callable[[Any], Any]) -> Any:
-        """One field of the answer, which has to be there."""
+        """Return a required field of the reply after checking its kind."""
         return part_of(self.frame.fields, name, kind)
 
     @property
     def faulty(self) -> bool:
-        """Whether the student's code raised: then the answer may break off."""
+        """True if the student's code raised: the reply may then be incomplete."""
         return self.frame.fields.get("error") is not None
 
 
@@ -78,16 +78,16 @@ Rule = Callable[[Answer], None]
 
 
 def checked(op: str, frame: Frame, fields: Mapping[str, Any], arrays: Asked, rules: Mapping[str, Rule]) -> Frame:
-    """The frame, if it is an answer to the question `op` with these fields and arrays.
+    """Return the frame if it is a valid reply to the question `op` with these fields and arrays.
 
     Parameters
     ----------
-    rules : of the lab's own questions, in each of which the student's code may have raised
+    rules : rules for the lab's own questions; the student's code may raise in each of them
 
     Raises
     ------
     Malformed
-        If it is not.
+        If the reply breaks a rule.
     """
     answer = Answer(frame, fields, arrays)
     try:
@@ -108,7 +108,7 @@ def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 @dataclass(frozen=True)
 class Kind:
-    """A rule for one value that was made of others: by which function, and of what."""
+    """A rule for one value, with the function and the arguments that made it."""
 
     made: Callable[..., Kind]
     of: tuple[Any, ...]
@@ -278,7 +278,7 @@ def _image(answer: Answer) -> None:
 
 
 def _pixels(answer: Answer) -> None:
-    """A small picture of 256 colours."""
+    """Check a small picture of 256 colours."""
     preview, palette = (answer.frame.arrays.get(name) for name in ("preview", "palette"))
     if preview is None or palette is None or not preview.dtype == palette.dtype == np.uint8:
         raise Wrong("a picture without pixels")
@@ -328,7 +328,7 @@ def _figure(figure: Any) -> None:
 
 
 def _witness(answer: Answer, figure: Mapping[str, Any]) -> None:
-    """The pixels of what was drawn, in the size that the figure says."""
+    """Check the pixels of a figure: they exist and have the size that the figure states."""
     pixels = answer.frame.arrays.get(str(figure.get("seen")))
     if pixels is None or pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3:
         raise Wrong("a figure without pixels")

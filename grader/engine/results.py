@@ -1,7 +1,7 @@
-"""What a graded submission is: frozen records, and `result.json` written from them and read back.
+"""Result records of a graded submission, and their conversion to and from `result.json`.
 
-Points are rounded once, to two decimals, per check; a criterion's points are the sum of its checks', the score the sum of
-the criteria's (`CONTRACT`, section 4). A check that could not be judged has no points (`None`) and makes the result
+Points are rounded once per check, to two decimals. A criterion's points are the sum of those of its checks, the score is the sum
+of those of the criteria (`CONTRACT`, section 4). A check that could not be judged has no points (`None`) and makes the result
 `incomplete`.
 """
 
@@ -25,11 +25,11 @@ Status = Literal["graded", "incomplete", "empty", "unreadable"]
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One row: what one check found. `points` is None when the grader could not judge.
+    """Result of one check. `points` is None if the grader could not judge.
 
-    It says either a sentence, `said`, or what was `expected` and what came, `got`, which may have further lines; and `where` in the
-    student's files. `keeps` is the share of its points that is earned, whatever those are worth: what `marks` marks anew. With
-    `not_understood` an answer came that nobody could make anything of: a person has to look at it.
+    The message is either one sentence, `said`, or `expected` and `got`, which may have more lines. `where` is the place in the
+    student's files. `keeps` is the share of the points that is earned; `marks` computes the points from it. `not_understood` is
+    True if the grader could not interpret the answer: a person has to review it.
     """
 
     id: str
@@ -50,22 +50,22 @@ class CheckResult:
 
     @property
     def message(self) -> str:
-        """All that it says, as one text."""
+        """The sentence, the expected and the actual value, as one text."""
         return message_of(self.said, self.expected, self.got)
 
     def saying(self, sentence: str) -> CheckResult:
-        """The same with this sentence in place of all that it says of the submission but the hint."""
+        """Return the row with this sentence as its message and without a place; the hint stays."""
         return replace(self, said=sentence, expected="", got="", where=None)
 
 
 def message_of(said: str, expected: str, got: str) -> str:
-    """``Expected  …`` above ``Got       …``; further lines stand below the first."""
+    """Return one text: the sentence, then ``Expected  …``, then ``Got       …``, with further lines aligned below the first."""
     labelled = [f"{label:10}{text}" for label, text in (("Expected", expected), ("Got", got)) if text]
     return "\n".join([*([said] if said else []), *(text.replace("\n", "\n" + 10 * " ") for text in labelled)])
 
 
 def _total(points: tuple[float | None, ...]) -> float:
-    """Sum of what was judged, free of binary dust: the parts are whole hundredths."""
+    """Sum the points that are not None; rounded to hundredths, as all points are, to remove binary rounding errors."""
     return round(sum((p for p in points if p is not None), 0.0), 2)
 
 
@@ -95,7 +95,7 @@ class ExtensionResult:
 
 @dataclass(frozen=True)
 class LabName:
-    """What a lab is called: ``Lab 04-01``, ``Reading IMU data in MuJoCo``."""
+    """Name of a lab: ``Lab 04-01``, ``Reading IMU data in MuJoCo``."""
 
     label: str = ""
     title: str = ""
@@ -107,7 +107,7 @@ AUTOMATIC = "imugrade"
 
 @dataclass(frozen=True)
 class Repair:
-    """A patch on a submitted file: a unified diff, and the points that it costs.
+    """A patch to a submitted file: a unified diff, and the points that are deducted for it.
 
     `score_before` is the score of the submission as it was handed in.
     """
@@ -123,7 +123,7 @@ class Repair:
 
 @dataclass(frozen=True)
 class Unrepaired:
-    """How a check ended for the submission as it was handed in: what `marks` needs to compute `score_before` again."""
+    """Outcome of a check before the repairs; `marks` computes `score_before` from it."""
 
     keeps: float | None
     misconceptions: tuple[str, ...] = ()
@@ -131,13 +131,12 @@ class Unrepaired:
 
 @dataclass(frozen=True)
 class Result:
-    """Everything that is said of one submission.
+    """Result of one submission.
 
-    `extra_credit_cap` is None where extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` beside the
-    score, which stays the sum of the criteria. `lab` is what the lab is called.
-    `evidence` is shown beside the result and is no part of its record. `asked_sha256` is what was asked of the submission, where
-    the record holds what it takes to mark it anew by another rubric that asks the same.
-    With `repairs` the checks are those of the repaired copy, and `unrepaired` tells how each ended before.
+    `extra_credit_cap` is None if extensions earn nothing, as on the sheet. Otherwise they earn `extra_credit` in addition to the
+    score, which stays the sum of the criteria. `evidence` is shown beside the result and is not part of its record.
+    `asked_sha256` is the digest of the questions asked; a recorded result can be marked again by a rubric with the same digest.
+    With `repairs`, the checks are those of the repaired copy, and `unrepaired` holds their outcomes before the repairs.
     `cpu_s` is the CPU time of this grading, by the grader and the student's code; it is not recorded.
     """
 
@@ -158,7 +157,7 @@ class Result:
 
     @property
     def parts(self) -> tuple[CriterionResult | ExtensionResult, ...]:
-        """All that holds checks: the criteria, then the extensions."""
+        """The criteria, then the extensions."""
         return (*self.criteria, *self.extensions)
 
     @property
@@ -170,7 +169,7 @@ class Result:
 
     @property
     def total(self) -> float:
-        """What goes into a gradebook: score plus extra credit."""
+        """Score plus extra credit, as exported to a gradebook."""
         return _total((self.score, self.extra_credit))
 
     @cached_property
@@ -184,7 +183,7 @@ class Result:
 
     @cached_property
     def repair_deduction(self) -> float:
-        """What repairs take from the points of the criteria."""
+        """Points that the repairs deduct from the criteria's points."""
         return round(_total(tuple(criterion.points for criterion in self.criteria)) - self.score, 2)
 
     @property
@@ -193,7 +192,7 @@ class Result:
 
     @property
     def misconceptions(self) -> tuple[str, ...]:
-        """Ids in the order in which the checks found them, each once."""
+        """Ids of the mistakes found, each once, in the order of the checks."""
         return tuple(dict.fromkeys(m for part in self.parts for check in part.checks for m in check.misconceptions))
 
     def renamed(self, submission: str) -> Result:
@@ -201,7 +200,7 @@ class Result:
 
 
 def to_dict(result: Result) -> dict[str, Any]:
-    """Plain data in the field order of the contract."""
+    """Return the result as plain data, with the fields in the contract's order."""
 
     def part(value: CriterionResult | ExtensionResult) -> dict[str, Any]:
         head: dict[str, Any] = {"id": value.id}
@@ -246,7 +245,7 @@ def _row(check: CheckResult) -> dict[str, Any]:
 
 
 def _check(row: Mapping[str, Any], keeps: float | None) -> CheckResult:
-    """The inverse; of a record that was made before `expected` and `got` stood in it, the message is a sentence."""
+    """Return the check of a record's row; in old records without `expected` and `got` the message is a sentence."""
     given = {**row, "misconceptions": tuple(row["misconceptions"])}
     message, where = given.pop("message"), given.pop("where", None)
     said = "" if row.get("expected") or row.get("got") else message
@@ -254,7 +253,7 @@ def _check(row: Mapping[str, Any], keeps: float | None) -> CheckResult:
 
 
 def to_record(result: Result) -> dict[str, Any]:
-    """What is kept of a result: `result.json`, and what it takes to mark it anew."""
+    """Return the data to record: that of `result.json`, and what is needed to mark the result again."""
     keeps = {check.id: check.keeps for part in result.parts for check in part.checks}
     record = {**to_dict(result), "asked_sha256": result.asked_sha256, "keeps": keeps}
     if result.repairs:
@@ -264,21 +263,21 @@ def to_record(result: Result) -> dict[str, Any]:
 
 
 def _extra_credit(result: Result) -> dict[str, Any]:
-    """The field is there only where the rubric gives extra credit: by default the record is what the contract shows."""
+    """Return the field for extra credit, or no field if the rubric gives none, as the contract shows it."""
     if result.extra_credit_cap is None:
         return {}
     return {"extra_credit": {"points": result.extra_credit, "cap": result.extra_credit_cap}}
 
 
 def to_json(result: Result) -> str:
-    """The text of `result.json`: UTF-8 safe, sorted as the contract lists the fields, ending in a newline."""
+    """Return the text of `result.json`: valid UTF-8, fields in the contract's order, a newline at the end."""
     text = _indented(to_dict(result), "\n")
     shown = _UNSEEN.sub(lambda found: json.dumps(found.group())[1:-1], text)
     return shown.encode("utf-8", "replace").decode("utf-8") + "\n"
 
 
 def _indented(value: Any, line: str) -> str:
-    """As `json.dumps` sets it with ``indent=2``, which writes number by number: here what holds no filled list is set at once."""
+    """Return the same text as `json.dumps` with ``indent=2``, but faster: a container of scalars is encoded in one call."""
     within = line + "  "
     if not _holds(value):
         return _encoder(line).encode(value)
@@ -303,11 +302,17 @@ def _encoder(line: str) -> json.JSONEncoder:
 _UNSEEN = re.compile(
     "[\x7f-\x9f\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff]"
 )
-"""What a terminal or an editor obeys and does not show. In JSON it can be written as an escape, and reads the same."""
+"""Invisible control characters that a terminal or an editor obeys; written as JSON escapes, which are read back unchanged."""
 
 
 def from_dict(record: Mapping[str, Any]) -> Result:
-    """The inverse of `to_dict` and of `to_record`."""
+    """Return the result from the data of `to_dict` or `to_record`.
+
+    Raises
+    ------
+    ValueError
+        If the schema is another one, or a value is of the wrong kind.
+    """
     if record.get("schema") != SCHEMA:
         raise ValueError(f"not an {SCHEMA} record: schema is {record.get('schema')!r}")
 
@@ -344,7 +349,7 @@ _OUTCOMES, _STATUSES = frozenset(get_args(Outcome)), frozenset(get_args(Status))
 
 
 def _hold_to_their_kinds(result: Result) -> None:
-    """Raise ValueError where a record that anyone may have written holds what no page could show."""
+    """Raise ValueError if a value read from a record, which anyone may have written, is of the wrong kind."""
     checks = [check for part in result.parts for check in part.checks]
     numbers = [
         each for part in result.parts for each in (part.max_points, *(check.max_points for check in part.checks))

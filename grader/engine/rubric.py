@@ -1,7 +1,7 @@
-"""The rubric: criteria, checks and their points, extensions and limits, read from `rubric.yaml` and proved whole.
+"""Rubric: criteria, checks and their points, extensions and limits, read from `rubric.yaml` and validated.
 
-All problems of a file are reported together, each with its line. The file is read as YAML nodes, not as values: nodes know
-their lines, keep duplicate keys apart and build no objects.
+All problems of a file are reported together, each with its line. The file is read as YAML nodes, not as values: nodes have line
+numbers, keep duplicate keys apart and build no objects.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ __all__ = [
 
 _OPTIONAL = ("extra_credit", "late", "mistakes", "repairs")
 OwnChecks = tuple[tuple[str, bytes], ...]
-"""Names and contents of the files in the folder ``checks`` beside a rubric: what is read is what runs, wherever that is."""
+"""Names and contents of the files in the folder ``checks`` beside a rubric. They are read once and run from this copy."""
 
 CARRIED = "own_checks"
 _MOST_OWN_BYTES = 1_000_000
@@ -60,7 +60,7 @@ _FILE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}\.py")
 
 @dataclass(frozen=True)
 class CheckWeight:
-    """One check of a criterion or an extension. `id` is whole (``filtering.passes_constant``), `line` its line."""
+    """A check of a criterion or an extension. `id` is the full id (``filtering.passes_constant``), `line` its line in the file."""
 
     id: str
     weight: float
@@ -70,7 +70,7 @@ class CheckWeight:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A part that earns points by its checks."""
+    """A part whose checks earn points."""
 
     id: str
     title: str
@@ -81,7 +81,7 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Extension(Criterion):
-    """One of the sheet's extensions, in a file of its own: `points` 0 means that it is reported and earns nothing."""
+    """An extension of the sheet, in a file of its own. With `points` 0 it is reported and earns nothing."""
 
     file: str
 
@@ -96,22 +96,22 @@ class Limits:
 
 @dataclass(frozen=True)
 class LatePolicy:
-    """What lateness costs. It stands beside the marks and never changes them.
+    """Late policy. It changes the final grade, never the score.
 
     Attributes
     ----------
     due
-        When the lab is due, in UTC.
+        The due date, in UTC.
     grace_minutes
-        Later than that counts from `due` on; up to that it is not late.
+        A submission up to this late counts as on time; a later one is late from `due` on.
     per_day
-        Points for each day begun after `due`.
+        Points deducted for each day begun after `due`.
     cut_off_days
-        After so many days nothing counts; None: everything is taken.
+        A submission later than this many days is not accepted; None: each is accepted.
     extensions
-        Other dates for some submissions or people, by what an id, a name or an e-mail address is.
+        Other due dates for some submissions or people, by id, name or e-mail address.
     tz
-        The time zone by whose clock days are counted, "Europe/Berlin" for example; "" counts 24 hours for each day.
+        The time zone in which days are counted, for example "Europe/Berlin"; "" counts 24 hours as a day.
     """
 
     due: datetime
@@ -124,14 +124,14 @@ class LatePolicy:
 
 @dataclass(frozen=True)
 class RepairPolicy:
-    """How files that do not run are repaired.
+    """Repair policy for files that do not run.
 
     Attributes
     ----------
     suggested
         Whether `grade` applies a suggested repair by itself; otherwise a person decides.
     deduct
-        Points that a repair costs: of one that `grade` applies, and as the review desk proposes it.
+        Points deducted for a repair that `grade` applies; the review desk proposes the same number.
     """
 
     suggested: bool = False
@@ -140,14 +140,14 @@ class RepairPolicy:
 
 @dataclass(frozen=True)
 class Rubric:
-    """A rubric without problems. `criteria` and `extensions` stand in the sheet's order, whatever the file's is.
+    """A valid rubric. `criteria` and `extensions` are in the sheet's order, not the file's.
 
-    `settings` is what the keys say that are the lab's own (`Lab.settings`), by key.
-    `extra_credit_cap` is what all extensions together can earn beside the score; None where they earn nothing. `mistakes` are
-    those that have a price: what each costs in a check that it loses, in place of the check's own points. `sha256` is that of all
-    that marks depend on: a comment, the order of the lines or another late policy leaves it as it is; `asked_sha256` of what is
-    asked alone: by a rubric with the same one, marks can be made anew from what is on record. `own_checks` are the instructor's,
-    which lie beside the file. `text` is the whole file and `folder` what relative paths in it start from, for whoever keeps it.
+    `settings` holds the values of the lab's own keys (`Lab.settings`). `extra_credit_cap` is the most points that all extensions
+    together can earn in addition to the score; None if they earn nothing. `mistakes` holds the rubric's deductions by id of the
+    mistake; they replace the share that a check loses. `sha256` is the digest of the content that marks depend on:
+    comments, the order of the lines and the late policy do not change it. `asked_sha256` is the digest of the content that the
+    questions depend on: recorded results can be marked again by a rubric with the same one. `own_checks` are the instructor's
+    checks beside the file. `text` is the whole file, and relative paths in it start from `folder`.
     """
 
     lab: Lab
@@ -168,12 +168,12 @@ class Rubric:
 
     @property
     def parts(self) -> tuple[Criterion, ...]:
-        """All that holds checks: the criteria, then the extensions."""
+        """The criteria, then the extensions."""
         return (*self.criteria, *self.extensions)
 
     @property
     def checks(self) -> tuple[CheckWeight, ...]:
-        """The checks of all criteria, then of all extensions."""
+        """The checks of the criteria, then those of the extensions."""
         return tuple(check for part in self.parts for check in part.checks)
 
     @property
@@ -181,12 +181,12 @@ class Rubric:
         return round(sum(criterion.points for criterion in self.criteria), 2)
 
     def check(self, check_id: str) -> CheckWeight:
-        """The check with this id; KeyError if there is none."""
+        """Return the check with this id; raise KeyError if there is none."""
         return {check.id: check for check in self.checks}[check_id]
 
 
 def shipped(lab: Lab) -> Path:
-    """The rubric of this installation. The sources have it at their top, where people look; a build puts it with the lab."""
+    """Return the path of the shipped rubric: in the lab's folder of a build, else at the top of the source tree."""
     built = lab.folder / "rubric.yaml"
     return built if built.is_file() else beside("grader", "").parent / "rubric.yaml"
 
@@ -197,7 +197,7 @@ def load(lab: Lab, path: Path | None = None) -> Rubric:
     Parameters
     ----------
     lab
-        Whose parts it has to list.
+        The lab; the rubric must list its parts.
     path
         The file; None takes the shipped one.
 
@@ -208,7 +208,7 @@ def load(lab: Lab, path: Path | None = None) -> Rubric:
     """
     source = "rubric.yaml" if path is None else printable(str(path), 500)
     file = shipped(lab) if path is None else path
-    if not os.path.isfile(file):  # answers False for every odd name, where opening a pipe would wait
+    if not os.path.isfile(file):  # False for any invalid path; opening a named pipe would block
         raise RubricError(f"{source}: there is no such file; give the path of a rubric.yaml")
     try:
         with open(file, "rb") as stream:
@@ -226,20 +226,20 @@ def parse(
     Parameters
     ----------
     lab
-        Whose parts it has to list.
+        The lab; the rubric must list its parts.
     data
         The file's bytes, UTF-8.
     source
-        How the messages call the file.
+        The file's name in messages.
     folder
-        What relative paths in it start from; None is the working folder.
+        The folder that relative paths in it start from; None is the working folder.
     own
         The instructor's own checks; None reads them from `folder`.
 
     Raises
     ------
     RubricError
-        If there are problems, whatever the bytes are; the message names all of them.
+        If there are problems; the message names all of them.
     """
     reader = Reader(source)
     root = reader.compose(data)
@@ -255,14 +255,14 @@ def parse(
     repairs = _repairs(reader, keys.get("repairs"))
     if own is None:
         own = () if folder is None else own_checks(lab, folder)
-    if reader.problems and not own:  # told in one round with those that `match_checks` would find
+    if reader.problems and not own:  # report the problems that `match_checks` would find with them
         whole = [part for part in (*criteria, *extensions) if part.checks]
         named = {part.id for part in whole}
         known = {check.id: check.title for check in checks_of(lab).values() if check.criterion in named}
         reader.problems += _unmatched(whole, known)
     reader.stop_on_problems()
     granted = (worth if cap is None else cap) if worth else None
-    written = [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []  # without any it is the digest of before
+    written = [hashlib.sha256(repr(own).encode()).hexdigest()] if own else []  # none: no effect on the digest
     priced = [mistakes] if mistakes else []
     digest = _digest(criteria, extensions, limits, *settings.values(), granted, *priced, *written)
     asked = _digest(limits, *settings.values(), *written)
@@ -274,12 +274,12 @@ def parse(
 
 
 def own_checks(lab: Lab, folder: Path) -> OwnChecks:
-    """The instructor's own checks beside a rubric; a kit carries them beside the lab's.
+    """Read the instructor's own checks from the folder beside a rubric; in a kit they are in the lab's folder.
 
     Raises
     ------
     RubricError
-        If there are too many, or they cannot be read.
+        If they are too large or cannot be read.
     """
     place = folder / (CARRIED if folder == lab.folder else "checks")
     try:
@@ -297,7 +297,7 @@ def know_part(rubric: Rubric, only: str | None) -> None:
     Raises
     ------
     RequestError
-        With the nearest name, or all of them.
+        The message suggests the nearest name, or lists the known ones.
     """
     known = [part.id for part in rubric.parts]
     if only is None or only in known:
@@ -308,19 +308,19 @@ def know_part(rubric: Rubric, only: str | None) -> None:
 
 
 def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
-    """Prove that the checks of the rubric are those that exist.
+    """Verify that the rubric lists the existing checks, no more and no fewer.
 
     Parameters
     ----------
     rubric
         A loaded rubric.
     known
-        Every pytest check: its id, and where it stands or what it is called.
+        The existing checks: id and title.
 
     Raises
     ------
     RubricError
-        One line for each check that stands on one side only.
+        One line for each check that only the rubric lists or that the rubric lacks.
     """
     problems = _unmatched(rubric.parts, known)
     if problems:
@@ -328,7 +328,7 @@ def match_checks(rubric: Rubric, known: Mapping[str, str]) -> None:
 
 
 def _unmatched(parts: Sequence[Criterion], known: Mapping[str, str]) -> list[tuple[int, str]]:
-    """Checks of these parts that stand on one side only, with their lines."""
+    """Return a problem, with its line, for each check that only the rubric lists or that the rubric lacks."""
     listed = {check.id: check for part in parts for check in part.checks}
     problems = [
         (check.line, f"there is no check {id_}{guess_at(id_, known)}; correct the name or remove the line")
@@ -356,7 +356,7 @@ def _criteria(reader: Reader, node: yaml.Node | None, ids: Sequence[str]) -> tup
 
 
 def _extra_credit(reader: Reader, node: yaml.Node | None) -> tuple[float, float | None]:
-    """What each extension is worth where it names no points of its own, and the cap of all together, if there is one."""
+    """Return the points of an extension that names none of its own, and the cap of all together (None: no cap)."""
     if node is None:
         return 0.0, None
     keys = reader.fields(node, "extra_credit", ("each",), ("cap",))
@@ -381,7 +381,7 @@ def _extensions(reader: Reader, node: yaml.Node | None, ids: Sequence[str], each
 
 
 def _extension_checks(reader: Reader, node: yaml.Node | None, part: str, points: float) -> tuple[CheckWeight, ...]:
-    """An extension may have no checks: `checks: []`, `{}`, nothing, or no such key."""
+    """Read the checks of an extension; it may have none: `checks: []`, `{}`, an empty value, or no such key."""
     nothing = node is None or not node.value or node.tag == "tag:yaml.org,2002:null"
     return () if nothing else _checks(reader, node, part, points)
 
@@ -407,7 +407,7 @@ def _checks(reader: Reader, node: yaml.Node | None, part: str, points: float | N
 
 
 def _shares(points: float, weights: Sequence[float]) -> list[float]:
-    """Points in proportion to the weights, in whole hundredths that sum to them (largest remainder; ties: first)."""
+    """Divide points in proportion to the weights, in hundredths that sum to the points (largest remainder; ties: first)."""
     decimals = [Fraction(str(weight)) for weight in weights]
     total = sum(decimals)
     if not total:
@@ -454,7 +454,7 @@ def _late(reader: Reader, node: yaml.Node | None, of: float) -> LatePolicy | Non
 
 
 def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
-    """The time zone of a late policy, by its name."""
+    """Return the time zone of a late policy; None without one or with an unknown name."""
     name = reader.text(node, "tz")
     if node is None or not name:
         return None
@@ -466,7 +466,7 @@ def _zone(reader: Reader, node: yaml.Node | None) -> ZoneInfo | None:
 
 
 def _mistakes(reader: Reader, node: yaml.Node | None, lab: Lab) -> dict[str, float]:
-    """What a named mistake costs, by its id."""
+    """Return the points that the rubric deducts for a mistake, by the mistake's id."""
     if node is None:
         return {}
     if not isinstance(node, yaml.MappingNode):
@@ -487,7 +487,7 @@ _APPLY = {"suggested": True, "none": False}
 
 
 def _repairs(reader: Reader, node: yaml.Node | None) -> RepairPolicy:
-    """Return whether suggested repairs are applied, and what a repair costs."""
+    """Return the repair policy: whether suggested repairs are applied, and the deduction for a repair."""
     if node is None:
         return RepairPolicy()
     keys = reader.fields(node, "repairs", ("apply", "deduct"), ())
@@ -499,7 +499,7 @@ def _repairs(reader: Reader, node: yaml.Node | None) -> RepairPolicy:
 
 
 def _digest(*meaning: object) -> str:
-    """SHA-256 of what marks depend on. Lines are left out, and numbers are written as Python writes them."""
+    """Return the SHA-256 of these values as JSON; line numbers are left out."""
     plain = [_without_lines(part) for part in meaning]
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 

@@ -1,7 +1,7 @@
-"""YAML nodes to values, for a file that an instructor edits by hand.
+"""Read YAML nodes as values and collect the problems, for a file that an instructor edits by hand.
 
-Nodes know their lines, keep duplicate keys apart and build no objects. What is wrong is collected, so that all of it
-can be told at once.
+Nodes have line numbers, keep duplicate keys apart and build no objects. Problems are collected so that all of them can be
+reported at once.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from grader.base.text import printable
 MAX_BYTES = 1_000_000
 MAX_EVENTS = 20_000  # the shipped file has about 300; PyYAML reads some 50,000 a second
 MAX_DEPTH = 10  # the shipped file has 4 levels; PyYAML's composer recurses
-MAX_SHOWN = 50  # problems told at once; the rest are counted
-LARGEST = 1000.0  # of a weight, of points and of the seconds of a call
+MAX_SHOWN = 50  # problems reported at once; the rest are counted
+LARGEST = 1000.0  # largest weight, points and seconds of a call
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
@@ -41,23 +41,23 @@ def refuse(source: str, problems: Iterable[tuple[int, str]]) -> NoReturn:
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The known word that is spelt most like this one, or ""."""
+    """Return the known word with the most similar spelling, or ""."""
     return next(iter(difflib.get_close_matches(word[:100], list(known), n=1)), "")
 
 
 def guess_at(word: str, known: Iterable[str]) -> str:
-    """A did-you-mean, or nothing."""
+    """Return " (did you mean …?)" with the nearest known word, or ""."""
     guess = nearest(word, known)
     return f" (did you mean {guess}?)" if guess else ""
 
 
 def quote(node: yaml.Node) -> str:
-    """What a scalar says, for a message."""
+    """Return a node's value in quotation marks, for a message."""
     return f"'{printable(node.value, 60)}'" if isinstance(node, yaml.ScalarNode) else "a list or a mapping"
 
 
 class Reader:
-    """Nodes to values; what is wrong is collected with its line, and a place holder goes on."""
+    """Reads nodes as values. It collects each problem with its line and returns a placeholder for the value."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -71,7 +71,7 @@ class Reader:
         self.problems.append((node.start_mark.line + 1, problem))
 
     def compose(self, data: bytes) -> yaml.Node:
-        """The root node, or RubricError: without a tree there is nothing to collect problems of."""
+        """Return the root node; raise RubricError at once if the file is not YAML."""
         if len(data) > MAX_BYTES:
             refuse(self.source, [(1, "the file is larger than 1 MB; start again from the shipped rubric.yaml")])
         try:
@@ -92,7 +92,7 @@ class Reader:
         return root
 
     def _tree_of(self, text: str) -> yaml.Node | None:
-        """By the parser in C, where there is one, which takes a tenth of the time; the other one says what is wrong in words."""
+        """Parse with PyYAML's C parser, ten times as fast; on a failure with the Python one, whose errors say more."""
         with contextlib.suppress(yaml.YAMLError, ValueError, OverflowError):
             return self._composed(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
         return self._composed(text, yaml.SafeLoader)
@@ -103,7 +103,7 @@ class Reader:
         return root
 
     def _survey(self, text: str, loader: Any) -> None:
-        """Refuse what would take the composer's time or stack: bombs of aliases, of depth and of number."""
+        """Refuse files that would exhaust the composer's time or stack: aliases, deep nesting, too many nodes."""
         depth = 0
         for count, event in enumerate(yaml.parse(text, Loader=loader)):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
@@ -118,7 +118,7 @@ class Reader:
     def fields(
         self, node: yaml.Node | None, what: str, required: Sequence[str], optional: Sequence[str] = ()
     ) -> dict[str, yaml.Node]:
-        """The values of a mapping with these keys; `node` None says nothing, its absence has been told."""
+        """Return the values of a mapping with these keys; a `node` of None was reported as missing already."""
         if node is None:
             return {}
         if not isinstance(node, yaml.MappingNode):
@@ -136,7 +136,7 @@ class Reader:
         return {name: value for name, (_, value) in given.items() if name in keys}
 
     def pairs(self, node: yaml.MappingNode, what: str) -> dict[str, tuple[yaml.Node, yaml.Node]]:
-        """Key and value nodes by the key's text; a key that is no word, or that stands twice, is a problem."""
+        """Return key and value nodes by the key's text; report a key that is not a scalar or appears twice."""
         found: dict[str, tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
@@ -149,7 +149,7 @@ class Reader:
         return found
 
     def text(self, node: yaml.Node | None, what: str, pattern: re.Pattern[str] | None = None, like: str = "") -> str:
-        """A line of text, or "" if it is none."""
+        """Return one line of text, or "" after reporting a problem."""
         if node is None:
             return ""
         if not isinstance(node, yaml.ScalarNode) or node.tag != "tag:yaml.org,2002:str" or not node.value.strip():
@@ -163,7 +163,7 @@ class Reader:
         return ""
 
     def number(self, node: yaml.Node | None, what: str, low: float = 0.0, high: float = LARGEST) -> float | None:
-        """A plain decimal number within the bounds, or None if it is none. (YAML 1.1: 012 is 10, 1:30 is 90.)"""
+        """Return a decimal number within the bounds, else None. (YAML 1.1 would read 012 as 10 and 1:30 as 90.)"""
         if node is None:
             return None
         plain = isinstance(node, yaml.ScalarNode) and not node.style and _NUMBER.fullmatch(node.value)
@@ -174,14 +174,14 @@ class Reader:
         return None
 
     def points(self, node: yaml.Node | None, what: str) -> float | None:
-        """Points: a number of whole hundredths, as every sum of them is then exact to two decimals."""
+        """Return a number of points; more than two decimals are a problem, so that sums are exact to two decimals."""
         value = self.number(node, what)
         if node is not None and value is not None and round(value, 2) != value:
             self.say(node, f"{what} must have at most two decimals, not {quote(node)}; round it")
         return value
 
     def share(self, node: yaml.Node | None, what: str, of: float) -> float | None:
-        """Points, or a percentage of so many points, to two decimals."""
+        """Return a number of points, also from a percentage of `of` points, to two decimals."""
         if isinstance(node, yaml.ScalarNode) and node.value.endswith("%"):
             number = node.value[:-1].strip()
             if _NUMBER.fullmatch(number) and 0 <= float(number) <= 100:
@@ -191,7 +191,7 @@ class Reader:
         return self.points(node, what)
 
     def stamp(self, node: yaml.Node | None, what: str, zone: tzinfo | None = None) -> datetime | None:
-        """A date and time with its offset from UTC, which is what makes it one moment everywhere, or by the clock of `zone`."""
+        """Return a date and time; it needs an offset from UTC unless `zone` is given."""
         when = read_stamp(node.value, zone) if isinstance(node, yaml.ScalarNode) else None
         if node is not None and when is None:
             example = "2026-11-20T23:59+01:00"
@@ -203,7 +203,7 @@ class Reader:
     def records(
         self, node: yaml.Node | None, what: str, known: Sequence[str], required: Sequence[str], optional: Sequence[str]
     ) -> dict[str, tuple[yaml.Node, dict[str, yaml.Node]]]:
-        """The items of a list in the order of `known`: every id of it, each once."""
+        """Return the items of a list by id, in the order of `known`; report unknown, missing and repeated ids."""
         if node is None:
             return {}
         if not isinstance(node, yaml.SequenceNode):
@@ -224,7 +224,7 @@ class Reader:
         return {name: found[name] for name in known if name in found}
 
     def _known_id(self, node: yaml.Node | None, what: str, known: Sequence[str]) -> str:
-        """The id. A misspelt one is a problem, and is taken for what it must be, so that it is not reported as missing as well."""
+        """Return the id; report a misspelt one and return the nearest, so that it is not reported as missing as well."""
         name = self.text(node, "an id")
         if node is None or not name or name in known:
             return name

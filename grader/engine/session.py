@@ -1,4 +1,4 @@
-"""The talk with the sandbox about one submission: its workers, its files, the time that they have, and each answer once."""
+"""Session with the sandbox about one submission: workers, files, time budget and answer cache."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from grader.sandbox.sandbox import Sandbox, Worker
 from grader.sandbox.wire import Frame
 
 SEED = 0
-"""Seed of the generators that student code draws from; no verdict rests on it."""
+"""Seed of the random generators of student code; no outcome depends on its value."""
 
 _SENT = (".py", ".ipynb", ".xml", ".csv", ".txt", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".npy", ".npz")
 _SENT_BYTES = 24_000_000
 _LOADING = ("load", "run_script")
 _WAITS_FOR = {"load": "{path} to be imported", "run_script": "{path} to run as a program"}
-_WALL_PER_CPU = 4  # seconds on the clock that a part has for each of its CPU time: waiting costs time, too
-_SLOW_S = 2.0  # after which a line says what is waited for
-_OF_ITS_TIME = 0.8  # is what loading has before the process is ended: it may interrupt its statements itself
+_WALL_PER_CPU = 4  # wall-clock seconds that a part has per second of its CPU time: code that waits uses time, too
+_SLOW_S = 2.0  # seconds after which a message says what the grader waits for
+_OF_ITS_TIME = 0.8  # share of the limit after which loading interrupts its own statements, before it is killed
 
 T = TypeVar("T")
 Listener = Callable[[str, str], None]
-"""Hears what a student's code prints: the part that is being examined, and the text."""
+"""Called with the part that is being examined and the text that the student's code printed."""
 
 
 class Sheet(Protocol):
-    """What a conversation needs to know of the lab that it is about."""
+    """The attributes of a lab that a session uses."""
 
     @property
     def parts(self) -> Collection[Any]: ...
@@ -57,7 +57,7 @@ class Sheet(Protocol):
 
 
 class _Session:
-    """One worker with the submission's files in it."""
+    """A worker that holds the submission's files."""
 
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
@@ -66,24 +66,24 @@ class _Session:
         self._heard = 0
 
     def news(self) -> str:
-        """What the worker has printed since this was asked last."""
+        """Return the text that the worker printed since the last call."""
         text = self.worker.printed()
         news, self._heard = text[self._heard :], len(text)
         return news
 
 
 class Asking:
-    """Asks each question about a submission once, in a fresh worker where one died.
+    """Session about one submission: asks each question once, and starts a new worker if one died.
 
     Parameters
     ----------
-    sandbox : the zygote that workers come from
-    lab : whose names are asked for, a `Lab`
+    sandbox : provides the workers
+    lab : a `Lab`; its names are asked for
     files : relative path -> content
-    above : how many folders above the others some of them lie
-    lab_configuration : what the worker code is given with the files: the lab's own
-    call_cpu_s, submission_cpu_s : limits, from the rubric
-    waiting : called with what is waited for, where an answer takes long
+    above : files that lie above the lab's folder, with the number of folders above it
+    lab_configuration : the lab's own configuration, sent to the worker with the files
+    call_cpu_s, submission_cpu_s : limits of CPU time, from the rubric
+    waiting : called with a description of a question that takes long
     """
 
     def __init__(
@@ -126,14 +126,16 @@ class Asking:
         self.end_session()
 
     def replace_broken(self, names: Sequence[str]) -> None:
-        """From now on sound stand-ins take the place of these names: their own checks are over."""
+        """Replace these names by sound stand-ins from now on; their own checks are over."""
         if not self.broken.issuperset(names):
             self.broken |= set(names)
             self.end_session()
 
     @contextmanager
     def without_standins(self) -> Iterator[dict[Any, Any]]:
-        """The submission as it was handed in, in a process of its own: its answers, forgotten unless `remember` has them."""
+        """Use the submission without stand-ins in this context, in a new process.
+
+        Yields its answers, which are discarded unless they are passed to `remember`."""
         (broken, self.broken), (answers, self._answers) = (self.broken, set()), (self._answers, {})
         self.end_session()
         try:
@@ -143,7 +145,7 @@ class Asking:
             self.end_session()
 
     def remember(self, answers: Mapping[Any, Any]) -> None:
-        """Put these in the place of answers to the same questions."""
+        """Keep these answers; they replace earlier answers to the same questions."""
         self._answers |= answers
 
     def end_session(self) -> None:
@@ -199,7 +201,7 @@ class Asking:
         return rows, arrays
 
     def _turn_of(self, path: str) -> tuple[bool, bool, str]:
-        """Sort key of a file to send: those that the lab asks for, then other code, then data."""
+        """Return the sort key of a file to send: the lab's required files first, then other code, then data."""
         return (path not in self._lab.homes.values(), not path.endswith((".py", ".ipynb")), path)
 
     @property
@@ -208,7 +210,7 @@ class Asking:
         return sum(self._used_cpu_s.values())
 
     def turn_to(self, part: str) -> None:
-        """What is asked from now on is on the account of this part: no endless loop takes another part's time."""
+        """Account the time of all further questions to this part, so that an endless loop uses no other part's time."""
         if part != self._part:
             self._pass_on_prints()
         self._part = part
@@ -228,7 +230,7 @@ class Asking:
             self._overrun[self._part] += 1
             raise
         except Malformed:
-            worker.close()  # nothing more that comes from there can be relied on
+            worker.close()  # no further reply of this worker can be trusted
             raise
         finally:
             self._used_cpu_s[self._part] += max(0.0, worker.cpu_s - before)
@@ -236,11 +238,11 @@ class Asking:
             session.has_seen_data |= op not in ("load", "outline")
 
     def _limit_s(self) -> float:
-        """Half as much after each call that did not end: all together they take no more than twice the first."""
+        """Return the CPU limit of a call; it halves after each timeout, so all of them take at most twice the first."""
         return float(self._call_cpu_s / 2 ** self._overrun[self._part])
 
     def _left_s(self) -> float:
-        """What the part that is examined still has on the clock."""
+        """Return the wall-clock seconds that the current part has left."""
         return _WALL_PER_CPU * self._share_cpu_s - self._used_wall_s[self._part]
 
     def _asked(
@@ -250,7 +252,7 @@ class Asking:
             with self._telling_if_slow(op, fields, limit_s):
                 frame = session.worker.ask(op, fields, arrays, cpu_s=limit_s, wall_s=3 * limit_s, most_s=self._left_s())
         except (Crashed, TimedOut) as nothing:
-            if op in _LOADING and not session.has_seen_data:  # or what it wrote down may tell of data
+            if op in _LOADING and not session.has_seen_data:  # else the place that it wrote down may hold data
                 self._endings.learn_place(session.worker.place(), nothing, self.broken)
             raise
         self._lab.checked(op, frame, fields, arrays)
@@ -276,12 +278,12 @@ class Asking:
             timer.cancel()
 
     def ask_aside(self, op: str, fields: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Frame:
-        """Ask a worker that has never seen the submission: one that runs it could say anything."""
+        """Ask a worker that does not hold the submission, so that its code cannot change the answer."""
         with self._sandbox.worker() as worker:
             return worker.ask(op, fields, arrays, cpu_s=self._call_cpu_s)
 
     def once(self, key: Any, ask: Callable[[], T]) -> T:
-        """Ask a question once; remember the answer, or that there was none."""
+        """Return the answer to a question, asking it only once; that no answer came is remembered, too."""
         if key not in self._answers:
             try:
                 self._answers[key] = self.retried(ask)
@@ -289,25 +291,25 @@ class Asking:
                 self._answers[key] = nothing
         answer = self._answers[key]
         if isinstance(answer, Exception):
-            raise answer.with_traceback(None)  # or it would grow with every time that it is raised
+            raise answer.with_traceback(None)  # else its traceback grows each time it is raised
         return answer  # type: ignore[no-any-return]
 
     def known_as(self, called: str, key: Any, ask: Callable[[], T]) -> T:
-        """As `once`, for what a report looks up by a name."""
+        """Do the same as `once`, and make the answer available to `answered` under a name."""
         if called:
             self._called[called] = key
         return self.once(key, ask)
 
     def answered(self, called: str) -> Any:
-        """What was answered under a name; None where nothing was. Nothing is asked."""
+        """Return the stored answer of a name; None if there is none. No question is asked."""
         answer = self._answers.get(self._called.get(called))
         return None if isinstance(answer, Exception) else answer
 
     def retried(self, ask: Callable[[], T]) -> T:
-        """Ask; and once more in a new process where the first one ended.
+        """Ask, and ask once more in a new process if the first one ended.
 
-        A system that is short of memory ends processes, too, the box's among them, and another file in it may be to blame: who ends
-        it by himself does so twice. And once more without a statement that turned out to end it.
+        A process may also end because the system is short of memory, or because of another file in it; code that ends its process
+        does so twice. If a statement was found to end the process, ask again without it.
         """
         while True:
             known = self._endings.found_out

@@ -1,4 +1,4 @@
-"""The conversation about one submission: where each required name is defined, and what is noted on the way."""
+"""Session about one submission that finds the file defining each required name, and collects notes for the report."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ T = TypeVar("T")
 
 
 class Conversation(Asking):
-    """Finds the names that are asked about, and asks.
+    """Session that finds the file defining the name of a question, and asks the question there.
 
     Attributes
     ----------
-    secret : whether the worker is given hidden data: its code may put them into any text that it can choose
+    secret : whether the worker is given hidden data, which its code may put into any text that it can choose
     withheld_note : whether a note was left out for that reason
     """
 
@@ -41,7 +41,7 @@ class Conversation(Asking):
     withheld_note = False
 
     def answer(self, question: Question[T], called: str = "") -> T:
-        """What a question's answer becomes; the same question is asked once. `called` is what `answered` finds it by."""
+        """Return the converted answer to a question; equal questions are asked once. `answered` finds it by `called`."""
         return self.known_as(called, question.key, lambda: question.becomes(self._put(question)))
 
     def _put(self, question: Question[Any]) -> Frame:
@@ -63,31 +63,31 @@ class Conversation(Asking):
                 raise
             loaded = loaded_from(frame, path)
             if not loaded.is_clean and session.has_seen_data:
-                return self._load_alone(path)  # or it might tell data of an earlier question, which may be hidden
+                return self._load_alone(path)  # its report may hold data of an earlier question, which may be hidden
             session.loaded[path] = loaded
             self._answers.setdefault(("load", path), loaded)
         return session.loaded[path]
 
     def _may_be_innocent(self, path: str, nothing: NoAnswer) -> bool:
-        """Return whether a file is to be loaded once more, see `retried`."""
+        """Return whether to load a file once more: after its first failure that is not a timeout, see `retried`."""
         again = not isinstance(nothing, TimedOut) and path not in self._suspects
         self._suspects.add(path)
         return again
 
     def _load_alone(self, path: str) -> Loaded:
-        """Load a file once more where no other file has been: one that was loaded before it may have spoilt the process."""
+        """Load a file again in a new process: another file that was loaded before may have changed the old one."""
         self.end_session()
         return self.load(path)
 
     def place_of(self, name: str) -> str:
-        """The file that defines `name`, loaded in the present worker.
+        """Return the path of the file that defines `name`, after loading it in the current worker.
 
         Raises
         ------
         Missing
-            Where no file defines it; the message says why.
+            If no file defines it; the message says why.
         NoAnswer
-            Where loading the file killed the worker or did not end.
+            If loading the file killed the worker or did not end.
         """
         home = self._lab.homes[name]
         self._fresh_session()
@@ -105,7 +105,7 @@ class Conversation(Asking):
         raise self._missing(name, home)
 
     def _note_where_it_was_found(self, path: str, name: str, home: str) -> None:
-        """Keep one note a file, which grows by each name that is found there, in the lab's order: a notebook holds them all."""
+        """Note that a name was found in another file than expected; all names found in one file share one note."""
         known = self._strays.get(path, {})
         strays = {each: its for each, its in self._lab.homes.items() if each in known or each == name}
         self._strays[path] = strays
@@ -130,11 +130,11 @@ class Conversation(Asking):
             more = len(loaded.stepped_over) - 1
             others = f"; so {'were' if more > 1 else 'was'} {more} more statement{'s' * (more > 1)}" if more else ""
             self.note(f"{first.where} {did}: {first.why}{others}; the rest of the file was used")
-        if path.endswith(".py") and path in self.files:  # a notebook may have written it
+        if path.endswith(".py") and path in self.files:  # a notebook may have written a file that was not handed in
             self._note_breakpoints(path)
 
     def _note_defined_again(self, path: str, name: str) -> None:
-        """Say which definition counts where a notebook or several files define a name more than once."""
+        """Note which definition was graded if the submission defines a name more than once."""
         if (key := f"{path}: {name}") in self._noted:
             return
         self._noted.add(key)
@@ -184,8 +184,8 @@ class Conversation(Asking):
     def note(self, text: str, hidden: Ours | None = None) -> None:
         """Add a note, once.
 
-        Under a secret only words that stand in our code are added: `hidden`, or a text that is `Ours` itself. Any other text may
-        hold hidden data; `PublicLook` then finds the words about loading.
+        With a secret, only constants of the grader's code are added: `hidden`, or a text that is `Ours` itself. Any other text may
+        hold hidden data; `PublicLook` then provides the notes about loading.
         """
         said = hidden or text
         if self.secret and not isinstance(said, Ours):
@@ -202,7 +202,7 @@ More = ParamSpec("More")
 
 
 def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Concatenate[C, Truth, More], T]:
-    """What a function finds out of a submission's answers and the truth; it is found out once, and again for other arguments."""
+    """Decorate a function of a session and the truth: its result is cached in the session for each set of further arguments."""
 
     @wraps(find)
     def known(student: C, truth: Truth, /, *more: More.args, **named: More.kwargs) -> T:
@@ -212,13 +212,13 @@ def found_once(find: Callable[Concatenate[C, Truth, More], T]) -> Callable[Conca
 
 
 def _refused(name: str, fault: Fault, path: str) -> Missing:
-    """Why a name is missing of which Python could not read the definition."""
+    """Return the finding for a name that is missing because its file is not valid Python."""
     said = f"{fault.type}: {printable(fault.message, 200)} at {fault.where or path}"
     return Missing(name, "does-not-import", "\n".join([said, *fault.lines]), fault.at or Where(path))
 
 
 def _found_in(path: str, strays: Mapping[str, str]) -> str:
-    """The note about names that were found in another file than in their homes."""
+    """Return the note about names that were found in another file than the lab expects."""
     names, homes = _together(strays), _together(dict.fromkeys(strays.values()))
     were, them = ("were", "them") if len(strays) > 1 else ("was", "it")
     return printable(
@@ -227,7 +227,7 @@ def _found_in(path: str, strays: Mapping[str, str]) -> str:
 
 
 def _together(names: Iterable[str]) -> str:
-    """``a, b and c``"""
+    """Return the names as ``a, b and c``."""
     *others, last = names or [""]
     return f"{', '.join(others)} and {last}" if others else last
 

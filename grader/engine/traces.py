@@ -1,6 +1,6 @@
-"""Ground truth as the grader sees it: bundles of arrays with a manifest, loaded and checked.
+"""Ground truth: load and verify trace bundles, which are arrays with a manifest.
 
-A lab's recorder writes bundles, the grader reads them; neither imports the other.
+A lab's recorder writes bundles and the grader reads them; neither imports the other.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ SCHEMA = "imugrade/traces/v1"
 
 @dataclass(frozen=True, eq=False)
 class Scenario(Mapping[str, NDArray[Any]]):
-    """One scenario's arrays, as `scenario["acceleration"]` or `scenario.acceleration`; read-only.
+    """Read-only arrays of one scenario: `scenario["acceleration"]` or `scenario.acceleration`.
 
-    `scalars` holds its plain numbers and names, `model` the key of the model it takes place in (see `Traces.models`).
+    `scalars` holds its plain numbers and names, `model` the key of its model in `Traces.models`.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Scenario(Mapping[str, NDArray[Any]]):
         return len(self.arrays)
 
     def __getattr__(self, key: str) -> NDArray[Any]:
-        # Reached for unknown names only. A copy being unpickled has no fields yet, so do not ask for them by attribute.
+        # Called for unknown names only. While a copy is unpickled it has no fields yet, so they are read from `__dict__`.
         arrays: Mapping[str, NDArray[Any]] = self.__dict__.get("arrays", {})
         if key not in arrays:
             raise AttributeError(f"scenario {self.__dict__.get('name')!r} has no array {key!r}")
@@ -54,7 +54,7 @@ class Scenario(Mapping[str, NDArray[Any]]):
 
 @dataclass(frozen=True, eq=False)
 class Traces:
-    """A bundle: `traces["push"].acceleration`. `arrays` has all of it by `<scenario>/<array>`."""
+    """A trace bundle: `traces["push"].acceleration`. `arrays` holds the same arrays by `<scenario>/<array>`."""
 
     name: str
     sha256: str
@@ -67,19 +67,19 @@ class Traces:
 
     @property
     def models(self) -> Mapping[str, str]:
-        """The texts of the models that scenarios take place in, by key."""
+        """The sources of the scenarios' models, by key."""
         models: Mapping[str, str] = self.manifest["models"]
         return models
 
     @property
     def versions(self) -> Mapping[str, str]:
-        """What recorded it, by package."""
+        """Versions of the packages that recorded it."""
         versions: Mapping[str, str] = self.manifest["versions"]
         return versions
 
 
 def load(path: Path) -> Traces:
-    """Read a bundle and check that it is whole.
+    """Read a bundle and verify it against its manifest.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def load(path: Path) -> Traces:
     Raises
     ------
     RequestError
-        If one of the two is missing, broken or not as it was recorded.
+        If one of the two is missing, damaged or changed since it was recorded.
     """
     manifest = _read_manifest(path.with_suffix(".json"))
     arrays = _read_arrays(path)
@@ -122,7 +122,7 @@ def _read_manifest(path: Path) -> dict[str, Any]:
 
 def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
     try:
-        # Opened here: of a damaged archive np.load would leave the file open.
+        # Opened here, because np.load leaves the file of a damaged archive open.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}
     except OSError as error:
@@ -140,7 +140,7 @@ def _scenario(name: str, about: Mapping[str, Any], arrays: Mapping[str, NDArray[
 
 
 def _fingerprint(arrays: Mapping[str, NDArray[Any]], manifest: Mapping[str, Any]) -> str:
-    """As the recorder computes it: the arrays' names, types, shapes, bytes, then the manifest but for two fields."""
+    """Return the same digest as the recorder: of the arrays, and of the manifest without ``versions`` and ``sha256``."""
     digest = hashlib.sha256()
     for key in sorted(arrays):
         array = arrays[key]
